@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.interaction_model import at_rest
-from q2q_model.downwash.jet import MOVING_LAW, PAPER_LAW
+from q2q_model.downwash.jet import MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
-from q2q_model.identification.force.along_flight import Motion, eta_along
+from q2q_model.identification.force.along_flight import (
+    FlownRows,
+    Motion,
+    VehicleTicks,
+    eta_along,
+    eta_on_vehicle,
+)
 from q2q_model.identification.force.downwash_force import ForceRecord, force_samples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.signals.values import Array, SwarmState, TrackStatus
@@ -90,6 +96,25 @@ def test_the_predictor_online_gives_what_the_whole_record_gives():
             np.testing.assert_allclose(online, whole[k], rtol=1e-9, atol=1e-12)
     assert np.abs(whole - eta_along(replace(LOADED, loading=0.0), motion)).max() > 0.05
     assert np.abs(whole - eta_along(replace(LOADED, absorption=0.0), motion)).max() > 0.05
+
+
+@pytest.mark.parametrize("law", [LOADED, replace(LOADED, loading=0.0, absorption=0.0)])
+def test_rows_of_many_flights_are_evaluated_as_each_alone(law: Jet):
+    """Each flight has its own clock, shifted by up to 1e3 s; first rows feel what left before the start."""
+    one, other = flight(2.0), flight(3.0)
+    late = replace(other, t=other.t + 700.0, pos=other.pos * [1.1, 1.0, 0.9])
+    two = Motion(one.t, *(np.ascontiguousarray(part[:, :2]) for part in (one.pos, one.vel, one.axis)))
+    ticks = np.arange(0, one.t.size, 7)
+    parts = [
+        VehicleTicks(motion, vehicle, ticks[vehicle:])
+        for motion, vehicle in ((late, 1), (one, 0), (one, 1), (two, 0), (late, 0), (late, 2))
+    ]
+    alone = [eta_on_vehicle(law, part.motion, part.vehicle, part.ticks) for part in parts]
+    whole = [eta_along(law, part.motion)[part.ticks, part.vehicle] for part in parts]
+    found = FlownRows(parts).eta(law)
+    np.testing.assert_allclose(found, np.concatenate(alone), rtol=0.0, atol=1e-10)  # rounded times
+    np.testing.assert_array_equal(np.concatenate(alone), np.concatenate(whole))
+    assert np.abs(alone[0]).max() > 0.05
 
 
 def test_the_fit_finds_the_terms_that_pushes_were_made_with():

@@ -8,7 +8,10 @@ with the strengths s of q2q_model.downwash.source_strength. The past of a vehicl
 extended before its start by the first sample.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +20,7 @@ from q2q_model.downwash.interaction_model import InteractionModel, SourceStates,
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
+    SourceTerms,
     source_terms,
     strengths,
     thrust_ratio,
@@ -24,8 +28,7 @@ from q2q_model.downwash.source_strength import (
 from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array
 
-Pair = tuple[int, int]
-"""Vehicle that feels, vehicle that causes."""
+Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,89 +46,167 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
-class _PairRows:
-    """States of a pair at the rows."""
+class VehicleTicks:
+    """One vehicle of a flight at some ticks."""
 
-    feels: Array
-    """pos, vel, axis of the vehicle that feels, (k, 9)."""
-    causes: Array
-    """Of the source, (k, 9)."""
-    across2: Array
-    """Square of the horizontal distance [m^2], (k,)."""
-    apart: Array
-    """|dz| [m], (k,)."""
-    fastest: float
-    """Bound of the source's speed [m/s]."""
+    motion: Motion
+    vehicle: int
+    ticks: Rows
+    """(k,)."""
 
 
-class VehicleRows:
-    """One vehicle of a flight at some ticks, gathered once for the evaluation of many models."""
+class FlownRows:
+    """Vehicles of flights at some ticks, gathered once for the evaluation of many models.
 
-    def __init__(self, motion: Motion, vehicle: int, ticks: NDArray[np.intp]) -> None:
-        """Gather vehicle number `vehicle` at `ticks` (k,)."""
-        self.ticks = ticks
-        self._vehicle = vehicle
-        self._t, self._vel = np.ascontiguousarray(motion.t), np.ascontiguousarray(motion.vel)
-        self._states = np.concatenate((motion.pos, motion.vel, motion.axis), axis=2)  # (T, n, 9)
-        self._pairs: dict[Pair, _PairRows] = {}
+    All are evaluated at once: a fit has some tens of rows of a vehicle, and calls cost more than rows.
+    """
+
+    def __init__(self, parts: Sequence[VehicleTicks]) -> None:
+        """Gather `parts`, whose rows follow each other."""
+        runs = groupby(parts, key=lambda one: one.motion.pos.shape[1])
+        self._runs = [_EqualSwarms(list(run)) for _, run in runs]
 
     def eta(self, model: InteractionModel) -> Array:
-        """Return eta of the vehicle [m/s^2], (k, 3)."""
-        if source_terms(model) != PAIRS_ALONE:
-            return self._eta_of_stack(model)
-        eta = np.zeros((self.ticks.size, 3))
-        for j in range(self._states.shape[1]):
-            if j != self._vehicle:
-                self._add_pair(model, (self._vehicle, j), eta)
-        return eta
+        """Return eta of the vehicles [m/s^2], (k, 3)."""
+        return np.concatenate([run.eta(model) for run in self._runs])
 
-    def _eta_of_stack(self, model: InteractionModel) -> Array:
-        """Return eta with the strengths of the sources, (k, 3)."""
+
+@dataclass(frozen=True, slots=True)
+class _PairRows:
+    """States of P pairs at k rows, those of a pair one after another."""
+
+    shape: tuple[int, int]
+    """P, k."""
+    t: Array
+    """[s], (P * k,)."""
+    flight: Rows
+    """Number of the flight, (P * k,)."""
+    source: Rows
+    """Number of the source in its flight, (P * k,)."""
+    feels: Array
+    """pos, vel, axis of the vehicle that feels, (P * k, 9)."""
+    causes: Array
+    """Of the source, (P * k, 9)."""
+    across2: Array
+    """Square of the horizontal distance [m^2], (P * k,)."""
+    apart: Array
+    """|dz| [m], (P * k,)."""
+
+
+class _EqualSwarms:
+    """Rows of flights of n vehicles each; the flights follow each other on one clock."""
+
+    def __init__(self, parts: Sequence[VehicleTicks]) -> None:
+        self._motions = motions = list({id(one.motion): one.motion for one in parts}.values())
+        clocks = _one_clock([motion.t for motion in motions])
+        begins = np.cumsum([0, *(clock.size for clock in clocks)])
+        place = {id(motion): k for k, motion in enumerate(motions)}
+        flight, sizes = [place[id(one.motion)] for one in parts], [one.ticks.size for one in parts]
+        self._t = np.concatenate(clocks)  # (T,)
+        swarms = [np.concatenate((one.pos, one.vel, one.axis), axis=2) for one in motions]
+        self._states = np.concatenate(swarms)  # (T, n, 9)
+        self._vehicle = np.repeat([one.vehicle for one in parts], sizes)  # (k,)
+        self._flight = np.repeat(flight, sizes)  # (k,)
+        self._first = self._t[begins[:-1]]  # of every flight
+        self._tick = np.concatenate([one.ticks for one in parts]) + begins[self._flight]  # (k,)
+
+    def eta(self, model: InteractionModel) -> Array:
+        """Return eta of the vehicles [m/s^2], (k, 3)."""
         terms = source_terms(model)
-        feels, causes = np.nonzero(~np.eye(self._states.shape[1], dtype=np.bool_))
-        law = np.zeros((feels.size, self.ticks.size, 3))
-        thrust = np.ones((feels.size, self.ticks.size))
-        for p, pair in enumerate(zip(feels.tolist(), causes.tolist(), strict=True)):
-            self._add_pair(model, pair, law[p])
-            if terms.loading != 0.0:
-                thrust[p] = self._thrust_ratio(model, pair)
-        share = strengths(feels, causes, np.ascontiguousarray(law[..., 2]), thrust, terms)
-        own = feels == self._vehicle
-        return np.asarray((share[own, :, None] * law[own]).sum(axis=0))
+        if terms == PAIRS_ALONE:
+            return np.asarray(self._law(model, self._own_pairs).sum(axis=0))
+        feels, causes = _ordered_pairs(self._states.shape[1])
+        law = self._law(model, self._every_pair)
+        share = strengths(feels, causes, law[..., 2], self._thrust_ratio(model, terms), terms)
+        own = np.where(feels[:, None] == self._vehicle, share, 0.0)
+        return np.asarray((own[..., None] * law).sum(axis=0))
 
-    def _add_pair(self, model: InteractionModel, pair: Pair, eta: Array) -> None:
-        """Add the downwash of source pair[1] alone on pair[0] to `eta` (k, 3)."""
-        rows = self._rows(pair)
-        near = np.flatnonzero(_in_reach(model, rows))
-        now, feels, t = rows.causes[near], rows.feels[near], self._t[self.ticks[near]]
-        pairs = retarded_pairs(
-            model, feels[:, :3], feels[:, 3:6], _sources(now), lambda delay: self._source_at(pair, t - delay)
+    def _law(self, model: InteractionModel, rows: _PairRows) -> Array:
+        """Return the downwash of each source alone, (P, k, 3)."""
+        near = np.flatnonzero(self._in_reach(model, rows))
+        feels, eta = rows.feels[near], np.zeros((rows.t.size, 3))
+
+        def past(delay: Array) -> SourceStates:
+            when = np.maximum(rows.t[near] - delay, self._first[rows.flight[near]])
+            return _sources(states_at(self._t, self._states, when, rows.source[near]))
+
+        pairs = retarded_pairs(model, feels[:, :3], feels[:, 3:6], _sources(rows.causes[near]), past)
+        eta[near] = model.acceleration(*pairs)
+        return eta.reshape(*rows.shape, 3)
+
+    def _in_reach(self, model: InteractionModel, rows: _PairRows) -> NDArray[np.bool_]:
+        """Return where a source may act, (P * k,): within reach, allowing for its motion during the delay."""
+        wide, tall = model.reach.horizontal, model.reach.vertical
+        moved = model.max_delay * self._fastest[rows.flight, rows.source] if model.max_delay > 0.0 else 0.0
+        return np.asarray((rows.across2 <= (wide + moved) ** 2) & (rows.apart <= tall + moved))
+
+    def _thrust_ratio(self, model: InteractionModel, terms: SourceTerms) -> Array:
+        """Return thrust over weight of every source when its air left it, (P, k); 1 if it has no effect."""
+        rows = self._every_pair
+        if terms.loading == 0.0:
+            return np.ones(rows.shape)
+        left = rows.t - model.delay(rows.causes[:, :3] - rows.feels[:, :3])
+        before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, rows.t)
+        vel = [
+            states_at(self._t, self._vel, np.maximum(when, self._first[rows.flight]), rows.source)
+            for when in (before, after)
+        ]
+        return thrust_ratio(vel[0], vel[1], after - before).reshape(rows.shape)
+
+    @cached_property
+    def _fastest(self) -> Array:
+        """Bound of the speed of every vehicle of every flight [m/s], (flights, n)."""
+        return np.stack(
+            [np.sqrt(3.0) * np.abs(one.vel).max(axis=(0, 2), initial=0.0) for one in self._motions]
         )
-        eta[near] += model.acceleration(*pairs)
 
-    def _thrust_ratio(self, model: InteractionModel, pair: Pair) -> Array:
-        """Return thrust over weight of source pair[1] when the air that pair[0] meets left it, (k,)."""
-        rows, now = self._rows(pair), self._t[self.ticks]
-        left = now - model.delay(rows.causes[:, :3] - rows.feels[:, :3])
-        before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, now)
-        source = np.full(now.size, pair[1])
-        vel = [states_at(self._t, self._vel, when, source) for when in (before, after)]
-        return thrust_ratio(vel[0], vel[1], after - before)
+    @cached_property
+    def _vel(self) -> Array:
+        """Velocities [m/s], (T, n, 3)."""
+        return np.concatenate([one.vel for one in self._motions])
 
-    def _source_at(self, pair: Pair, when: Array) -> SourceStates:
-        """Return source pair[1], interpolated at times (k,) [s]."""
-        return _sources(states_at(self._t, self._states, when, np.full(when.size, pair[1])))
+    @cached_property
+    def _own_pairs(self) -> _PairRows:
+        """Pairs of every row's vehicle with the n - 1 others, ascending."""
+        other = np.arange(self._states.shape[1] - 1)[:, None] + np.zeros_like(self._vehicle)
+        return self._pairs(np.broadcast_to(self._vehicle, other.shape), other + (other >= self._vehicle))
 
-    def _rows(self, pair: Pair) -> _PairRows:
-        """Return the states of a pair, gathered once."""
-        if pair not in self._pairs:
-            feels, causes = (self._states[self.ticks, vehicle] for vehicle in pair)
-            rel_pos = causes[:, :3] - feels[:, :3]
-            across2 = rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2
-            vel = self._states[:, pair[1], 3:6]
-            fastest = float(np.sqrt(3.0) * np.abs(vel).max(initial=0.0))
-            self._pairs[pair] = _PairRows(feels, causes, across2, np.abs(rel_pos[:, 2]), fastest)
-        return self._pairs[pair]
+    @cached_property
+    def _every_pair(self) -> _PairRows:
+        """All pairs of the swarm at every row."""
+        pairs = np.stack(_ordered_pairs(self._states.shape[1]))[..., None]  # (2, P, 1)
+        return self._pairs(*(pairs + np.zeros_like(self._tick)))
+
+    def _pairs(self, feels: Rows, causes: Rows) -> _PairRows:
+        """Return the states of vehicles `feels` and `causes` (P, k)."""
+        source, count = causes.ravel(), feels.shape[0]
+        tick, flight = np.tile(self._tick, count), np.tile(self._flight, count)
+        one, other = self._states[tick, feels.ravel()], self._states[tick, source]
+        rel_pos = other[:, :3] - one[:, :3]
+        return _PairRows(
+            shape=feels.shape,
+            t=self._t[tick],
+            flight=flight,
+            source=source,
+            feels=one,
+            causes=other,
+            across2=rel_pos[:, 0] ** 2 + rel_pos[:, 1] ** 2,
+            apart=np.abs(rel_pos[:, 2]),
+        )
+
+
+def _one_clock(clocks: Sequence[Array]) -> list[Array]:
+    """Return times [s] of flights shifted so that each begins a second after the one before it ended."""
+    shifted = list(clocks[:1])
+    for clock in clocks[1:]:
+        shifted.append(clock - clock[0] + shifted[-1][-1] + 1.0)
+    return shifted
+
+
+def _ordered_pairs(n: int) -> tuple[Rows, Rows]:
+    """Return the vehicles that feel and that cause, (n (n - 1),)."""
+    feels, causes = np.nonzero(~np.eye(n, dtype=np.bool_))
+    return feels, causes
 
 
 def eta_along(model: InteractionModel, motion: Motion) -> Array:
@@ -135,16 +216,9 @@ def eta_along(model: InteractionModel, motion: Motion) -> Array:
     return np.stack([eta_on_vehicle(model, motion, i, everywhere) for i in range(n)], axis=1)
 
 
-def eta_on_vehicle(model: InteractionModel, motion: Motion, i: int, rows: NDArray[np.intp]) -> Array:
+def eta_on_vehicle(model: InteractionModel, motion: Motion, i: int, rows: Rows) -> Array:
     """Return eta of vehicle i at ticks `rows` (k,), [m/s^2], (k, 3)."""
-    return VehicleRows(motion, i, rows).eta(model)
-
-
-def _in_reach(model: InteractionModel, rows: _PairRows) -> NDArray[np.bool_]:
-    """Return where a source may act, (k,): within reach, allowing for its motion during the delay."""
-    moved = model.max_delay * rows.fastest if model.max_delay > 0.0 else 0.0
-    wide, tall = model.reach.horizontal + moved, model.reach.vertical + moved
-    return np.asarray((rows.across2 <= wide * wide) & (rows.apart <= tall))
+    return FlownRows([VehicleTicks(motion, i, rows)]).eta(model)
 
 
 def _sources(states: Array) -> SourceStates:

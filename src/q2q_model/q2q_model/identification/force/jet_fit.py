@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.along_flight import Motion, VehicleRows, eta_on_vehicle
+from q2q_model.identification.force.along_flight import FlownRows, Motion, VehicleTicks, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
@@ -80,19 +80,15 @@ def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | 
     `solved` is that jet if known already: then only its intervals are computed.
     """
     flights = list(dict.fromkeys(one.flight for one in samples))
-    masks = [np.nonzero(one.exposed | one.upper)[0] for one in samples]
-    chosen = [
-        (
-            flights.index(one.flight),
-            one.motion.t[ticks],
-            one.y[ticks],
-            VehicleRows(one.motion, one.vehicle, ticks),
-        )
-        for one, ticks in zip(samples, masks, strict=True)
-    ]
+    ticks = [np.nonzero(one.exposed | one.upper)[0] for one in samples]
+    own = list(zip(samples, ticks, strict=True))
+    rows = FlownRows([VehicleTicks(one.motion, one.vehicle, at) for one, at in own])
+    y, ends = np.concatenate([one.y[at] for one, at in own]), np.cumsum([at.size for at in ticks])[:-1]
+    runs = [(flights.index(one.flight), one.motion.t[at]) for one, at in own]
 
     def residuals(jet: Jet) -> list[Stretch]:
-        return [Stretch(flight, t, y - rows.eta(jet)[:, 2]) for flight, t, y, rows in chosen]
+        missed = np.split(y - rows.eta(jet)[:, 2], ends)
+        return [Stretch(*run, part) for run, part in zip(runs, missed, strict=True)]
 
     stacked = any(one.motion.pos.shape[1] > 2 for one in samples)  # one vehicle may be between two
     fit = _fit(residuals, form, solved, "soft_l1", stacked=stacked)
@@ -106,15 +102,15 @@ def fit_to_altitudes(
     """Return the jet fitted to altitudes under a closed loop; `solved` as in fit_to_pushes."""
     motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
     flown = [
-        [VehicleRows(motion, i, np.arange(motion.t.size)) for i in range(motion.pos.shape[1])]
+        FlownRows([VehicleTicks(motion, i, np.arange(motion.t.size)) for i in range(motion.pos.shape[1])])
         for motion in motions
     ]
     targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
 
     def residuals(jet: Jet) -> list[Stretch]:
         found = []
-        for k, (record, vehicles, target) in enumerate(zip(records, flown, targets, strict=True)):
-            eta = np.stack([one.eta(jet)[:, 2] for one in vehicles], axis=1)
+        for k, (record, rows, target) in enumerate(zip(records, flown, targets, strict=True)):
+            eta = np.stack(np.split(rows.eta(jet)[:, 2], len(record.names)), axis=1)  # (T, n)
             moved = downwash_response(loop, record.dt, eta)
             missed = (target - moved)[::THINNING].T  # (n, T / 10)
             found += [Stretch(k, record.t[::THINNING], one) for one in missed]

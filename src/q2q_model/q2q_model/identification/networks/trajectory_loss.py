@@ -114,8 +114,9 @@ def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float,
     free = free_response(loop, record.dt, record.start, record.jerk)
     r = record.deviation - free
     h = impulse_response(loop, record.dt, record.t.size)
-    lag = np.arange(record.t.size)[:, None] - active
-    K = np.where(lag >= 0, h[lag], 0.0)  # (T, S)
+    K = np.zeros((record.t.size, active.size), order="F")  # (T, S)
+    for column, tick in enumerate(active):
+        K[tick:, column] = h[: record.t.size - tick]
     return FlightTerms(
         name=record.name,
         i=i,
