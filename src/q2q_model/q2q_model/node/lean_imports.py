@@ -1,9 +1,9 @@
 """Import without garbage collection and without what numba and rosidl look for in vain: a third of the time.
 
-Imported modules are never freed, so collection finds nothing. numba imports `coverage` if it is installed
-(colcon depends on it) to report compiled lines, and `cffi` to call C from kernels; rosidl_generator_py
-imports its generator of message code. None in sys.modules means "not found" (Python Language Reference,
-section 5.3.1).
+Imported modules are never freed, so collection finds nothing, and later collections leave them out. numba
+imports `coverage` if it is installed (colcon depends on it) to report compiled lines, and `cffi` to call C
+from kernels; rosidl_generator_py imports its generator of message code. None in sys.modules means "not
+found" (Python Language Reference, section 5.3.1).
 """
 
 import gc
@@ -28,6 +28,7 @@ def lean_imports() -> Iterator[None]:
         for package, module in DEFERRED_MODULES.items():
             if package in sys.modules:
                 import_module(module)
+        gc.freeze()
     finally:
         for name in hidden:
             del sys.modules[name]
