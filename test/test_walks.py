@@ -42,6 +42,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
     "q2q_model/files/sealed_json.py",
+    "q2q_model/forked.py",
     "q2q_model/geometry/rotations.py",
     "q2q_model/identification/filtered_states.py",
     "q2q_model/identification/intervals.py",

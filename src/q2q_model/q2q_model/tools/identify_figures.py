@@ -1,5 +1,7 @@
 """Figures of an identification, as the paper's Figs 4 to 9."""
 
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +10,8 @@ from matplotlib.figure import Figure
 
 from q2q_model import palette
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.forked import forked
+from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
@@ -18,42 +22,53 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 DPI = 130
 
 
+Draw = Callable[[], Figure]
+
+
 def draw_all(found: Identification, stem: Path) -> list[Path]:
     """Draw every figure that the flights allow; return the files, whose names begin with `stem`."""
-    figures = {} if found.decay is None else {"fig4_dev": _decay_figure(found)}
-    loop = found.file.gains
-    flight = max(found.evidence, key=_largest_push)
+    files = {stem.with_name(f"{stem.name}_{name}.png"): draw for name, draw in _figures(found).items()}
+    halves = [{file: files[file] for file in list(files)[first::2]} for first in (0, 1)]
+    beside = forked(partial(_save, halves[0]))
+    _save(halves[1])
+    beside()
+    return list(files)
+
+
+def _save(figures: Mapping[Path, Draw]) -> None:
+    for file, draw in figures.items():
+        draw().savefig(file, dpi=DPI, pil_kwargs={"compress_level": 1})
+
+
+def _figures(found: Identification) -> dict[str, Draw]:
+    """Return what draws each figure, by name."""
+    figures: dict[str, Draw] = {}
+    model, loop = found.file.interaction, found.file.gains
+    if found.decay is not None:
+        figures["fig4_dev"] = partial(_decay_figure, found.decay)
     if loop is not None:
-        calm = min(found.evidence, key=_largest_push)
-        figures["fig5_gains"] = _altitude_figure(calm, loop, None, "learned loop, no downwash")
-        figures["fig6_7_altitude"] = _altitude_figure(
-            flight, loop, found.file.interaction, "learned loop and downwash"
-        )
-    figures["fig8_9_downwash"] = _downwash_figure(found.file.interaction)
-    paths = [stem.with_name(f"{stem.name}_{name}.png") for name in figures]
-    for path, figure in zip(paths, figures.values(), strict=True):
-        figure.savefig(path, dpi=DPI, pil_kwargs={"compress_level": 1})
-    return paths
+        calm, pushed = (end(found.evidence, key=_largest_push) for end in (min, max))
+        figures["fig5_gains"] = partial(_altitude_figure, calm, loop, None, "learned loop, no downwash")
+        title = "learned loop and downwash"
+        figures["fig6_7_altitude"] = partial(_altitude_figure, pushed, loop, model, title)
+    figures["fig8_9_downwash"] = partial(_downwash_figure, model)
+    return figures
 
 
 def _largest_push(flight: FlightEvidence) -> float:
     return float(np.abs(flight.record.deviation).max())
 
 
-def _decay_figure(found: Identification) -> Figure:
+def _decay_figure(decay: DecayFit) -> Figure:
     figure, axes = _axes(
         "Deviation under another vehicle (Fig 4)", "average height difference [m]", "dev [m]"
     )
-    decay = found.decay
-    if decay is not None:
-        gaps = np.array([overlap.gap for overlap in decay.overlaps])
-        axes.plot(
-            gaps, [overlap.dev for overlap in decay.overlaps], "o", color=palette.MEASURED, label="flights"
-        )
-        along = np.linspace(0.0, 1.5 * gaps.max(), 200)
-        curve = decay.alpha.value * np.exp(-decay.beta.value * along)
-        axes.plot(along, curve, color=palette.MODEL, label="alpha exp(-beta dz)")
-        axes.legend()
+    gaps = np.array([overlap.gap for overlap in decay.overlaps])
+    axes.plot(gaps, [overlap.dev for overlap in decay.overlaps], "o", color=palette.MEASURED, label="flights")
+    along = np.linspace(0.0, 1.5 * gaps.max(), 200)
+    curve = decay.alpha.value * np.exp(-decay.beta.value * along)
+    axes.plot(along, curve, color=palette.MODEL, label="alpha exp(-beta dz)")
+    axes.legend()
     return figure
 
 

@@ -1,9 +1,9 @@
 """Identification of a model from recorded flights, with progress bar, report and plots."""
 
-import time
 from argparse import Namespace
 from dataclasses import dataclass, field
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -55,25 +55,31 @@ def _params(args: Namespace, vehicle: Vehicle) -> ProcedureParams:
     return ProcedureParams(model_type=args.model_type, threshold=args.threshold, vehicle=vehicle)
 
 
+def _cpu_time() -> float:
+    """Return the CPU time of this process and of its children that have ended [s]."""
+    used = (getrusage(RUSAGE_SELF), getrusage(RUSAGE_CHILDREN))
+    return sum(one.ru_utime + one.ru_stime for one in used)
+
+
 @dataclass(slots=True)
 class _Steps:
     """Duration of each step, for the progress bar and the report."""
 
     progress: Progress
     seconds: dict[str, float] = field(default_factory=dict)
-    began: float = field(default_factory=time.process_time)
+    began: float = field(default_factory=_cpu_time)
     name: str = ""
 
     def begin(self, name: str) -> None:
         """Begin a step."""
         self._close()
-        self.name, self.began = name, time.process_time()
+        self.name, self.began = name, _cpu_time()
         for task in self.progress.task_ids:
-            self.progress.update(task, description=name, advance=1)
+            self.progress.update(task, description=name, advance=1, refresh=True)
 
     def _close(self) -> None:
         if self.name:
-            self.seconds[self.name] = time.process_time() - self.began
+            self.seconds[self.name] = _cpu_time() - self.began
 
     def finish(self) -> dict[str, float]:
         """Return the CPU seconds of every step."""
@@ -83,7 +89,7 @@ class _Steps:
 
 def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, float]]:
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
+    with Progress(*columns, console=console, transient=True, auto_refresh=False) as progress:  # no thread
         progress.add_task("read", total=STEPS)
         steps = _Steps(progress)
         steps.begin("read")

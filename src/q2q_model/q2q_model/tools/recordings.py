@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from q2q_model.bag import (
@@ -12,6 +13,7 @@ from q2q_model.bag import (
     is_bag,
     load_topic_map,
 )
+from q2q_model.forked import forked
 from q2q_model.identification.identification import Recording
 from q2q_model.identification.recording_files import recording_of_bag
 
@@ -22,20 +24,28 @@ def read_recordings(
     """Return the flights in bags, and the repairs that reading took.
 
     Flights are named by their folders, and by the parent folder too if names collide. `topics` maps the
-    topics of bags of other software.
+    topics of bags of other software. Half of the bags are read beside this process.
 
     Raises:
         BagError: a bag cannot be read, or is given twice, so that a held-out flight would be in the fit.
     """
     _reject_duplicates([bag.resolve() for bag in bags])
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", BagRepairWarning)
-        recordings = [recording_of_bag(bag, topics) for bag in bags]
+    middle = (len(bags) + 1) // 2
+    beside = forked(partial(_read, bags[middle:], topics))
+    parts = [_read(bags[:middle], topics), beside()]
+    recordings = [one for found, _ in parts for one in found]
     names = [one.flight.name for one in recordings]
     for k, bag in enumerate(bags):
         if names.count(names[k]) > 1:
             flight = replace(recordings[k].flight, name=f"{bag.resolve().parent.name}/{names[k]}")
             recordings[k] = replace(recordings[k], flight=flight)
+    return recordings, [repair for _, repairs in parts for repair in repairs]
+
+
+def _read(bags: Sequence[Path], topics: TopicMap | None) -> tuple[list[Recording], list[str]]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", BagRepairWarning)
+        recordings = [recording_of_bag(bag, topics) for bag in bags]
     return recordings, [str(one.message) for one in caught if issubclass(one.category, BagRepairWarning)]
 
 

@@ -7,6 +7,7 @@ the held-out error by more than `MARGIN`.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.forked import forked
 from q2q_model.identification.flight_evidence import FlightEvidence, has_exposure
 from q2q_model.identification.force.jet_fit import (
     JetFit,
@@ -103,14 +105,19 @@ def score_candidates(
 ) -> tuple[list[Trial], list[str]]:
     """Return each candidate's held-out score, and remarks on those that cannot be fitted.
 
-    `on_step` is called with the name of each candidate before its fit.
+    `on_step` is called with the name of each candidate before its fit. The last one, which takes about as
+    long as all others, is fitted beside them.
     """
     trials: list[Trial] = []
     remarks: list[str] = []
-    for candidate in tried:
+    works: list[Callable[[], Score]] = [
+        partial(score_held_out, candidate.fit, flights, loop) for candidate in tried
+    ]
+    works[-1] = forked(works[-1])
+    for candidate, work in zip(tried, works, strict=True):
         on_step(candidate.name)
         try:
-            trials.append(Trial(candidate, score_held_out(candidate.fit, flights, loop)))
+            trials.append(Trial(candidate, work()))
         except FAILURES as failure:
             remarks.append(f"{candidate.name}: dropped, {failure}")
     return trials, remarks

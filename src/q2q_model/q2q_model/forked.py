@@ -1,0 +1,50 @@
+"""Work beside this process, in a forked copy of it.
+
+The copy has all data, so that only the result is sent. Of the threads of Python only the one that forks lives
+on in a copy, and a lock that another one held stays locked there: a process with other threads does the work
+itself, later. BLAS restarts its threads after a fork.
+"""
+
+import signal
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing import current_process, get_context
+from multiprocessing.connection import Connection
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
+
+def forked(work: Callable[[], Result]) -> Callable[[], Result]:
+    """Begin work beside this process; return a function that waits for its result, or raises its error.
+
+    The result must be picklable, the work need not be.
+    """
+    if threading.active_count() > 1 or current_process().daemon:
+        return work
+    context = get_context("fork")
+    ours, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_send, args=(work, theirs), daemon=True)
+    process.start()
+    theirs.close()
+
+    def result() -> Result:
+        with ours:
+            answer: Result | Exception = ours.recv()  # EOFError if the copy was killed
+        process.join()
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    return result
+
+
+def _send(work: Callable[[], object], to: Connection) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that forked it ends it
+    try:
+        answer = work()
+    except Exception as error:  # noqa: BLE001  raised again where the result is awaited
+        answer = error
+    with suppress(BrokenPipeError):  # nobody waits for it any more
+        to.send(answer)
