@@ -55,6 +55,15 @@ def test_a_share_of_the_deceleration_that_is_due_is_required(speed: float, due: 
     assert found.margin == pytest.approx(min(max(share / SHARE - 1.0, 1.0 - speed / FAST), 1.0))
 
 
+def test_one_that_speeds_up_once_it_is_measured_again_was_slow_when_it_was_commanded() -> None:
+    fast = level_flight(2.0 * FAST, 0.0)
+    slow = [
+        replace(one, vel=0.1 * one.vel) if LAST < k < END - 22 else one for k, one in enumerate(fast.truth)
+    ]  # judged are the commands of LAG_S before the end and earlier
+    assert brake(two_vehicles(), fast).violations
+    assert not brake(two_vehicles(), replace(fast, truth=tuple(slow))).violations
+
+
 def test_the_margin_of_a_slow_vehicle_that_is_not_braked_tells_how_slow_it_is() -> None:
     found = brake(two_vehicles(), level_flight(0.3 * FAST, 0.0))
     assert found.violations == ()

@@ -4,10 +4,11 @@
 |---|---|
 | brake | a vehicle that flies level or lands blind faster than FAST is decelerated |
 
-It was known to be as fast, in the same direction, when it was last measured, and nothing has deceived its
-dead reckoning since (deception). With v its true horizontal velocity once the command has taken effect:
+It was known to be as fast, in the same direction, when it was last measured, is so at the command, and
+nothing has deceived its dead reckoning since (deception). With v its true horizontal velocity once the command
+has taken effect:
 
-    -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v| > FAST  and  v_m . v / |v| > FAST
+    -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v|, v_c . v / |v|, v_m . v / |v| > FAST
 
 Below FAST the deceleration due is that of FAST. The margin is that of an implication, as in signal temporal
 logic (Fainekos and Pappas, 2009): the larger one of how far the vehicle is from being fast and how far the
@@ -17,7 +18,7 @@ braked.
 | symbol | name | meaning [unit] |
 |---|---|---|
 | a | acc | horizontal acceleration that the commanded tilt asks for [m/s^2] |
-| v, v_m | vel, before | true velocities LAG_S after the command, and when last measured [m/s] |
+| v, v_c, v_m | vel, earlier | true velocities LAG_S after the command, at it, and when last measured [m/s] |
 | tau, a_max | BRAKING_S, BRAKING_MAX | [s], [m/s^2] (braking_law) |
 """
 
@@ -56,7 +57,8 @@ class _Braking(NamedTuple):
     """Braking of every tick and vehicle, (T, n)."""
 
     speed: Array
-    """True speed once the command has taken effect, or that along it when last measured if less [m/s]."""
+    """True speed once the command has taken effect, or that along it at the command or when last measured,
+    whichever is least [m/s]."""
     share: Array
     """Commanded deceleration, of that due [-]."""
 
@@ -81,7 +83,9 @@ def _braking(ticks: RunTicks) -> _Braking:
     speed = np.linalg.norm(vel, axis=2)
     along = vel / np.maximum(speed, STILL)[..., None]
     before = np.take_along_axis(true_vel, last_measured(ticks)[: len(vel), :, None], axis=0)
-    known = np.minimum(speed, np.einsum("tnk,tnk->tn", before, along))  # a push since then is unknown
+    known = speed  # a push since it was measured is unknown, and who is measured again may speed up
+    for earlier in (before, true_vel[: len(vel)]):
+        known = np.minimum(known, np.einsum("tnk,tnk->tn", earlier, along))
     due = np.minimum(np.maximum(speed, FAST) / BRAKING_S, BRAKING_MAX)
     return _Braking(known, -np.einsum("tnk,tnk->tn", ticks.commanded_acc()[: len(vel)], along) / due)
 
