@@ -5,8 +5,8 @@
 | brake | a vehicle that flies level or lands blind faster than FAST is decelerated |
 
 It was known to be as fast, in the same direction, when it was last measured, is so at the command, and
-nothing has deceived its dead reckoning since (deception). With v its true horizontal velocity once the command
-has taken effect:
+nothing has deceived its dead reckoning since (deception). With v its true horizontal velocity once the
+command has taken effect:
 
     -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v|, v_c . v / |v|, v_m . v / |v| > FAST
 
