@@ -23,8 +23,8 @@ OF_SENSORS = ("jump", "swap")
 """Faults that mislead the last measurement."""
 OF_MOTION = ("clock_jump", "radio_loss")
 """Faults that mislead dead reckoning from it, too: times or commands are not those reckoned with."""
-LEARNT_S = 1.0
-"""Time in which most of a balance is learned [s]: two of the observer's time constants, horizontally."""
+LEARNT_S = 1.5
+"""Time in which 95 % of a balance is learned [s]: three of the observer's time constants, horizontally."""
 
 Mask = NDArray[np.bool_]
 
