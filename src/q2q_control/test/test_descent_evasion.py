@@ -140,6 +140,22 @@ def test_one_that_is_measured_again_and_climbs_well_above_is_evaded_no_more(
     assert (output.pos[1, 0] > 0.55) == evaded
 
 
+@pytest.mark.parametrize(("height", "across"), [(0.1, True), (0.5, False)])
+def test_one_that_is_driven_ahead_turns_across_unless_the_other_may_climb_to_its_height_meanwhile(
+    height: float, across: bool
+) -> None:
+    """cf1, found at a height, moves along x at 0.5 m/s under its setpoint; cf2 hovers at 1 m ahead of it."""
+    evasion = DescentEvasion()
+    for k in range(400):
+        x = 0.5 * max(k - 100, 0) * TICK
+        low = 2.0 if k < 100 else height
+        state = state_of(np.array([(x, 0.0, low), (0.3 if k < 100 else x + 0.5, 0.0, 1.0)]))
+        plan = np.array([(x, 0.0, 2.0), (0.3, 0.0, 1.0)])
+        blind = flown(2, 0) if k < 100 else flown(2)
+        output = evasion.update(setpoint_of(k * TICK, plan), state, blind, {})
+    assert (abs(output.pos[1, 1]) > 0.3) == across
+
+
 @pytest.mark.parametrize("age", [1.0, 2.5, 4.5])
 def test_the_longer_another_is_lost_the_further_it_is_evaded(age: float) -> None:
     evasion, pos = DescentEvasion(), np.array([UPPER, (0.3, 0.0, 1.0)])

@@ -45,6 +45,8 @@ PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
 """Longest time between ticks that is integrated [s]."""
+CROSSING = 0.8
+"""Height that another climbs while a vehicle gets across its path [m]: 0.8 m/s for the second of PACE."""
 AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
 
@@ -129,7 +131,8 @@ class DescentEvasion:
     def _turn(self, back: frozenset[str], state: SwarmState, sent: Array) -> None:
         """Evade a vehicle that is measured again where it is, and across its path if it drives one ahead.
 
-        One that climbs above is evaded no more.
+        But not while it may climb to the height of that before it is across. One that climbs above is evaded
+        no more.
         """
         xy = state.pos[:, :2]
         for name, shift in self._shifts.items():
@@ -139,7 +142,10 @@ class DescentEvasion:
                     del shift.directions[other]
                 elif other not in shift.returning:
                     shift.directions[other] = evasion_direction(xy, (i, j), xy[j], REACH)
-                elif REACH - (sent[i, :2] - xy[j]) @ shift.directions[other] > FARTHEST:
+                elif (
+                    REACH - (sent[i, :2] - xy[j]) @ shift.directions[other] > FARTHEST
+                    and not 0.0 < state.pos[i, 2] - state.pos[j, 2] < CROSSING
+                ):
                     shift.directions[other] = across(shift.directions[other], xy[i] - xy[j])
             shift.returning = set(back & shift.directions.keys())
 
