@@ -35,7 +35,8 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking, is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadReckonedBraking, is_blind
+from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
@@ -51,7 +52,6 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
-    TrackStatus,
     index_of,
 )
 
@@ -125,7 +125,7 @@ class Guard:
             absent = InFallback(self._blind(state, last), cut)
             setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
         self._braking.advance(state, interference, setpoint.t)
-        flown = self._braking.predicted(state) if (state.status != TrackStatus.TRACKED).any() else state
+        flown = self._braking.predicted(state) if (state.status != TRACKED).any() else state
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         age = state.age if state.names == command.names else _ages(state, command.names)
@@ -178,7 +178,7 @@ class Guard:
         """
         if self._emergency or command.names != self._names:
             return False
-        if state.names != self._names and (state.status == TrackStatus.LOST).any():
+        if state.names != self._names and (state.status == LOST).any():
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
         times = command.t, known, self._params.degraded_s
@@ -189,7 +189,7 @@ class Guard:
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command, or soon will, by the state."""
         level = {last.names[row] for row in np.flatnonzero(is_blind(last.status))}
-        lost = np.flatnonzero((state.status == TrackStatus.LOST) & (state.age < self._params.cut_s))
+        lost = np.flatnonzero((state.status == LOST) & (state.age < self._params.cut_s))
         return tuple(sorted(level.union(state.names[row] for row in lost)))
 
     def _with_fallback(self, command: SwarmCommand, state_age: Array) -> SwarmCommand:
@@ -241,4 +241,4 @@ def _ages(state: SwarmState, names: Names) -> Array:
 
 def _track(state: SwarmState, names: Names) -> Status:
     """Return the TrackStatus of each vehicle, (n,); LOST if there is none."""
-    return np.append(state.status, np.uint8(TrackStatus.LOST))[index_of(names, state.names)]
+    return np.append(state.status, LOST)[index_of(names, state.names)]
