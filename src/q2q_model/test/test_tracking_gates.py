@@ -59,7 +59,8 @@ def test_a_forgotten_rival_begins_again_and_only_refused_samples_count() -> None
     assert not rivals.offer(4.25, place, ONE, at_once)[0]
     assert not rivals.offer(4.3125, place, ~ONE, at_once)[0]
     assert not rivals.offer(4.375, place, ONE, at_once)[0]
-    assert rivals.offer(4.4375, place, ONE, at_once)[0]
+    assert not rivals.offer(4.4375, place, ONE, at_once)[0]  # the third, but more than half is one gap
+    assert rivals.offer(4.5, place, ONE, at_once)[0]
 
 
 @pytest.mark.parametrize(("place", "doubtful"), [(1.25, True), (0.75, False), (2.25, True)])
