@@ -90,6 +90,15 @@ def test_lost_again_on_its_way_it_is_led_anew_from_where_it_is_found() -> None:
     assert not led.active
 
 
+def test_a_clock_that_is_set_back_takes_it_no_further_than_to_where_it_began() -> None:
+    led, far = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
+    led.update(plan_at(1.0), far, GONE)
+    led.update(plan_at(1.1), far, NOBODY)
+    back = led.update(plan_at(0.6), far, NOBODY)
+    begun = 2.0 - plan_at(1.1).pos[0, 0]
+    np.testing.assert_allclose(back.pos[0, :2], plan_at(0.6).pos[0, :2] + [begun, 0.0], atol=1e-12)
+
+
 def test_who_leaves_the_setpoints_is_not_led() -> None:
     led, far = Rejoining(), state_of(np.array([2.0, 0.0]), np.zeros(2))
     led.update(plan_at(0.0), far, GONE)

@@ -49,9 +49,12 @@ class _Shift(NamedTuple):
         return t - self.since >= self.duration
 
     def at(self, t: float) -> tuple[Array, Array, Array]:
-        """Return shift [m], velocity [m/s] and acceleration [m/s^2] at the tick t [s], (2,) each."""
+        """Return shift [m], velocity [m/s] and acceleration [m/s^2] at the tick t [s], (2,) each.
+
+        Where the clock was set back, it begins again.
+        """
         duration, p, v = self.duration, self.pos, self.vel * self.duration
-        u = (t - self.since) / duration
+        u = max(t - self.since, 0.0) / duration
         cubic, quartic, quintic = -10.0 * p - 6.0 * v, 15.0 * p + 8.0 * v, -6.0 * p - 3.0 * v
         shift = p + u * v + u**3 * (cubic + u * (quartic + u * quintic))
         rate = v + u**2 * (3.0 * cubic + u * (4.0 * quartic + u * 5.0 * quintic))
