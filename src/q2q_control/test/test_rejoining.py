@@ -50,7 +50,9 @@ def test_it_begins_where_it_is_and_ends_on_the_plan_without_more_than_its_accele
         assert all(np.array_equal(one.pos, plan_at(one.t).pos) for one in made)
         return
     np.testing.assert_allclose(made[0].pos, [[x, y, 1.0]], atol=1e-12)
-    np.testing.assert_allclose(made[0].vel, [[vx, vy, 0.0]], atol=1e-12)
+    away = np.array([x, y]) / np.hypot(x, y)  # the plan begins at the origin, at 0.5 m/s
+    further = max(float(away @ [vx - 0.5, vy]), 0.0) * away
+    np.testing.assert_allclose(made[0].vel, [[vx - further[0], vy - further[1], 0.0]], atol=1e-12)
     assert max(float(np.linalg.norm(one.acc)) for one in made) <= ACC * (1.0 + 1e-9)
     np.testing.assert_array_equal(made[-1].pos, plan_at(made[-1].t).pos)
 
@@ -64,7 +66,7 @@ def test_from_rest_it_takes_the_time_of_a_quintic_whose_peak_acceleration_is_the
 
 
 def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
-    made = led_back(np.array([1.5, -0.7]), np.array([0.3, 0.9]))
+    made = led_back(np.array([1.5, -0.7]), np.array([-0.3, 0.9]))
     pos, vel, acc = (np.array([getattr(one, of)[0] for one in made]) for of in ("pos", "vel", "acc"))
     np.testing.assert_allclose((pos[2:] - pos[:-2]) / (2.0 * TICK), vel[1:-1], atol=2e-3)
     np.testing.assert_allclose((vel[2:] - vel[:-2]) / (2.0 * TICK), acc[1:-1], atol=0.1)

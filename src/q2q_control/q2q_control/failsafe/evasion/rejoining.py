@@ -1,8 +1,8 @@
 """Lead vehicles that are measured again far from their setpoints back to these, as fast as tilt allows.
 
 A vehicle without measurements stops, and its setpoint goes on. A step of metres would saturate its tilt, and
-it would overshoot. Its setpoint therefore begins where it is measured, with its velocity, and joins that of
-the plan in the least time in which the shift accelerates by at most A:
+it would overshoot. Its setpoint therefore begins where it is measured, with its velocity unless that leads
+further away, and joins that of the plan in the least time in which the shift accelerates by at most A:
 
     s(t) = p0 (1 - 10 u^3 + 15 u^4 - 6 u^5) + v0 T (u - 6 u^3 + 8 u^4 - 3 u^5)      u = t / T
     A T^2 = PEAK |p0| + PEAK_V |v0| T                       flown: r + s with its velocity and acceleration
@@ -100,10 +100,11 @@ def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> _Shift | No
     row, mine = setpoint.names.index(name), state.names.index(name)
     pos = state.pos[mine, :2] - setpoint.pos[row, :2]
     vel = state.vel[mine, :2] - setpoint.vel[row, :2]
-    far, fast = float(np.hypot(*pos)), float(np.hypot(*vel))
+    far = float(np.hypot(*pos))
     if not far > FAR:
         return None
-    half = 0.5 * PEAK_V * fast / ACC
+    vel = vel - max(float(vel @ pos), 0.0) / far**2 * pos
+    half = 0.5 * PEAK_V * float(np.hypot(*vel)) / ACC
     return _Shift(setpoint.t, half + (half * half + PEAK * far / ACC) ** 0.5, pos, vel)
 
 
