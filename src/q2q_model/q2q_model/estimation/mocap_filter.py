@@ -14,10 +14,9 @@ This file is about frames:
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
-  Old stamps that increase for 0.1 s
-  (q2q_model.estimation.clock_resets) mean a clock that was set back: the tracks go on in the new time, their
-  last samples as old as the first of these stamps. A stamp older by more than `clock_jump_s` means another
-  flight, as of a restarted bag: the filter resets.
+  Old stamps that increase for 0.1 s (q2q_model.estimation.clock_resets) mean a clock that was set back: the
+  tracks go on in the new time, their last samples as old as the first of these stamps. A stamp older by more
+  than `clock_jump_s` means another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
   more than GAP_S do not count for that.

@@ -86,12 +86,10 @@ class Rejoining:
             state: of the tick.
             away: vehicles that do not follow their setpoints: blind ones, and those that climb back.
         """
-        back = self._away.difference(away).intersection(setpoint.names, state.names)
+        t, back = setpoint.t, self._away.difference(away).intersection(setpoint.names, state.names)
         self._away = away
-        begun = {name: one for name in back if (one := _begun(setpoint, state, name))}
-        self._shifts = {name: one for name, one in self._shifts.items() if not one.over(setpoint.t)} | begun
-        for name in away & self._shifts.keys():
-            del self._shifts[name]
+        kept = {name: one for name, one in self._shifts.items() if name not in away and not one.over(t)}
+        self._shifts = kept | {name: one for name in back if (one := _begun(setpoint, state, name))}
         return _shifted(setpoint, self._shifts)
 
 

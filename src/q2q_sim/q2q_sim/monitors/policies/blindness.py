@@ -48,12 +48,22 @@ def evading_lately(evidence: Evidence, settle: float) -> Mask:
     """
     pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)
-    for j in np.flatnonzero(gone.any(axis=0)):
-        for places in (pos, evidence.sent_pos):
-            above = pos[:, j] - np.moveaxis(places, 1, 0)  # (n, T, 3)
-            near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
-            evading |= near.T & gone[:, j, None]
+    for places in (pos, evidence.sent_pos):
+        evading |= beneath(places, pos, gone)
     return lately(evidence, evading, settle)
+
+
+def beneath(places: Array, pos: Array, some: Mask) -> Mask:
+    """Return which `places` [m] (T, n, 3) are below `some` (T, m) of the vehicles at pos (T, m, 3), (T, n).
+
+    Nearer to them than vehicles evade one flown blind, and that may have drifted.
+    """
+    below = np.zeros(places.shape[:2], dtype=np.bool_)
+    for j in np.flatnonzero(some.any(axis=0)):
+        above = pos[:, j, None] - places  # (T, n, 3)
+        near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
+        below |= near & some[:, j, None]
+    return below
 
 
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:

@@ -11,9 +11,7 @@ judged again `settle` later (helpless_lately), as those are that no command carr
 
 import numpy as np
 
-from q2q_control.failsafe.evasion.descent_evasion import REACH
-from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.blindness import DRIFT_M, Mask, blind, lately, misplaced
+from q2q_sim.monitors.policies.blindness import Mask, beneath, blind, lately, misplaced
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered
 from q2q_sim.monitors.policies.violations import Circumstances
@@ -27,7 +25,8 @@ def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
     flown_blind = blind(evidence)
     if not flown_blind.any():
         return flown_blind
-    untold = _below(evidence.true_pos, misplaced(evidence, circumstances.faults) > 0.0)
+    pos, displaced = evidence.true_pos, misplaced(evidence, circumstances.faults) > 0.0
+    untold = beneath(pos, pos, displaced)
     if not circumstances.aware:
         untold |= np.linalg.norm(evidence.true_downwash, axis=2) > PUSH
     return flown_blind & untold
@@ -42,13 +41,3 @@ def helpless_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
     """Return which vehicles no command carries or is known to, or less than `settle` [s] before, (T, n)."""
     helpless = overpowered(evidence, circumstances) | unforeseen(evidence, circumstances)
     return lately(evidence, helpless, circumstances.limits.settle)
-
-
-def _below(pos: Array, displaced: Mask) -> Mask:
-    """Return which vehicles at pos [m] (T, n, 3) are below one that is `displaced`, (T, n)."""
-    below = np.zeros(displaced.shape, dtype=np.bool_)
-    for j in np.flatnonzero(displaced.any(axis=0)):
-        above = pos[:, j, None] - pos  # (T, n, 3)
-        near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
-        below |= near & displaced[:, j, None]
-    return below
