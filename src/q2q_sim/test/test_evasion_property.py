@@ -1,4 +1,4 @@
-"""Evasion of a lost vehicle is judged by the first change of the acceleration commanded below it."""
+"""Evasion of a lost vehicle is judged by the first change of the acceleration commanded near it."""
 
 import math
 from functools import cache
@@ -33,13 +33,13 @@ def two_vehicles() -> Run:
     return with_faults(next(run for run in runs if run.scenario.names == ("cf1", "cf2")), ())
 
 
-def encounter(distance: float, away: float, aside: float = 0.0) -> RunTicks:
-    """Return a flight in which cf2 is lost 1 m above cf1, which is `distance` further along x.
+def encounter(distance: float, away: float, aside: float = 0.0, height: float = 2.0) -> RunTicks:
+    """Return a flight in which cf2 is lost at a `height`, and cf1 is `distance` further along x 1 m high.
 
     The accelerations that cf1 is commanded from then on lead `away` along x and `aside` along y [m/s^2].
     """
     names, still, flat = ("cf1", "cf2"), np.zeros((2, 3)), np.zeros(2)
-    pos, quat = np.array([[distance, 0.0, 1.0], [0.0, 0.0, 2.0]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    pos, quat = np.array([[distance, 0.0, 1.0], [0.0, 0.0, height]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     states, setpoints, commands = [], [], []
     for k in range(END):
         gone = k >= LOST
@@ -77,6 +77,11 @@ def test_the_first_change_of_acceleration_is_an_evasion(
     assert [one.who for one in found.violations] == ([] if value is None else ["cf1"])
     assert all(one.value == pytest.approx(value) and one.limit == LEAST_ACC for one in found.violations)
     assert found.margin == pytest.approx(margin)
+
+
+def test_one_that_is_lost_below_is_evaded_too() -> None:
+    (found,) = evasion(two_vehicles(), encounter(0.2, -2.0, height=0.5)).violations
+    assert (found.who, found.value) == ("cf1", pytest.approx(-2.0))
 
 
 MEASURED = (LOST - 35) * TICK_S

@@ -1,9 +1,10 @@
-"""Move vehicles aside that fly below a vehicle descending without measurements.
+"""Move vehicles aside that fly above or below one without measurements.
 
 A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
-wind and sinks to the floor. Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a
-measured vehicle or its setpoint is below it and nearer to it than REACH, the setpoint is shifted along u
-(evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
+wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first. Its position
+p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its setpoint is
+horizontally nearer to it than REACH, the setpoint is shifted along u (evasion_direction): away from j if it is
+at rest, across its path if it moves or climbs back:
 
     goal = max(0, d_j - (r - p_j) . u) u          r: setpoint, horizontal; u is fixed, see below
     d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
@@ -28,19 +29,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
-from q2q_control.failsafe.blind_flight.stacking import Stacked, stacked
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
 REACH = 0.6
-"""Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 2 s of blindness, 0.4."""
-BENEATH = 0.1
-"""Least height difference at which a vehicle counts as below another [m]: eps of the paper's zone."""
-KNOWN, DRIFT = 2.0, 0.3
+"""Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
+KNOWN, DRIFT = 1.0, 0.4
 """Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
-FARTHEST = 0.9
-"""Longest shift along one direction [m], and longest distance to keep: one and a half of REACH."""
+FARTHEST = 1.2
+"""Longest shift along one direction [m], and longest distance to keep: twice REACH."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
@@ -116,7 +114,7 @@ class DescentEvasion:
         sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, blind) >= 0
         self._turn(returning, state, sent)
         for places in (pos, np.where(gone[:, None], pos, sent)):
-            self._ask(_below_gone(places, gone), state.names, pos, rest)
+            self._ask(_near_gone(places, gone), state.names, pos, rest)
         evaded = zip(pos[:, :2], _distances(state.age, gone), strict=True)
         moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
@@ -149,9 +147,9 @@ class DescentEvasion:
                     shift.directions[other] = across(shift.directions[other], xy[i] - xy[j])
             shift.returning = set(back & shift.directions.keys())
 
-    def _ask(self, pairs: Stacked, names: Names, pos: Array, rest: Array) -> None:
+    def _ask(self, pairs: list[tuple[int, int]], names: Names, pos: Array, rest: Array) -> None:
         """Assign a direction to every new pair of an evading vehicle and the one that it evades."""
-        for i, j in zip(pairs.below.tolist(), pairs.above.tolist(), strict=True):
+        for i, j in pairs:
             shift = self._shifts.setdefault(names[i], _Shift())
             if names[j] not in shift.directions:
                 shift.directions[names[j]] = evasion_direction(pos[:, :2], (i, j), rest[j], REACH)
@@ -200,7 +198,9 @@ def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:
     return np.where(gone, np.minimum(grown, FARTHEST), REACH)
 
 
-def _below_gone(pos: Array, gone: NDArray[np.bool_]) -> Stacked:
-    """Return who is below one that is `gone`, (n,)."""
-    below, above = stacked(pos, np.flatnonzero(~gone), REACH, BENEATH)
-    return Stacked(below[gone[above]], above[gone[above]])
+def _near_gone(pos: Array, gone: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return the rows of those near one that is `gone`, (n,), and of that."""
+    near, far = np.flatnonzero(~gone), np.flatnonzero(gone)
+    offset = pos[near, None, :2] - pos[far, :2]
+    pairs = np.argwhere(np.hypot(offset[..., 0], offset[..., 1]) < REACH)
+    return [(int(near[i]), int(far[j])) for i, j in pairs]

@@ -12,7 +12,7 @@ BLIND = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandSta
 DOWN = (CommandStatus.LAND, CommandStatus.CUT)
 """Commands that send a vehicle to the floor, whatever its setpoint."""
 EVADED = (CommandStatus.LEVEL, CommandStatus.LAND)
-"""Commands of vehicles that those below them evade."""
+"""Commands of vehicles that others evade."""
 UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
 EARLY_S = 0.005
@@ -41,15 +41,16 @@ def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
 
 
 def evading_lately(evidence: Evidence, settle: float) -> Mask:
-    """Return which vehicles may evade one flown blind above them, or might less than `settle` [s] before.
+    """Return which vehicles may evade one flown blind, or might less than `settle` [s] before, (T, n).
 
-    It is above them or above where they are sent. The controller shifts their setpoints
+    They or where they are sent are above or below it; it counts, too. The controller shifts their setpoints
     (q2q_control.failsafe.evasion.descent_evasion), which the flight records before the shift.
     """
     pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)
     for places in (pos, evidence.sent_pos):
-        evading |= beneath(places, pos, gone)
+        for j in np.flatnonzero(gone.any(axis=0)):
+            evading |= _near(places, pos[:, j]) & gone[:, j, None]
     return lately(evidence, evading, settle)
 
 
@@ -60,10 +61,15 @@ def beneath(places: Array, pos: Array, some: Mask) -> Mask:
     """
     below = np.zeros(places.shape[:2], dtype=np.bool_)
     for j in np.flatnonzero(some.any(axis=0)):
-        above = pos[:, j, None] - places  # (T, n, 3)
-        near = (above[..., 2] > 0.0) & (np.hypot(above[..., 0], above[..., 1]) < REACH + DRIFT_M)
-        below |= near & some[:, j, None]
+        lower = pos[:, j, None, 2] > places[..., 2]
+        below |= lower & _near(places, pos[:, j]) & some[:, j, None]
     return below
+
+
+def _near(places: Array, pos: Array) -> Mask:
+    """Return which places [m] (T, n, 3) a vehicle at `pos` (T, 3) may be above or below, (T, n)."""
+    offset = pos[:, None, :2] - places[..., :2]
+    return np.asarray(np.hypot(offset[..., 0], offset[..., 1]) < REACH + DRIFT_M)
 
 
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:

@@ -42,7 +42,7 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
 def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
-    Vehicles flown blind drift, vehicles below them evade, vehicles with displaced markers follow them, and
+    Vehicles flown blind drift, vehicles near them evade, vehicles with displaced markers follow them, and
     vehicles that no command carries, or none is known to, sink: their pairs are exempt until `settle` later.
     """
     found = []

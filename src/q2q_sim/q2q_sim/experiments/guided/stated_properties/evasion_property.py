@@ -1,10 +1,10 @@
-"""What the guard states of vehicles below one that is lost: they evade it (q2q_control.failsafe.evasion).
+"""What the guard states of vehicles above and below one that is lost: they evade it.
 
 | property | statement |
 |---|---|
-| evasion | a measured vehicle below one that is lost is accelerated, and not towards it |
+| evasion | a measured vehicle above or below one that is lost is accelerated, and not towards it |
 
-With d the horizontal offset of the lower vehicle from the lost one in the tick before that is lost, and c the
+With d the horizontal offset of the measured vehicle from the lost one in the tick before that is lost, and c the
 change of its commanded acceleration to the next tick, less that of its setpoint:
 
     |c| >= LEAST_ACC                 where |d| < NEAR
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
-from q2q_control.failsafe.evasion.descent_evasion import BENEATH, REACH
+from q2q_control.failsafe.evasion.descent_evasion import REACH
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import deceived
@@ -49,7 +49,7 @@ Mask = NDArray[np.bool_]
 
 
 class _Encounter(NamedTuple):
-    """Tick before vehicle j is lost, and vehicle i below it."""
+    """Tick before vehicle j is lost, and a measured vehicle i."""
 
     tick: int
     i: int
@@ -79,7 +79,7 @@ class _Reaction(NamedTuple):
 
 
 def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
-    """Return the vehicles that do not evade one that is lost above them (PID only)."""
+    """Return the vehicles that do not evade one that is lost (PID only)."""
     if run.options.controller != "pid":
         return StatedOutcome()
     found, margin = [], np.inf
@@ -96,7 +96,7 @@ def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
 
 
 def _reaction(ticks: RunTicks, one: _Encounter, acc: Array) -> _Reaction:
-    """Return what the lower vehicle does; `acc` is the commanded acceleration [m/s^2], (T, n, 2)."""
+    """Return what the measured vehicle does; `acc` is the commanded acceleration [m/s^2], (T, n, 2)."""
     offset = (ticks.states[one.tick].pos[one.i] - ticks.truth[one.tick].pos[one.j])[:2]
     distance = float(np.linalg.norm(offset))
     away = offset / max(distance, STILL)
@@ -112,7 +112,7 @@ def _asked(ticks: RunTicks, one: _Encounter) -> Array:
 
 
 def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
-    """Yield the vehicles steadily measured below one that is lost."""
+    """Yield the vehicles steadily measured when another is lost."""
     lost = over_ticks(ticks.states, "status") == TrackStatus.LOST
     blind = lost | is_blind(ticks.command_status)
     for j in range(len(ticks.names)):
@@ -120,8 +120,7 @@ def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
             before = begin - 1
             if blind[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= before < end - 2:
                 continue
-            pos = ticks.truth[before].pos
-            for i in np.flatnonzero(_steady(ticks, before) & (pos[:, 2] < pos[j, 2] - 2.0 * BENEATH)):
+            for i in np.flatnonzero(_steady(ticks, before)):
                 yield _Encounter(before, int(i), j)
 
 
