@@ -4,8 +4,8 @@
 |---|---|
 | evasion | a measured vehicle above or below one that is lost is accelerated, and not towards it |
 
-With d the horizontal offset of the measured vehicle from the lost one in the tick before that is lost, and c the
-change of its commanded acceleration to the next tick, less that of its setpoint:
+With d the horizontal offset of the measured vehicle from the lost one in the tick before that is lost, and c
+the change of its commanded acceleration to the next tick, less that of its setpoint:
 
     |c| >= LEAST_ACC                 where |d| < NEAR
     -c . d / |d| <= LEAST_ACC        where |d| > CLEAR and no third vehicle is near where it is sent
