@@ -7,10 +7,11 @@ itself, later. BLAS restarts its threads after a fork.
 
 import signal
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing import current_process, get_context
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from typing import TypeVar
 
 Result = TypeVar("Result")
@@ -20,6 +21,9 @@ def forked(work: Callable[[], Result]) -> Callable[[], Result]:
     """Begin work beside this process; return a function that waits for its result, or raises its error.
 
     The result must be picklable, the work need not be.
+
+    Raises:
+        ChildProcessError: (the returned function) the copy was killed.
     """
     if threading.active_count() > 1 or current_process().daemon:
         return work
@@ -30,14 +34,27 @@ def forked(work: Callable[[], Result]) -> Callable[[], Result]:
     theirs.close()
 
     def result() -> Result:
-        with ours:
-            answer: Result | Exception = ours.recv()  # EOFError if the copy was killed
+        with ours, _explained(process):
+            answer: Result | Exception = ours.recv()
         process.join()
         if isinstance(answer, Exception):
             raise answer
         return answer
 
     return result
+
+
+@contextmanager
+def _explained(process: BaseProcess) -> Iterator[None]:
+    """Explain the end of a copy that sent nothing."""
+    try:
+        yield
+    except EOFError:
+        process.join()
+        raise ChildProcessError(
+            f"a process that worked beside this one was ended (exit code {process.exitcode}), perhaps for "
+            "want of memory; free some, then repeat the command"
+        ) from None
 
 
 def _send(work: Callable[[], object], to: Connection) -> None:
