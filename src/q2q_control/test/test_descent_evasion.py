@@ -1,4 +1,4 @@
-"""A vehicle observed above or below an unobserved one leaves its column, smoothly, and comes back."""
+"""A vehicle observed below an unobserved one, or little above it, leaves its column and comes back."""
 
 from dataclasses import replace
 
@@ -15,6 +15,7 @@ from q2q_control.failsafe.evasion.descent_evasion import (
     KNOWN,
     PACE,
     REACH,
+    RISE,
     DescentEvasion,
 )
 from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
@@ -66,7 +67,7 @@ def shifts(pos: np.ndarray, ticks: int, blind: InFallback, vel: np.ndarray | Non
 
 
 @pytest.mark.parametrize("how", [CommandStatus.LEVEL, CommandStatus.LAND])
-@pytest.mark.parametrize("height", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("height", [1.0, UPPER[2], UPPER[2] + 0.99 * RISE])
 def test_who_is_in_the_column_leaves_straight_away_as_a_critically_damped_motion_does(
     height: float, how: CommandStatus
 ) -> None:
@@ -80,8 +81,19 @@ def test_who_is_in_the_column_leaves_straight_away_as_a_critically_damped_motion
     assert not made[:, :, 2].any()
 
 
-def test_who_is_not_in_the_column_is_left_alone() -> None:
-    assert not shifts(np.array([UPPER, (REACH + 0.01, 0.0, 0.5)]), 100, flown(2, 0)).any()
+@pytest.mark.parametrize("other", [(REACH + 0.01, 0.0, 0.5), (0.0, 0.0, UPPER[2] + 1.01 * RISE)])
+def test_who_is_not_in_the_column_is_left_alone(other: tuple[float, float, float]) -> None:
+    assert not shifts(np.array([UPPER, other]), 100, flown(2, 0)).any()
+
+
+def test_who_is_near_the_place_to_which_another_may_have_drifted_evades() -> None:
+    pos = np.array([UPPER, (1.0, 0.0, 1.0)])
+    state = replace(state_of(pos), age=np.array([KNOWN + 1.2, 0.0]))
+    made = [
+        DescentEvasion().update(setpoint_of(0.0, pos), one, flown(2, 0), {}).acc[1, 0]
+        for one in (state_of(pos), state)
+    ]
+    assert made == [0.0, pytest.approx(PACE**2 * (REACH + 1.2 * DRIFT - 1.0))]
 
 
 @pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])

@@ -1,10 +1,10 @@
-"""Move vehicles aside that fly above or below one without measurements.
+"""Move vehicles aside that fly below one without measurements, or little above it.
 
 A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
-wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first. Its
-position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its setpoint is
-horizontally nearer to it than REACH, the setpoint is shifted along u (evasion_direction): away from j if it
-is at rest, across its path if it moves or climbs back:
+wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first, by up to
+RISE. Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its
+setpoint is within d_j of it horizontally, and no higher than that, the setpoint is shifted along u
+(evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
 
     goal = max(0, d_j - (r - p_j) . u) u          r: setpoint, horizontal; u is fixed, see below
     d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
@@ -35,6 +35,8 @@ from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, in
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
+RISE = 0.7
+"""Height above one that is lost from which it is not evaded [m]: contact, 0.14, and its rise by 0.5."""
 KNOWN, DRIFT = 1.0, 0.4
 """Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
 FARTHEST = 1.2
@@ -113,9 +115,10 @@ class DescentEvasion:
         self._end(returning.union(blind).intersection(state.names))
         sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, blind) >= 0
         self._turn(returning, state, sent)
+        reach = _distances(state.age, gone)
         for places in (pos, np.where(gone[:, None], pos, sent)):
-            self._ask(_near_gone(places, gone), state.names, pos, rest)
-        evaded = zip(pos[:, :2], _distances(state.age, gone), strict=True)
+            self._ask(_near_gone(places, gone, reach), state.names, pos, rest)
+        evaded = zip(pos[:, :2], reach, strict=True)
         moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         self._active = bool(self._shifts) or self._climbs.active
@@ -198,9 +201,9 @@ def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:
     return np.where(gone, np.minimum(grown, FARTHEST), REACH)
 
 
-def _near_gone(pos: Array, gone: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return the rows of those near one that is `gone`, (n,), and of that."""
+def _near_gone(pos: Array, gone: NDArray[np.bool_], reach: Array) -> list[tuple[int, int]]:
+    """Return the rows of those within `reach` [m], (n,), of one that is `gone`, (n,), and of that."""
     near, far = np.flatnonzero(~gone), np.flatnonzero(gone)
-    offset = pos[near, None, :2] - pos[far, :2]
-    pairs = np.argwhere(np.hypot(offset[..., 0], offset[..., 1]) < REACH)
-    return [(int(near[i]), int(far[j])) for i, j in pairs]
+    offset = pos[near, None] - pos[far]
+    close = np.hypot(offset[..., 0], offset[..., 1]) < reach[far]
+    return [(int(near[i]), int(far[j])) for i, j in np.argwhere(close & (offset[..., 2] < RISE))]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.failsafe.evasion.descent_evasion import REACH
+from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.monitors.policies.evidence import Evidence
@@ -43,14 +43,14 @@ def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
 def evading_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles may evade one flown blind, or might less than `settle` [s] before, (T, n).
 
-    They or where they are sent are above or below it; it counts, too. The controller shifts their setpoints
-    (q2q_control.failsafe.evasion.descent_evasion), which the flight records before the shift.
+    They or where they are sent are near it, at whichever height; it counts, too. The controller shifts their
+    setpoints (q2q_control.failsafe.evasion.descent_evasion), which the flight records before the shift.
     """
     pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)
     for places in (pos, evidence.sent_pos):
         for j in np.flatnonzero(gone.any(axis=0)):
-            evading |= _near(places, pos[:, j]) & gone[:, j, None]
+            evading |= _near(places, pos[:, j], FARTHEST) & gone[:, j, None]
     return lately(evidence, evading, settle)
 
 
@@ -62,14 +62,14 @@ def beneath(places: Array, pos: Array, some: Mask) -> Mask:
     below = np.zeros(places.shape[:2], dtype=np.bool_)
     for j in np.flatnonzero(some.any(axis=0)):
         lower = pos[:, j, None, 2] > places[..., 2]
-        below |= lower & _near(places, pos[:, j]) & some[:, j, None]
+        below |= lower & _near(places, pos[:, j], REACH) & some[:, j, None]
     return below
 
 
-def _near(places: Array, pos: Array) -> Mask:
-    """Return which places [m] (T, n, 3) a vehicle at `pos` (T, 3) may be above or below, (T, n)."""
+def _near(places: Array, pos: Array, reach: float) -> Mask:
+    """Return which places [m] (T, n, 3) are within `reach` [m] of a vehicle that drifted, (T, n)."""
     offset = pos[:, None, :2] - places[..., :2]
-    return np.asarray(np.hypot(offset[..., 0], offset[..., 1]) < REACH + DRIFT_M)
+    return np.asarray(np.hypot(offset[..., 0], offset[..., 1]) < reach + DRIFT_M)
 
 
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:

@@ -1,8 +1,8 @@
-"""What the guard states of vehicles above and below one that is lost: they evade it.
+"""What the guard states of vehicles below one that is lost, or little above it: they evade it.
 
 | property | statement |
 |---|---|
-| evasion | a measured vehicle above or below one that is lost is accelerated, and not towards it |
+| evasion | a vehicle below one that is lost, or up to RISE above it, is accelerated, and not towards it |
 
 With d the horizontal offset of the measured vehicle from the lost one in the tick before that is lost, and c
 the change of its commanded acceleration to the next tick, less that of its setpoint:
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
-from q2q_control.failsafe.evasion.descent_evasion import REACH
+from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import deceived
@@ -40,6 +40,8 @@ NEAR = 0.35
 """Horizontal distance below which a vehicle must evade [m]."""
 CLEAR = 0.08
 """Horizontal distance above which its direction is known [m]: dead reckoning errs by less in 0.35 s."""
+UNSURE = 0.2
+"""Height by which one is further below another than it has to be [m]: markers and filters err by less."""
 STILL = 1e-6
 """Distance that has no direction [m]."""
 LEANING = 2.5
@@ -120,7 +122,8 @@ def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
             before = begin - 1
             if blind[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= before < end - 2:
                 continue
-            for i in np.flatnonzero(_steady(ticks, before)):
+            low = ticks.truth[before].pos[:, 2] < ticks.truth[before].pos[j, 2] + RISE - UNSURE
+            for i in np.flatnonzero(_steady(ticks, before) & low):
                 yield _Encounter(before, int(i), j)
 
 
