@@ -1,14 +1,15 @@
-"""A vehicle observed below an unobserved one, or little above it, leaves its column and comes back."""
+"""A vehicle observed below an unobserved one, or little above it, leaves its column."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from evading_flights import TICK, UPPER, flown, setpoint_of, state_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned, is_blind
-from q2q_control.failsafe.evasion.climb_back import BACK, InFallback
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
+from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import (
     DRIFT,
     FARTHEST,
@@ -18,39 +19,7 @@ from q2q_control.failsafe.evasion.descent_evasion import (
     RISE,
     DescentEvasion,
 )
-from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
-
-TICK = 0.01
-UPPER = (0.0, 0.0, 1.5)
-
-
-def state_of(pos: np.ndarray) -> SwarmState:
-    n = len(pos)
-    return SwarmState(
-        t=0.0, names=names_of(n), pos=pos, vel=np.zeros((n, 3)), quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
-        ang_vel_body=np.zeros((n, 3)), age=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
-
-
-def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> SwarmSetpoint:
-    n = len(pos)
-    zero = np.zeros((n, 3))
-    return SwarmSetpoint(
-        t=t, names=names_of(n), pos=pos, vel=zero if vel is None else vel, acc=zero, yaw=np.zeros(n),
-        yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
-
-
-def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> InFallback:
-    """Return the vehicles in fallback if the last tick's command has this status for these rows."""
-    status = np.full(n, CommandStatus.OK, dtype=np.uint8)
-    status[list(blind)] = how
-    blind, cut = is_blind(status), status == CommandStatus.CUT
-    return InFallback(*(tuple(names_of(n)[row] for row in np.flatnonzero(rows)) for rows in (blind, cut)))
-
-
-def names_of(n: int) -> tuple[str, ...]:
-    return tuple(f"cf{k + 1}" for k in range(n))
+from q2q_model.signals.values import CommandStatus
 
 
 def shifts(pos: np.ndarray, ticks: int, blind: InFallback, vel: np.ndarray | None = None) -> np.ndarray:
@@ -131,41 +100,6 @@ def test_a_setpoint_that_passes_beneath_goes_round(
             assert np.linalg.norm(output.pos[1, :2]) > REACH - 0.02
 
 
-@pytest.mark.parametrize(
-    ("height", "climb", "evaded"), [(1.31, 0.5, False), (1.29, 0.5, True), (1.31, -0.1, True)]
-)
-def test_one_that_is_measured_again_and_climbs_well_above_is_evaded_no_more(
-    height: float, climb: float, evaded: bool
-) -> None:
-    evasion, plan = DescentEvasion(), np.array([(0.0, 0.0, 2.0), (0.1, 0.0, 1.0)])
-    for k in range(200):
-        evasion.update(setpoint_of(k * TICK, plan), state_of(plan), flown(2, 0), {})
-    assert BACK == 0.3
-    found = replace(
-        state_of(np.array([(0.0, 0.0, height), (0.6, 0.0, 1.0)])),
-        vel=np.array([(0.0, 0.0, climb), (0.0, 0.0, 0.0)]),
-    )
-    for k in range(200, 400):
-        output = evasion.update(setpoint_of(k * TICK, plan), found, flown(2), {})
-    assert (output.pos[1, 0] > 0.55) == evaded
-
-
-@pytest.mark.parametrize(("height", "across"), [(0.1, True), (0.5, False)])
-def test_one_that_is_driven_ahead_turns_across_unless_the_other_may_climb_to_its_height_meanwhile(
-    height: float, across: bool
-) -> None:
-    """cf1, found at a height, moves along x at 0.5 m/s under its setpoint; cf2 hovers at 1 m ahead of it."""
-    evasion = DescentEvasion()
-    for k in range(400):
-        x = 0.5 * max(k - 100, 0) * TICK
-        low = 2.0 if k < 100 else height
-        state = state_of(np.array([(x, 0.0, low), (0.3 if k < 100 else x + 0.5, 0.0, 1.0)]))
-        plan = np.array([(x, 0.0, 2.0), (0.3, 0.0, 1.0)])
-        blind = flown(2, 0) if k < 100 else flown(2)
-        output = evasion.update(setpoint_of(k * TICK, plan), state, blind, {})
-    assert (abs(output.pos[1, 1]) > 0.3) == across
-
-
 @pytest.mark.parametrize("age", [1.0, 2.5, 4.5])
 def test_the_longer_another_is_lost_the_further_it_is_evaded(age: float) -> None:
     evasion, pos = DescentEvasion(), np.array([UPPER, (0.3, 0.0, 1.0)])
@@ -181,44 +115,6 @@ def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
     pos, vel, acc = (made[:, 1, k : k + 2] for k in (0, 3, 6))
     np.testing.assert_allclose(np.diff(pos, axis=0), vel[1:] * TICK, atol=1e-12)
     np.testing.assert_allclose(np.diff(vel, axis=0), acc[1:] * TICK, atol=1e-12)
-
-
-def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None:
-    way, pos = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)])
-    for k in range(200):
-        way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), {})
-    assert way.active
-    moved = []
-    for k in range(200, 700):
-        sent = setpoint_of(k * TICK, pos)
-        output = way.update(sent, state_of(pos), flown(2), {})
-        moved.append(float(np.linalg.norm(output.pos[1] - pos[1])))
-    assert not way.active
-    assert output is sent
-    assert np.all(np.diff(moved) <= 1e-12)  # no overshoot
-    assert np.diff(moved).min() > -0.4 * PACE * REACH * TICK  # nor a jump: w s / e at most
-    way.update(setpoint_of(7.0, pos), state_of(pos), flown(2, 0), {})
-    way.reset()
-    assert not way.active
-
-
-@pytest.mark.parametrize("cut", [False, True])
-def test_who_climbs_back_from_the_floor_is_evaded_until_it_is_near_its_setpoint(cut: bool) -> None:
-    sent = np.array([UPPER, (0.0, 0.0, 1.0)])
-    way, pos = DescentEvasion(), sent.copy()
-    for k in range(300):
-        pos[0, 2] = max(UPPER[2] - 0.01 * k, 0.0)
-        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
-    seen = flown(2, 0, how=CommandStatus.CUT) if cut else flown(2)
-    shift = [float(np.hypot(*output.pos[1, :2]))]
-    for k in range(300, 600):
-        pos[0, 2] = 0.01 * (k - 300) * UPPER[2] / 2.0
-        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), seen, {})
-        shift.append(float(np.hypot(*output.pos[1, :2])))
-    back = round((UPPER[2] - BACK) / UPPER[2] * 200)
-    assert shift[0] == pytest.approx(REACH, abs=0.01)
-    assert (shift[back - 1] < 0.1 * REACH) == cut
-    assert shift[-1] < 0.25 * REACH
 
 
 def test_the_side_without_others_is_taken() -> None:
@@ -322,58 +218,3 @@ def test_way_is_made_across_the_path_of_who_drifts_over_and_not_ahead_of_it() ->
         known = {"cf1": Reckoned(drifted, np.array([0.0, 0.5]))}
         output = way.update(setpoint_of(k * TICK, pos), state_of(pos), flown(2, 0), known)
     np.testing.assert_allclose(np.abs(output.pos[1]), [REACH, 0.0, 1.0], atol=0.01)
-
-
-def test_who_climbs_back_does_so_where_it_is_and_is_led_aside_only_at_its_height() -> None:
-    sent = np.array([(0.5, 0.0, 1.5), (0.0, 0.0, 1.0)])
-    way, pos = DescentEvasion(), np.array([(0.1, 0.0, 1.5), (0.0, 0.0, 1.0)])
-    for k in range(200):
-        way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
-    for height in (0.2, 0.7, 1.5 - 1.01 * BACK):
-        pos[0] = [0.1 + 0.01 * height, 0.0, height]  # it drifts a little
-        output = way.update(setpoint_of(2.0 + height, sent), state_of(pos), flown(2), {})
-        np.testing.assert_allclose(output.pos[0], [0.102, 0.0, 1.5], atol=1e-12)
-    pos[0, 2] = 1.5 - 0.99 * BACK
-    output = way.update(setpoint_of(4.0, sent), state_of(pos), flown(2), {})
-    np.testing.assert_array_equal(output.pos[0], sent[0])
-
-
-def test_who_is_back_at_its_height_drives_nobody_ahead_on_its_way() -> None:
-    """The upper one is measured again 1 m behind its setpoint, and follows it over the one that evaded."""
-    sent = np.array([(1.0, 0.0, 1.5), (0.0, 0.0, 1.0)])
-    way, pos = DescentEvasion(), np.array([(0.0, 0.0, 1.5), (0.0, 0.0, 1.0)])
-    for k in range(200):
-        way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
-    assert way.active
-    for k in range(200, 600):
-        pos[0, 0] = sent[0, 0] = 1.0 + 0.005 * (k - 200)
-        pos[0, 0] -= 0.9
-        output = way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2), {})
-        assert np.hypot(*output.pos[1, :2]) < REACH + 0.01
-    np.testing.assert_allclose(output.pos, sent, atol=1e-3)
-
-
-def test_who_is_found_again_is_evaded_while_a_replanned_setpoint_climbs_with_it() -> None:
-    """Its setpoint begins where it is found, sinking, turns at rest for a moment, and stops at its height."""
-    sent, way = np.array([UPPER, (0.0, 0.0, 1.0)]), DescentEvasion()
-    pos = sent.copy()
-    for k in range(300):
-        pos[0, 2] = 1.5 - 0.003 * k
-        way.update(setpoint_of(k * TICK, sent), state_of(pos), flown(2, 0), {})
-    speed, shift, height = -0.9, [], []
-    for k in range(300, 900):
-        left = UPPER[2] - pos[0, 2]
-        acc = 3.0 if k < 360 else -1.5 if speed > 0.0 and left < speed**2 / 3.0 else 0.0
-        speed = max(speed + acc * TICK, -0.9 if k < 360 else 0.0)
-        pos[0, 2] += speed * TICK
-        vel, change = np.array([[0.0, 0.0, speed], [0.0] * 3]), np.array([[0.0, 0.0, acc], [0.0] * 3])
-        replanned = replace(setpoint_of(k * TICK, pos, vel), acc=change)
-        replanned.pos[1] = sent[1]
-        output = way.update(replanned, state_of(pos), flown(2), {})
-        np.testing.assert_array_equal(output.pos[0], pos[0])  # it flies its new motion
-        shift.append(float(np.hypot(*output.pos[1, :2])))
-        height.append(pos[0, 2])
-    low = np.array(height) < UPPER[2] - BACK
-    assert low.sum() > 100
-    assert np.array(shift)[low].min() > 0.95 * REACH
-    assert shift[-1] < 0.01

@@ -1,0 +1,40 @@
+"""Vehicles at rest of which some are lost: states, setpoints and fallbacks for tests of the evasion."""
+
+import numpy as np
+
+from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
+from q2q_control.failsafe.evasion.climb_back import InFallback
+from q2q_model.signals.values import CommandStatus, SwarmSetpoint, SwarmState
+
+TICK = 0.01
+UPPER = (0.0, 0.0, 1.5)
+"""Of the vehicle that is lost [m]."""
+
+
+def state_of(pos: np.ndarray) -> SwarmState:
+    n = len(pos)
+    return SwarmState(
+        t=0.0, names=names_of(n), pos=pos, vel=np.zeros((n, 3)), quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
+        ang_vel_body=np.zeros((n, 3)), age=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> SwarmSetpoint:
+    n = len(pos)
+    zero = np.zeros((n, 3))
+    return SwarmSetpoint(
+        t=t, names=names_of(n), pos=pos, vel=zero if vel is None else vel, acc=zero, yaw=np.zeros(n),
+        yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> InFallback:
+    """Return the vehicles in fallback if the last tick's command has this status for these rows."""
+    status = np.full(n, CommandStatus.OK, dtype=np.uint8)
+    status[list(blind)] = how
+    blind, cut = is_blind(status), status == CommandStatus.CUT
+    return InFallback(*(tuple(names_of(n)[row] for row in np.flatnonzero(rows)) for rows in (blind, cut)))
+
+
+def names_of(n: int) -> tuple[str, ...]:
+    return tuple(f"cf{k + 1}" for k in range(n))
