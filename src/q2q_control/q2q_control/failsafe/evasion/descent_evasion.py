@@ -33,6 +33,9 @@ from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
 
+Place = tuple[float, float]
+"""Horizontal [m]."""
+
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
 RISE = 0.7
@@ -61,6 +64,22 @@ class _Shift:
     """u for each vehicle that is evaded."""
     returning: set[str] = field(default_factory=set)
     """Those of them that are measured again."""
+
+    def goal(self, pos: Array, vel: Array, evaded: Mapping[str, tuple[Place, float]]) -> tuple[Array, Array]:
+        """Return the shift that a setpoint (3,) should have [m] and its velocity [m/s], (2,) each.
+
+        By plain numbers, as where half of a swarm is lost there are thousands of pairs.
+        """
+        (x, y, _), (vx, vy, _) = pos.tolist(), vel.tolist()
+        sx = sy = sent_x = sent_y = 0.0
+        for other, direction in self.directions.items():
+            ((px, py), reach), (ux, uy) = evaded[other], direction.tolist()
+            shortfall = reach - ((x + sx - px) * ux + (y + sy - py) * uy)
+            if shortfall > 0.0:
+                sx, sy = sx + shortfall * ux, sy + shortfall * uy
+                towards = max(-((vx + sent_x) * ux + (vy + sent_y) * uy), 0.0)
+                sent_x, sent_y = sent_x + towards * ux, sent_y + towards * uy
+        return np.array([sx, sy]), np.array([sent_x, sent_y])
 
     def follow(self, target: Array, target_vel: Array, dt: float) -> Array:
         """Integrate over dt [s]; return the acceleration [m/s^2], (2,)."""
@@ -118,7 +137,7 @@ class DescentEvasion:
         reach = _distances(state.age, gone)
         for places in (pos, np.where(gone[:, None], pos, sent)):
             self._ask(_near_gone(places, gone, reach), state.names, pos, rest)
-        evaded = zip(pos[:, :2], reach, strict=True)
+        evaded = zip(map(tuple, pos[:, :2].tolist()), reach.tolist(), strict=True)
         moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         self._active = bool(self._shifts) or self._climbs.active
@@ -153,12 +172,12 @@ class DescentEvasion:
     def _ask(self, pairs: list[tuple[int, int]], names: Names, pos: Array, rest: Array) -> None:
         """Assign a direction to every new pair of an evading vehicle and the one that it evades."""
         for i, j in pairs:
-            shift = self._shifts.setdefault(names[i], _Shift())
+            shift = self._shifts.get(names[i]) or self._shifts.setdefault(names[i], _Shift())
             if names[j] not in shift.directions:
                 shift.directions[names[j]] = evasion_direction(pos[:, :2], (i, j), rest[j], REACH)
 
     def _moved(
-        self, setpoint: SwarmSetpoint, evaded: Mapping[str, tuple[Array, float]], dt: float
+        self, setpoint: SwarmSetpoint, evaded: Mapping[str, tuple[Place, float]], dt: float
     ) -> SwarmSetpoint:
         """Return the setpoints shifted from the places of others, (2,), by the distances to keep [m]."""
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
@@ -166,14 +185,7 @@ class DescentEvasion:
             shift = self._shifts.get(name)
             if shift is None:
                 continue
-            target, target_vel = np.zeros(2), np.zeros(2)
-            for other, direction in shift.directions.items():
-                place, reach = evaded[other]
-                shortfall = reach - float((setpoint.pos[row, :2] + target - place) @ direction)
-                if shortfall > 0.0:
-                    target += shortfall * direction
-                    towards = -float((setpoint.vel[row, :2] + target_vel) @ direction)
-                    target_vel += max(towards, 0.0) * direction
+            target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], evaded)
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
@@ -206,4 +218,5 @@ def _near_gone(pos: Array, gone: NDArray[np.bool_], reach: Array) -> list[tuple[
     near, far = np.flatnonzero(~gone), np.flatnonzero(gone)
     offset = pos[near, None] - pos[far]
     close = np.hypot(offset[..., 0], offset[..., 1]) < reach[far]
-    return [(int(near[i]), int(far[j])) for i, j in np.argwhere(close & (offset[..., 2] < RISE))]
+    rows = np.nonzero(close & (offset[..., 2] < RISE))
+    return list(zip(near[rows[0]].tolist(), far[rows[1]].tolist(), strict=True))

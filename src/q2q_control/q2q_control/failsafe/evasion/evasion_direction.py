@@ -25,9 +25,9 @@ def evasion_direction(xy: Array, pair: tuple[int, int], rest: Array, reach: floa
     offset, other = xy[pair[0]] - xy[pair[1]], xy[pair[1]]
     angles = np.arctan2(offset[1], offset[0]) + np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
     sides = np.stack([np.cos(angles), np.sin(angles)], axis=1)  # (8, 2)
-    third = np.delete(xy, pair, axis=0)
-    third = third[np.isfinite(third).all(axis=1)]
-    room = np.linalg.norm(other + reach * sides[:, None] - third, axis=2).min(axis=1, initial=reach)
+    near = np.hypot(*(xy - other).T) < 2.0 * reach  # others are further than reach from wherever it goes
+    near[[*pair]] = False
+    room = np.linalg.norm(other + reach * sides[:, None] - xy[near], axis=2).min(axis=1, initial=reach)
     enough = room >= room.max() - ALIKE
     clear = np.minimum(sides @ offset, sides @ (xy[pair[0]] - rest))  # the shift is reach less this
     return np.asarray(sides[int(np.where(enough, clear, -np.inf).argmax())])
