@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from evading_flights import names_of
 
 from q2q_control.failsafe.evasion.climb_back import BACK, LONGEST, ClimbBack, InFallback
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
@@ -34,10 +35,6 @@ def setpoint_of(t: float, *pos: tuple[float, float, float], climb: float = 0.0) 
         t=t, names=names_of(n), pos=np.array(pos), vel=vel, acc=np.zeros((n, 3)), yaw=np.zeros(n),
         yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
     )  # fmt: skip
-
-
-def names_of(n: int) -> tuple[str, ...]:
-    return tuple(f"cf{k + 1}" for k in range(n))
 
 
 def lost(*blind: str, climbs: ClimbBack) -> ClimbBack:

@@ -172,7 +172,9 @@ class DescentEvasion:
     def _ask(self, pairs: list[tuple[int, int]], names: Names, pos: Array, rest: Array) -> None:
         """Assign a direction to every new pair of an evading vehicle and the one that it evades."""
         for i, j in pairs:
-            shift = self._shifts.get(names[i]) or self._shifts.setdefault(names[i], _Shift())
+            if names[i] not in self._shifts:
+                self._shifts[names[i]] = _Shift()
+            shift = self._shifts[names[i]]
             if names[j] not in shift.directions:
                 shift.directions[names[j]] = evasion_direction(pos[:, :2], (i, j), rest[j], REACH)
 
