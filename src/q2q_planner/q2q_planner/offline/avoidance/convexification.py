@@ -3,7 +3,8 @@
 Each step linearises the zone around the current curves (`half_spaces`) and deforms the minimum snap curves as
 little as the planes allow (`separating_planes`). In a large swarm the planes of the first steps are soft, so
 that pairs can change sides. When the cost has converged and no plane is violated, the curves are certified
-(`certificate`); if a pair is in the zone between two samples, the samples are made denser.
+(`certificate`); if a pair is in the zone between two planes, the samples are made denser, and the deepest one
+of each pass through the zone gets a plane, too (`near_samples.cut_corners`).
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace, bent
 from q2q_planner.offline.avoidance.half_spaces import SPACING, planes_of, watch_pairs
+from q2q_planner.offline.avoidance.near_samples import cut_corners
 from q2q_planner.offline.avoidance.separating_planes import HARD, Rows, least_bends
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
 from q2q_planner.offline.certificate import Certificate, certify
@@ -78,10 +80,10 @@ def search(problem: Problem, start: Start) -> Attempt:
     """Return the result of the convex steps from one start, with its certificate."""
     spacing, steps, softness = SPACING * problem.lathe.eps, 0, SOFTEST
     plan, side, curves = start.plan, start.side, problem.free.trajectories
-    for _ in range(DENSER):
+    for denser in range(DENSER):
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
         samples = sample_swarm(curves, problem.spaces, times)
-        bends, taken = _iterate(problem, samples, Start(side, plan), softness)
+        bends, taken = _iterate(problem, samples, Start(side, plan), softness, corners=denser > 0)
         steps += taken
         plan = _bent_plan(problem, bends)
         proof = certify(plan, problem.lathe)
@@ -98,14 +100,19 @@ def _bent_plan(problem: Problem, bends: Array) -> SwarmPlan:
     )
 
 
-def _iterate(problem: Problem, samples: SwarmSamples, start: Start, softness: float) -> tuple[Array, int]:
-    """Return the converged bends (n, m, 3) and the number of steps."""
+def _iterate(
+    problem: Problem, samples: SwarmSamples, start: Start, softness: float, *, corners: bool
+) -> tuple[Array, int]:
+    """Return the converged bends (n, m, 3) and the number of steps; corners that are cut may get planes."""
     pairs, side = problem.pairs, start.side
     dual = np.zeros((len(pairs[0]), len(samples.t)))
     positions = np.stack([curve.at(samples.t)[:, :3] for curve in start.plan.trajectories], axis=1)
     bends, cost = np.zeros((len(problem.spaces), samples.rows.shape[2], 3)), np.inf
     for step in range(problem.most_steps):
-        watch = watch_pairs(positions, pairs, problem.lathe, dual > 0.0)
+        watched = dual > 0.0
+        if corners:
+            watched |= cut_corners(positions, pairs, problem.lathe)
+        watch = watch_pairs(positions, pairs, problem.lathe, watched)
         before, cost = cost, problem.infimum + float((bends**2).sum())
         if abs(before - cost) < STILL * cost and watch.distance.min(initial=0.0) >= 0.0:
             return bends, step

@@ -9,27 +9,20 @@ offset by the sagitta ds^2 / (8 eps) of a chord of the zone's radius.
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array
+from q2q_planner.offline.avoidance.near_samples import Mask, is_near, meeting
 from q2q_planner.offline.avoidance.separating_planes import Planes, Rows
 from q2q_planner.offline.convex_zone import Lathe
 
-LOOK = 0.1
-"""Samples within this many radii of the zone get a plane before they violate it."""
 SPACING = 0.25
 """Distance between the planes of a pair, in radii."""
 DEEP = 0.25
 """Depth of a pass, in radii, beyond which it gets one common plane."""
-BOXED = 16
-"""Samples of a box: its vehicle moves by up to four radii meanwhile, and few pairs are looked at closely."""
 HEAD_ON = 1e-6
 """Miss distance below which a pass is head on [m]."""
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,32 +56,13 @@ def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watche
     """
     first, second = pairs
     seen = [np.empty((3, 0), dtype=np.intp)]  # pair, sample, passing
-    for pair in np.flatnonzero(_meeting(positions, pairs, lathe) | watched.any(axis=1)):
+    for pair in np.flatnonzero(meeting(positions, pairs, lathe) | watched.any(axis=1)):
         rel = positions[:, first[pair]] - positions[:, second[pair]]
-        near = _near(rel.T, lathe)
+        near = is_near(rel.T, lathe)
         sample = np.flatnonzero(watched[pair] | near & _thinned(rel, SPACING * lathe.eps))
         passing = np.cumsum(near & np.diff(near, prepend=False), dtype=np.intp)[sample]
         seen.append(np.stack([np.full_like(sample, pair), sample, passing]))
     return _watch(positions, pairs, lathe, np.concatenate(seen, axis=1))
-
-
-def _meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:
-    """Return which pairs may have a sample near the zone, (pairs,): boxes around BOXED samples are near.
-
-    `first` of the pairs must rise.
-    """
-    runs = np.arange(0, len(positions), BOXED)
-    low, high = (
-        np.ascontiguousarray(end.reduceat(positions, runs).transpose(2, 1, 0))
-        for end in (np.minimum, np.maximum)
-    )  # (3, n, runs): a row for each vehicle
-    begin = np.searchsorted(pairs[0], np.arange(positions.shape[1] + 1))
-    meets = []
-    for i, (start, end) in enumerate(pairwise(begin)):
-        j = pairs[1][start:end]
-        gap = np.maximum(low[:, i, None] - high[:, j], low[:, j] - high[:, i, None])
-        meets.append(_near(np.maximum(gap, 0.0), lathe).any(axis=-1))
-    return np.concatenate(meets)
 
 
 def _watch(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: Rows) -> Watch:
@@ -100,13 +74,6 @@ def _watch(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: Rows)
     chord = positions[after, i] - positions[after, j] - positions[before, i] + positions[before, j]
     normal, distance = lathe.nearest(rel)
     return Watch(pair_of, sample, rel, passing, chord, normal, distance)
-
-
-def _near(rel: Array, lathe: Lathe) -> Mask:
-    """Return which relative positions (3, ...) are near the zone, (...,)."""
-    look = LOOK * lathe.eps
-    near = rel[0] ** 2 + rel[1] ** 2 < (lathe.eps + look) ** 2
-    return np.asarray(near & (np.abs(rel[2]) < lathe.d + look))
 
 
 def _thinned(rel: Array, spacing: float) -> Mask:

@@ -1,0 +1,65 @@
+"""Samples at which pairs of vehicles are near a zone.
+
+Few pairs of a large swarm come near each other: boxes around runs of samples tell which may, and only these
+are looked at sample by sample.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array
+from q2q_planner.offline.avoidance.separating_planes import Rows
+from q2q_planner.offline.convex_zone import Lathe
+
+LOOK = 0.1
+"""Samples within this many radii of the zone get a plane before they violate it."""
+BOXED = 16
+"""Samples of a box: its vehicle moves by up to four radii meanwhile, and few pairs are looked at closely."""
+
+Mask = NDArray[np.bool_]
+
+
+def meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:
+    """Return which pairs may have a sample near the zone, (pairs,): boxes around BOXED samples are near.
+
+    `positions` [m] are (S, n, 3); `first` of the pairs must rise.
+    """
+    runs = np.arange(0, len(positions), BOXED)
+    low, high = (
+        np.ascontiguousarray(end.reduceat(positions, runs).transpose(2, 1, 0))
+        for end in (np.minimum, np.maximum)
+    )  # (3, n, runs): a row for each vehicle
+    begin = np.searchsorted(pairs[0], np.arange(positions.shape[1] + 1))
+    meets = []
+    for i, (start, end) in enumerate(pairwise(begin)):
+        j = pairs[1][start:end]
+        gap = np.maximum(low[:, i, None] - high[:, j], low[:, j] - high[:, i, None])
+        meets.append(is_near(np.maximum(gap, 0.0), lathe).any(axis=-1))
+    return np.concatenate(meets)
+
+
+def is_near(rel: Array, lathe: Lathe) -> Mask:
+    """Return which relative positions [m] (3, ...) are near the zone, (...,)."""
+    look = LOOK * lathe.eps
+    near = rel[0] ** 2 + rel[1] ** 2 < (lathe.eps + look) ** 2
+    return np.asarray(near & (np.abs(rel[2]) < lathe.d + look))
+
+
+def cut_corners(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:
+    """Return the deepest sample of every run of samples inside the zone, (pairs, S).
+
+    Between two planes a pair may cut a corner of the zone that bends more than a sphere of its radius.
+    `positions` [m] are (S, n, 3); `first` of the pairs must rise.
+    """
+    deepest = np.zeros((len(pairs[0]), len(positions)), np.bool_)
+    for pair in np.flatnonzero(meeting(positions, pairs, lathe)):
+        rel = positions[:, pairs[0][pair]] - positions[:, pairs[1][pair]]
+        near = np.flatnonzero(is_near(rel.T, lathe))
+        distance = lathe.nearest(rel[near])[1]
+        inside, depth = near[distance < 0.0], -distance[distance < 0.0]
+        begins = np.flatnonzero(np.diff(inside, prepend=-2) > 1)
+        for start, end in pairwise([*begins.tolist(), len(inside)]):
+            deepest[pair, inside[start + int(depth[start:end].argmax())]] = True
+    return deepest
