@@ -19,7 +19,8 @@ from neural_trajectory import NeuralPlan, plan_neural
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, InfeasibleError, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid
+from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.online.potential_field import PotentialField

@@ -44,7 +44,7 @@ class Tunable:
             return f"one of {', '.join(self.choices)}"
         if self.low is None or self.high is None:
             bound = f"{self.low} or more" if self.high is None else f"{self.high} or less"
-            return f"{bound} {self.unit}".rstrip() if self.low is not self.high else "any"
+            return f"{bound} {self.unit}".rstrip() if self.low is not self.high else "any number"
         return f"{self.low} to {self.high} {self.unit}".rstrip()
 
 

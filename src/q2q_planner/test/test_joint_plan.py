@@ -12,10 +12,11 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
 from q2q_planner.offline.avoidance.deviation_space import bent, deviation_space
 from q2q_planner.offline.avoidance.half_spaces import watch_pairs
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, InfeasibleError, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
 from q2q_planner.offline.avoidance.near_samples import LOOK
 from q2q_planner.offline.avoidance.separating_planes import Planes, least_bends, nonnegative_qp
 from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
+from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.convex_zone import lathe_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, plan_cost, snap_cost

@@ -14,6 +14,7 @@ EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --cut 0.88
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --risk 0.01 --tube 0.08 0.06
+  ros2 run q2q_planner plan waypoints.yaml --out plan.json --within -1.5 -1.5 0.2 1.5 1.5 2.6
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --no-avoid --upload uploads/
 
 waypoints.yaml:
@@ -43,6 +44,13 @@ def parser() -> CommandLine:
     made.add_argument("--json", type=output_file, help="write cost and proof to this file")
     made.add_argument(
         "--avoid", action=argparse.BooleanOptionalAction, default=True, help="stay out of the zone"
+    )
+    made.add_argument(
+        "--within",
+        type=float,
+        nargs=6,
+        metavar=("X", "Y", "Z", "FAR_X", "FAR_Y", "FAR_Z"),
+        help="box that all vehicles stay within, proven for every t: least and largest x, y, z [m]",
     )
     made.add_argument("--starts", type=int, default=2, help="starting points of the search (default 2)")
     made.add_argument("--warm", type=Path, metavar="PLAN", help="start the search from this plan")

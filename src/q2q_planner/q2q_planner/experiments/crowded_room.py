@@ -1,8 +1,8 @@
 """Random swaps in a room: all vehicles leave their places at once for each other's, and cross in the middle.
 
 Places are drawn uniformly, out of each other's zone; goals are a cyclic shift of them, which are in random
-order. A room holds a swap if the joint plan is certified, every curve stays within the walls, and the vehicle
-has the thrust for it.
+order. A room holds a swap if the joint plan is certified, out of the zones and within the walls, and the
+vehicle has the thrust for it.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,8 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, InfeasibleError, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
+from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
@@ -24,8 +25,6 @@ CLEAR = 0.01
 """Distance of places from each other's zone [m]."""
 STEPS = 20
 """Most convex steps of a plan."""
-SAMPLES = 400
-"""Samples of a plan that are compared with the walls."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +46,12 @@ class RoomSize:
     def size(self) -> Array:
         """Return length, width and height [m], (3,)."""
         return np.array([self.length, self.width, self.height])
+
+    @property
+    def within(self) -> tuple[float, ...]:
+        """Return the box that vehicles stay within, for AvoidanceParams."""
+        low = (self.wall,) * 3
+        return *low, *(self.size - self.wall).tolist()
 
 
 class CrowdedError(ValueError):
@@ -81,16 +86,13 @@ def held_plan(
         thrust: the vehicle, and the acceleration that it keeps in reserve [m/s^2].
     """
     try:
-        plan = avoid(swarm, zone, params=AvoidanceParams(steps=STEPS, starts=1)).plan
+        plan = avoid(swarm, zone, params=AvoidanceParams(steps=STEPS, starts=1, within=room.within)).plan
         check_feasible(plan, swarm, *thrust)
     except ValueError as refusal:
         if isinstance(refusal, InfeasibleError) or "thrust" in str(refusal):
             return None
         raise
-    t = np.linspace(0.0, plan.duration, SAMPLES)
-    pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories])
-    within = (pos >= room.wall) & (pos <= room.size - room.wall)
-    return plan if within.all() else None
+    return plan
 
 
 def _way(row: int, ends: tuple[Array, Array], time: float) -> VehicleWaypoints:

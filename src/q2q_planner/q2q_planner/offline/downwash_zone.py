@@ -24,7 +24,8 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
 from q2q_planner.offline.altitude_response import altitude_rms
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, InfeasibleError, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid
+from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 

@@ -21,6 +21,7 @@ from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_feasible, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.tools.risk_options import risk_facts, terms_of, zone_by_risk
 from q2q_planner.tools.waypoint_file import read_waypoints
@@ -34,10 +35,12 @@ DRAFT = "paper_law"
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """Plan with its certificate, cost and computing time."""
+    """Plan with its proofs, cost and computing time."""
 
     plan: SwarmPlan
     proof: Certificate
+    within: WallProof | None
+    """None without walls."""
     cost: float
     infimum: float
     cpu_ms: float
@@ -49,15 +52,22 @@ def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, bef
     `before` is the processor time at its start [s].
     """
     warm = plan_file.load(asked.warm) if asked.warm else None
-    params = AvoidanceParams(starts=asked.starts)
+    params = params_of(asked)
     if asked.avoid:
         found = avoid(swarm, zone, asked.reading, params, warm)
-        return Planned(found.plan, found.certificate, found.cost, found.infimum, _ms_since(before))
+        proofs = found.certificate, found.within
+        return Planned(found.plan, *proofs, found.cost, found.infimum, _ms_since(before))
     plan = minimum_snap_plan(swarm, asked.reading)
     lathe = lathe_around(zone)
     cost, proof = plan_cost(plan), certify(plan, lathe)
+    within = prove_within(plan, params.walls) if params.walls else None
     shown = as_certified(plan, lathe) if proof.holds else plan
-    return Planned(shown, proof, cost, cost, _ms_since(before))
+    return Planned(shown, proof, within, cost, cost, _ms_since(before))
+
+
+def params_of(asked: Namespace) -> AvoidanceParams:
+    """Return the parameters of the search; raise ValueError if `--within` is no box."""
+    return AvoidanceParams(starts=asked.starts, within=tuple(asked.within or ()))
 
 
 def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
@@ -89,7 +99,7 @@ def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Z
         raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold, which it chooses")
     file = find_model(asked.model)
     downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
-    made = avoid_downwash(swarm, downwash, asked.reading, AvoidanceParams(starts=asked.starts))
+    made = avoid_downwash(swarm, downwash, asked.reading, params_of(asked))
     if made.cut < asked.cut:
         raise ValueError(
             f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
@@ -104,16 +114,24 @@ def swarm_of(asked: Namespace) -> tuple[VehicleWaypoints, ...]:
     return read_waypoints(asked.waypoints, limits, asked.reading)
 
 
-def as_json(made: Planned) -> dict[str, float | bool | int | None]:
+def as_json(made: Planned) -> dict[str, float | bool | None]:
     """Return the content of the --json file."""
     return {
         "snap_cost": made.cost,
         "snap_infimum": made.infimum,
         "certified": made.proof.holds,
-        "clearance_m": made.proof.clearance if isfinite(made.proof.clearance) else None,
+        "clearance_m": _finite(made.proof.clearance),
         "cpu_ms": made.cpu_ms,
         "vehicles": len(made.plan.names),
-    }
+    } | _wall_facts(made.within)
+
+
+def _wall_facts(proof: WallProof | None) -> dict[str, float | bool | None]:
+    return {} if proof is None else {"within": proof.holds, "wall_clearance_m": _finite(proof.clearance)}
+
+
+def _finite(clearance: float) -> float | None:
+    return clearance if isfinite(clearance) else None
 
 
 def run(asked: Namespace) -> int:
@@ -132,6 +150,8 @@ def run(asked: Namespace) -> int:
     print(f"{asked.out}: {len(made.plan.names)} vehicles, {made.plan.duration:g} s")
     print(f"  snap cost {made.cost:.6g}, {made.cost / made.infimum:.4f} times that without avoidance")
     print(f"  {_verdict(made)} ({words})")
+    if made.within:
+        print(f"  {_wall_verdict(made.within)} ({params_of(asked).walls})")
     return 0
 
 
@@ -164,6 +184,15 @@ def _verdict(made: Planned) -> str:
     if proof.holds:
         return f"certified out of the zone for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"
     return f"NOT out of the zone: {-proof.clearance * 1e3:.0f} mm inside, {nearest}"
+
+
+def _wall_verdict(proof: WallProof) -> str:
+    nearest = f"{proof.name} at {proof.t:.2f} s"
+    if proof.holds:
+        return f"certified within the walls for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"
+    if not isfinite(proof.clearance):
+        return f"NOT proven within the walls: positions are rounded by more than {MOST_ROUNDING} m"
+    return f"NOT within the walls: {-proof.clearance * 1e3:.0f} mm beyond, {nearest}"
 
 
 def _ms_since(before: float) -> float:

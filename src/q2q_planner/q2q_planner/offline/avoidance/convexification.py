@@ -4,7 +4,7 @@ Each step linearises the zone around the current curves (`half_spaces`) and defo
 little as the planes allow (`separating_planes`). In a large swarm the planes of the first steps are soft, so
 that pairs can change sides. When the cost has converged and no plane is violated, the curves are certified
 (`certificate`); if a pair is in the zone between two planes, the samples are made denser, and the deepest one
-of each pass through the zone gets a plane, too (`near_samples.cut_corners`).
+of each pass through the zone gets a plane, too (`near_samples.cut_corners`). Walls are planes from the start.
 """
 
 from dataclasses import dataclass
@@ -13,14 +13,15 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.avoidance.deviation_space import DeviationSpace, bent
-from q2q_planner.offline.avoidance.half_spaces import SPACING, planes_of, watch_pairs
-from q2q_planner.offline.avoidance.near_samples import cut_corners
-from q2q_planner.offline.avoidance.separating_planes import HARD, Rows, least_bends
+from q2q_planner.offline.avoidance.avoidance_problem import Problem
+from q2q_planner.offline.avoidance.deviation_space import bent
+from q2q_planner.offline.avoidance.half_spaces import SPACING
+from q2q_planner.offline.avoidance.separating_planes import HARD, least_bends
+from q2q_planner.offline.avoidance.step_planes import watched_samples
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
 from q2q_planner.offline.certificate import Certificate, certify
-from q2q_planner.offline.convex_zone import Lathe
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
+from q2q_planner.offline.walls import WallProof, prove_within
 
 DENSER = 3
 """Rounds of samples, each twice as dense as the previous one."""
@@ -33,27 +34,6 @@ HARDEN = 0.3
 FEWEST_SAMPLES = 64
 DEEPEST = 0.2
 """Depth, in radii, beyond which denser samples do not help."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Problem:
-    """Trajectories to deform and the zone they must leave."""
-
-    free: SwarmPlan
-    """Minimum snap without avoidance."""
-    infimum: float
-    """Its cost."""
-    spaces: tuple[DeviationSpace, ...]
-    """Deformations of each vehicle."""
-    lathe: Lathe
-    margin: float
-    """Distance kept from the zone [m]."""
-    most_steps: int
-
-    @property
-    def pairs(self) -> tuple[Rows, Rows]:
-        """Return vehicles i and j of every pair, (pairs,) each."""
-        return np.triu_indices(len(self.spaces), 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,8 +52,15 @@ class Attempt:
 
     plan: SwarmPlan
     proof: Certificate
+    within: WallProof | None
+    """None without walls."""
     cost: float
     steps: int
+
+    @property
+    def holds(self) -> bool:
+        """Return whether the plan is proven to stay out of the zone and within the walls."""
+        return self.proof.holds and (self.within is None or self.within.holds)
 
 
 def search(problem: Problem, start: Start) -> Attempt:
@@ -83,18 +70,21 @@ def search(problem: Problem, start: Start) -> Attempt:
     for denser in range(DENSER):
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
         samples = sample_swarm(curves, problem.spaces, times)
+        samples = samples.with_room() if problem.walls else samples
         bends, taken = _iterate(problem, samples, Start(side, plan), softness, corners=denser > 0)
         steps += taken
         plan = _bent_plan(problem, bends)
         proof = certify(plan, problem.lathe)
-        if proof.holds or proof.clearance < -DEEPEST * problem.lathe.eps:
+        within = prove_within(plan, problem.walls) if problem.walls else None
+        attempt = Attempt(plan, proof, within, plan_cost(plan), steps)
+        if attempt.holds or proof.clearance < -DEEPEST * problem.lathe.eps:
             break
         spacing, side, softness = 0.5 * spacing, np.ones_like(side), HARD
-    return Attempt(plan, proof, plan_cost(plan), steps)
+    return attempt
 
 
 def _bent_plan(problem: Problem, bends: Array) -> SwarmPlan:
-    rows = zip(problem.free.trajectories, problem.spaces, bends, strict=True)
+    rows = zip(problem.free.trajectories, problem.spaces, bends[: len(problem.spaces)], strict=True)
     return SwarmPlan(
         problem.free.names, tuple(bent(curve, space, y[: space.dimension]) for curve, space, y in rows)
     )
@@ -104,21 +94,17 @@ def _iterate(
     problem: Problem, samples: SwarmSamples, start: Start, softness: float, *, corners: bool
 ) -> tuple[Array, int]:
     """Return the converged bends (n, m, 3) and the number of steps; corners that are cut may get planes."""
-    pairs, side = problem.pairs, start.side
-    dual = np.zeros((len(pairs[0]), len(samples.t)))
+    side, dual = start.side, np.zeros((problem.rows, len(samples.t)))
     positions = np.stack([curve.at(samples.t)[:, :3] for curve in start.plan.trajectories], axis=1)
-    bends, cost = np.zeros((len(problem.spaces), samples.rows.shape[2], 3)), np.inf
+    bends, cost = np.zeros((len(samples.rows), samples.rows.shape[2], 3)), np.inf
     for step in range(problem.most_steps):
-        watched = dual > 0.0
-        if corners:
-            watched |= cut_corners(positions, pairs, problem.lathe)
-        watch = watch_pairs(positions, pairs, problem.lathe, watched)
+        watched = watched_samples(problem, positions, dual > 0.0, corners=corners)
         before, cost = cost, problem.infimum + float((bends**2).sum())
-        if abs(before - cost) < STILL * cost and watch.distance.min(initial=0.0) >= 0.0:
+        if abs(before - cost) < STILL * cost and watched.distance >= 0.0:
             return bends, step
-        planes = planes_of(watch, pairs, problem.lathe, problem.margin, side)
-        bends, found = least_bends(samples, planes, dual[watch.pair, watch.sample], softness)
-        dual[watch.pair, watch.sample] = found
-        positions, side = samples.positions(bends), np.ones_like(side)
+        at, planes = watched.planes(problem, side)
+        bends, found = least_bends(samples, planes, dual[at], softness)
+        dual[at] = found
+        positions, side = samples.positions(bends)[:, : len(problem.spaces)], np.ones_like(side)
         softness = max(HARD, HARDEN * softness)
     return bends, problem.most_steps

@@ -11,7 +11,7 @@ proves the plan.
 
 Starts: the sides on which pairs already pass, to the right if head on; then mirrored; then at random. The
 cheapest certified plan is returned. A plan that is not certified is never returned: InfeasibleError names the
-pair in conflict, its time and depth.
+pair in conflict, its time and depth, or the vehicle that crosses a wall.
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,15 +23,15 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
-from q2q_planner.offline.avoidance.convexification import Attempt, Problem, Start, search
+from q2q_planner.offline.avoidance.avoidance_problem import Problem
+from q2q_planner.offline.avoidance.convexification import Attempt, Start, search
 from q2q_planner.offline.avoidance.deviation_space import deviation_space
+from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError, check_apart, check_inside
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import Lathe, lathe_around
+from q2q_planner.offline.convex_zone import lathe_around
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-
-SAME_MOMENT = 1e-3
-"""Time difference within which a waypoint is named in an error [s]."""
+from q2q_planner.offline.walls import WallProof, Walls, prove_within
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +43,23 @@ class AvoidanceParams:
     steps: int = tunable(40, "most convex steps from one start", low=1, high=1000)
     starts: int = tunable(2, "starts tried: as the pairs pass, mirrored, then at random", low=1, high=100)
     seed: int = tunable(0, "seed of the random starts", low=0)
+    within: tuple[float, ...] = tunable(
+        (), "box that all vehicles stay within: least x, y, z, largest x, y, z; none if empty", unit="m"
+    )
 
     def __post_init__(self) -> None:
-        """Raise ValueError if a number is out of bounds."""
+        """Raise ValueError if a number is out of bounds, or `within` is no box."""
         check_bounds(self)
+        if self.walls is None and self.within:
+            raise ValueError(f"AvoidanceParams.within has {len(self.within)} numbers: give 6, or none")
+
+    @property
+    def walls(self) -> Walls | None:
+        """Return the box of `within`, or None."""
+        if len(self.within) != 6:
+            return None
+        x, y, z, far_x, far_y, far_z = self.within
+        return Walls((x, y, z), (far_x, far_y, far_z))
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,16 +68,14 @@ class AvoidancePlan:
 
     plan: SwarmPlan
     certificate: Certificate
+    within: WallProof | None
+    """None without walls."""
     cost: float
     """(18)"""
     infimum: float
     """(18) without avoidance."""
     steps: int
     """Convex steps of all starts."""
-
-
-class InfeasibleError(ValueError):
-    """Error when no certified plan was found, naming the pair in conflict."""
 
 
 def avoid(
@@ -90,19 +101,22 @@ def avoid(
     numbers = params or AvoidanceParams()
     lathe = lathe_around(zone)
     free = minimum_snap_plan(swarm, reading)
-    infimum, proof = plan_cost(free), certify(free, lathe)
-    if proof.holds:
-        return AvoidancePlan(as_certified(free, lathe), proof, infimum, infimum, 0)
-    _check_held(swarm, lathe)
+    infimum, proof, walls = plan_cost(free), certify(free, lathe), numbers.walls
+    within = prove_within(free, walls) if walls else None
+    if proof.holds and (within is None or within.holds):
+        return AvoidancePlan(as_certified(free, lathe), proof, within, infimum, infimum, 0)
+    check_apart(swarm, lathe)
+    if walls:
+        check_inside(swarm, walls)
     spaces = tuple(deviation_space(vehicle, reading, numbers.pieces) for vehicle in swarm)
-    problem = Problem(free, infimum, spaces, lathe, numbers.margin, numbers.steps)
+    problem = Problem(free, infimum, spaces, lathe, numbers.margin, numbers.steps, walls)
     found = [search(problem, start) for start in _starts(problem, numbers, warm)]
-    certified = [attempt for attempt in found if attempt.proof.holds]
+    certified = [attempt for attempt in found if attempt.holds]
     if not certified:
         raise InfeasibleError(_explanation(found))
     best = min(certified, key=lambda attempt: attempt.cost)
     steps = sum(attempt.steps for attempt in found)
-    return AvoidancePlan(as_certified(best.plan, lathe), best.proof, best.cost, infimum, steps)
+    return AvoidancePlan(as_certified(best.plan, lathe), best.proof, best.within, best.cost, infimum, steps)
 
 
 def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -> Iterator[Start]:
@@ -129,46 +143,16 @@ def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:
             return generator.choice([-1.0, 1.0], pairs)
 
 
-def _check_held(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
-    """Raise if waypoints at the same time, or a rest after the last one, lie in each other's zone."""
-    held = list(_held_together(swarm))
-    if not held:
-        return
-    rel = [
-        np.subtract(swarm[i].waypoints[at].pos, swarm[j].waypoints[other].pos) for (i, at), (j, other) in held
-    ]
-    clearance = lathe.signed_distance(np.array(rel))
-    inside = np.flatnonzero(clearance <= 0.0)
-    if inside.size:
-        (i, at), (j, other) = held[inside[0]]
-        both = f"{swarm[i].name}, waypoint {at} and {swarm[j].name}, waypoint {other}"
-        depth = f"{-clearance[inside[0]]:.3g} m inside each other's zone at t = {swarm[i].waypoints[at].t} s"
-        raise InfeasibleError(f"{both} lie {depth}; no trajectory can keep them apart")
-
-
-def _held_together(swarm: Sequence[VehicleWaypoints]) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
-    """Yield (vehicle, waypoint) and each (other vehicle, waypoint) that is held at its time."""
-    times = [vehicle.times for vehicle in swarm]
-    for i, vehicle in enumerate(swarm):
-        for at, waypoint in enumerate(vehicle.waypoints):
-            for j, there in enumerate(times):
-                other = _held_at(there, waypoint.t)
-                if j != i and other is not None:
-                    yield (i, at), (j, other)
-
-
-def _held_at(times: Array, t: float) -> int | None:
-    """Return the waypoint, of those at `times`, at which a vehicle is at time t [s], or None."""
-    if t >= times[-1]:
-        return len(times) - 1
-    near = int(np.abs(times - t).argmin())
-    return near if abs(times[near] - t) < SAME_MOMENT else None
-
-
 def _explanation(found: Sequence[Attempt]) -> str:
+    apart = [attempt for attempt in found if attempt.proof.holds]
+    best = f"in the best of {len(found)} starts; move a waypoint there or allow more time"
+    if apart:
+        nearest = max((attempt.within for attempt in apart if attempt.within), key=lambda one: one.clearance)
+        beyond = f"{-nearest.clearance:.3g} m beyond a wall at t = {nearest.t:.2f} s"
+        return f"{nearest.name} cannot be kept within the walls: {beyond} {best}"
     proof = max((attempt.proof for attempt in found), key=lambda proof: proof.clearance)
     first, second = proof.pair or ("", "")
     return (
         f"{first} and {second} cannot be kept apart: {-proof.clearance:.3g} m inside each other's zone at "
-        f"t = {proof.t:.2f} s in the best of {len(found)} starts; move a waypoint there or allow more time"
+        f"t = {proof.t:.2f} s {best}"
     )

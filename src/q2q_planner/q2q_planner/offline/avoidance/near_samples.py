@@ -58,8 +58,13 @@ def cut_corners(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mas
         rel = positions[:, pairs[0][pair]] - positions[:, pairs[1][pair]]
         near = np.flatnonzero(is_near(rel.T, lathe))
         distance = lathe.nearest(rel[near])[1]
-        inside, depth = near[distance < 0.0], -distance[distance < 0.0]
-        begins = np.flatnonzero(np.diff(inside, prepend=-2) > 1)
-        for start, end in pairwise([*begins.tolist(), len(inside)]):
-            deepest[pair, inside[start + int(depth[start:end].argmax())]] = True
+        inside = near[distance < 0.0]
+        deepest[pair, deepest_of_runs(inside, -distance[distance < 0.0])] = True
     return deepest
+
+
+def deepest_of_runs(sample: Rows, depth: Array) -> Rows:
+    """Return the sample of largest depth of every run of consecutive samples, which rise; (k,) each."""
+    begins = np.flatnonzero(np.diff(sample, prepend=-2) > 1).tolist()
+    runs = pairwise([*begins, len(sample)])
+    return np.array([sample[start + int(depth[start:end].argmax())] for start, end in runs], dtype=np.intp)

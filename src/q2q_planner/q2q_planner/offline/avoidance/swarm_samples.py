@@ -28,6 +28,12 @@ class SwarmSamples:
         """Return the positions [m], (S, n, 3), under bends y (n, m, 3)."""
         return np.asarray(self.base + np.matmul(self.rows, bends).swapaxes(0, 1))
 
+    def with_room(self) -> "SwarmSamples":
+        """Return the samples with one vehicle more, that stands for the room: at rest at the origin."""
+        count, dimension = len(self.t), self.rows.shape[2]
+        base = np.concatenate([self.base, np.zeros((count, 1, 3))], axis=1)
+        return SwarmSamples(self.t, base, np.concatenate([self.rows, np.zeros((1, count, dimension))]))
+
 
 def sample_swarm(
     trajectories: Sequence[Trajectory], spaces: Sequence[DeviationSpace], t: Array
@@ -48,7 +54,7 @@ def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int
     end = max(trajectory.duration for trajectory in trajectories)
     fine = np.linspace(0.0, end, FINE)
     speed = np.array([np.linalg.norm(one.at(fine, 1)[:, :3], axis=-1) for one in trajectories])
-    fastest = np.partition(speed, -2, axis=0)[-2:].sum(axis=0)
+    fastest = np.partition(speed, -min(2, len(speed)), axis=0)[-2:].sum(axis=0)
     rate = fastest / spacing + fewest / end  # samples a second
     count = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
     return np.asarray(np.interp(np.linspace(0.0, count[-1], int(np.ceil(count[-1])) + 1), count, fine))
