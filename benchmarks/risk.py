@@ -6,12 +6,13 @@
 `--tube` is that of the plans; `tube` measures one for plans with it. Both swap vehicles at random in a room
 (`q2q_planner.experiments.crowded_room`). Flights are those of Crazyflies 2.1 under the interaction-aware PID
 that corrects its model `measured_law` (flights dc19), in the air `room` (flights dc21), with the noise,
-delays and losses of a real room.
+delays and losses of a real room; `--attitude firmware` flies the emulated stock controller on board.
 """
 
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, risk_zone
 from q2q_planner.tools.risk_options import MANOEUVRES, MODEL
 from q2q_sim.experiments.promise.tracking_tube import conformal_bound, fewest_flights
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario import AttitudeLoop, Scenario
 from q2q_sim.scenarios.settings import REAL
 from row import Row
 
@@ -34,7 +35,7 @@ VEHICLE = vehicle_by_name("crazyflie_2_1")
 ALPHA = 0.01
 HOLD = VEHICLE.rpyt_thrust_max / VEHICLE.mass - GRAVITY - MANOEUVRES
 ROOM = RoomSize()
-SIZES = (4, 6, 8, 11, 16, 22, 32, 45, 64)
+SIZES = (4, 6, 8, 11, 16, 22, 32, 45, 64, 90)
 """Swarms tried: half an octave apart."""
 GAINS = {"pid": {"k_p_z": 10.0, "k_d_z": 5.0, "k_p_xy": 6.0, "k_d_xy": 4.0}}
 """Those of the real flights dc21."""
@@ -85,8 +86,8 @@ class Strays:
     """Least distance of two vehicles [m]."""
 
 
-def strays(count: int, zone: Zone, seed: int) -> Strays | None:
-    """Return how far vehicles stray in a random swap; None if it has no plan."""
+def strays(count: int, zone: Zone, seed: int, attitude: AttitudeLoop = "paper") -> Strays | None:
+    """Return how far vehicles with an attitude loop stray in a random swap; None if it has no plan."""
     try:
         swarm = random_swap(count, zone, ROOM, np.random.default_rng([seed, count]))
     except CrowdedError:
@@ -102,6 +103,7 @@ def strays(count: int, zone: Zone, seed: int) -> Strays | None:
         waypoints=swarm,
         plan=plan,
         air="room",
+        attitude=attitude,
         model=MODEL,
         vicon=REAL.vicon,
         radio=REAL.radio,
@@ -127,10 +129,10 @@ def run() -> list[Row]:
     return tube_rows(flown(range(SHORT), 6, TUBE), TUBE)
 
 
-def flown(seeds: range, count: int, tube: RiskTube) -> list[Strays]:
+def flown(seeds: range, count: int, tube: RiskTube, attitude: AttitudeLoop = "paper") -> list[Strays]:
     """Return the flights of the swaps that have a plan."""
     zone = risk_of(tube)
-    return [found for seed in seeds if (found := strays(count, zone, seed))]
+    return [found for seed in seeds if (found := strays(count, zone, seed, attitude))]
 
 
 def tube_rows(flights: Sequence[Strays], tube: RiskTube) -> list[Row]:
@@ -174,6 +176,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     made.add_argument("--flights", type=int, default=60, help="how many flights (default 60)")
     made.add_argument("--vehicles", type=int, default=12, help="in each (default 12)")
     made.add_argument(
+        "--attitude", choices=get_args(AttitudeLoop), default="paper", help="loop on board (default paper)"
+    )
+    made.add_argument(
         "--tube", type=float, nargs=2, required=True, metavar=("HORIZONTAL", "VERTICAL"), help="[m]"
     )
     args = made.parse_args(arguments)
@@ -181,7 +186,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if args.what == "capacity":
         rows = capacity_rows(range(args.seeds), tube)
     else:
-        rows = tube_rows(flown(range(args.first, args.first + args.flights), args.vehicles, tube), tube)
+        seeds = range(args.first, args.first + args.flights)
+        rows = tube_rows(flown(seeds, args.vehicles, tube, args.attitude), tube)
     for row in rows:
         print(f"{row.name:60} {row.value:10.4g} {row.unit}")
     return 0

@@ -74,6 +74,7 @@ class Room:
         n, vehicle = len(start), scenario.vehicle
         flown = air_of(scenario) if air is None else air
         self._swarm = Swarm(scenario.names, vehicle, start, flown, seed)
+        self._execute = _execution(scenario, self._swarm)
         self._vicon = Vicon(scenario.vicon, n, TICK_S, seed)
         self._imu = Imu(scenario.imu, n, seed)
         replaced = scenario.air or air is not None
@@ -140,7 +141,7 @@ class Room:
                 self._check_finite(command.names, values.T)
             self._radio.send(now_ns, rows, values, self._faults.jammed(now_ns))
         applied = self._radio.applied(now_ns, TICK_NS // STEPS, STEPS)
-        self._swarm.step(applied, self._faults.weakened(self._ambient.drive(), now_ns))
+        self._execute(applied, self._faults.weakened(self._ambient.drive(), now_ns))
         self._tick += 1
         self._seen = self._read = None
 
@@ -178,6 +179,15 @@ class Room:
     def _true_downwash(self, truth: SwarmState) -> Interference:
         push = self._ambient.push(self._swarm.downwash())
         return Interference(t=truth.t, names=truth.names, acc=push, std=self._exact, status=self._valid)
+
+
+def _execution(scenario: Scenario, swarm: Swarm) -> Callable[[Array, Array], None]:
+    """Return what advances the swarm by a tick of commands, as Swarm.step."""
+    if scenario.attitude == "paper":
+        return swarm.step
+    from q2q_sim.firmware.commanded_flight import CommandedFlight  # 0.05 s to import
+
+    return CommandedFlight(swarm, scenario.vehicle).step
 
 
 def _with_camera_latency(scenario: Scenario) -> RadioParams:

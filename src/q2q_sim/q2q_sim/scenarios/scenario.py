@@ -10,6 +10,7 @@ A document (parsed YAML) is checked and converted to a Scenario here; `q2q_sim.s
     air: room.air             # in place of wake and disturbance: a shipped name, a .air file, module:Class
     air_without: [residual]   # terms of that air that are switched off
     in_air: {vehicle: crazyflie_2_0}   # keys that replace those above where the flight names another air
+    attitude: firmware        # loop on board: paper (section 5.1) or firmware (the emulated stock controller)
     model: paper_law          # of the controllers: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
     single values reading: stop_and_go      # of eq. (17): stop_and_go or free
@@ -22,7 +23,7 @@ A document (parsed YAML) is checked and converted to a Scenario here; `q2q_sim.s
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite
-from typing import Annotated, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
@@ -51,6 +52,7 @@ from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon import ViconParams
 
 P = TypeVar("P", bound=ParamsClass)
+AttitudeLoop = Literal["paper", "firmware"]
 
 BLOCKS: dict[str, ParamsClass] = {
     "mocap_filter": MocapFilterParams(),
@@ -85,6 +87,8 @@ class Scenario:
     """Terms of the air that are switched off."""
     in_air: "Scenario | None" = None
     """Flown in its place where the flight names another air."""
+    attitude: AttitudeLoop = "paper"
+    """Loop that executes commands on board: section 5.1, or the emulated stock controller."""
     model: str = "none"
     """Interaction model of the controllers."""
     vicon: ViconParams = field(default_factory=ViconParams)
@@ -130,6 +134,7 @@ class _Document:
     air: str = ""
     air_without: Annotated[Names, "a list of names"] = ()
     in_air: Mapping[str, object] | None = None
+    attitude: AttitudeLoop = "paper"
     model: str = "none"
     room: str = "ideal"
     reading: Reading = "stop_and_go"
@@ -168,6 +173,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         air=given.air,
         air_without=given.air_without,
         in_air=scenario_from_document(name, document_in_air(document), plan) if given.in_air else None,
+        attitude=given.attitude,
         model=given.model,
         vicon=overridden(room.vicon, given.vicon, "vicon"),
         radio=overridden(room.radio, given.radio, "radio"),
