@@ -54,6 +54,23 @@ def level_at(t: float, status: CommandStatus = CommandStatus.LEVEL, roll: float 
     return SwarmCommand(t, NAMES, np.full(2, HOVER), np.full(2, roll), zero, zero, statuses)
 
 
+def test_a_weak_vehicle_gains_as_much_by_its_tilt_as_its_thrust_holds() -> None:
+    """With 1.2 m/s^2 to balance, a thrust that holds the weight accelerates by g tan(tilt), as without."""
+    for weak in (0.0, 1.2):
+        track = np.zeros((1, WIDTH))
+        track[0, BALANCE + 2] = weak
+        share = (1.0 + weak / GRAVITY) / np.cos(0.2)
+        asked = Command(np.array([share * HOVER]), np.zeros(1), np.array([0.2]))
+        unseen = Sight(
+            np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.array([TrackStatus.LOST], dtype=np.uint8)
+        )
+        for _ in range(300):
+            before = track[0, VEL]
+            reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), unseen)
+        assert (track[0, VEL] - before) / TICK == pytest.approx(GRAVITY * np.tan(0.2), rel=1e-4)
+        assert track[0, VEL + 2] == pytest.approx(0.0, abs=1e-9 if not weak else 0.2)
+
+
 def ticked(block: DeadReckonedBraking, state: SwarmState, command: SwarmCommand) -> SwarmCommand:
     """Return the command of a tick without a prediction of downwash."""
     block.advance(state, None, state.t)

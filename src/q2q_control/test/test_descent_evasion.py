@@ -56,13 +56,13 @@ def test_who_is_not_in_the_column_is_left_alone(other: tuple[float, float, float
 
 
 def test_who_is_near_the_place_to_which_another_may_have_drifted_evades() -> None:
-    pos = np.array([UPPER, (1.0, 0.0, 1.0)])
-    state = replace(state_of(pos), age=np.array([KNOWN + 1.2, 0.0]))
+    pos = np.array([UPPER, (0.8, 0.0, 1.0)])
+    state = replace(state_of(pos), age=np.array([KNOWN + 0.6, 0.0]))
     made = [
         DescentEvasion().update(setpoint_of(0.0, pos), one, flown(2, 0), {}).acc[1, 0]
         for one in (state_of(pos), state)
     ]
-    assert made == [0.0, pytest.approx(PACE**2 * (REACH + 1.2 * DRIFT - 1.0))]
+    assert made == [0.0, pytest.approx(PACE**2 * (REACH + 0.6 * DRIFT - 0.8))]
 
 
 @pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])

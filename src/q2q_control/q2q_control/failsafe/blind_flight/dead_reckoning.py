@@ -12,7 +12,8 @@ attitude_law). Its second-order lag has the mean and the variance of their impul
 While a vehicle is measured, p and v are its position and velocity, and a Luenberger observer with two poles
 at -w, whose velocity is o, learns b. A weak battery, a wind, the tilt that a weak rotor costs, and a downwash
 that is not predicted appear in b; an acceleration that the controller wants does not. Without measurements
-the motion is integrated, with the balance of the last one.
+the motion is integrated, with the balance of the last one. Thrust that b_z takes away is taken for weak:
+horizontally u counts by 1 / (1 + b_z / g).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -105,7 +106,8 @@ def reckon(track: Array, asked: Command, push: Array, times: tuple[float, float]
 def _propagate(one: Array, command: tuple[float, float, float], push: Array, elapsed: float) -> None:
     """Propagate a track (WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
-    ahead, aside = GRAVITY * share * math.sin(pitch) * math.cos(roll), -GRAVITY * share * math.sin(roll)
+    level = GRAVITY * share / (1.0 + one[BALANCE + 2] / GRAVITY)  # a weak rotor or battery gives less
+    ahead, aside = level * math.sin(pitch) * math.cos(roll), -level * math.sin(roll)
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
     lift = GRAVITY * (share * math.cos(roll) * math.cos(pitch) - 1.0)
     for k, aimed in enumerate((cos * ahead - sin * aside, sin * ahead + cos * aside, lift)):

@@ -42,8 +42,9 @@ RISE = 0.7
 """Height above one that is lost from which it is not evaded [m]: contact, 0.14, and its rise by 0.5."""
 KNOWN, DRIFT = 1.0, 0.4
 """Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
-FARTHEST = 1.2
-"""Longest shift along one direction [m], and longest distance to keep: twice REACH."""
+FARTHEST = 0.9
+"""Longest shift along one direction [m], and longest distance to keep: REACH, and a drift of 0.75 s beyond
+KNOWN. A vehicle that evades further leaves the room, or is not back within seconds."""
 PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1

@@ -10,10 +10,11 @@ command has taken effect:
 
     -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v|, v_c . v / |v|, v_m . v / |v| > FAST
 
-Below FAST the deceleration due is that of FAST. The margin is that of an implication, as in signal temporal
-logic (Fainekos and Pappas, 2009): the larger one of how far the vehicle is from being fast and how far the
-deceleration is from its limit, at most 1. So a search is led to where a vehicle is lost at speed and is not
-braked.
+Below FAST the deceleration due is that of FAST. Longer than KNOWN after its last measurement a vehicle may
+drift unnoticed by DRIFT (descent_evasion): FAST is larger by as much then. The margin is that of an
+implication, as in signal temporal logic (Fainekos and Pappas, 2009): the larger one of how far the vehicle is
+from being fast and how far the deceleration is from its limit, at most 1. So a search is led to where a
+vehicle is lost at speed and is not braked.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -30,6 +31,7 @@ from numpy.typing import NDArray
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
+from q2q_control.failsafe.evasion.descent_evasion import DRIFT, KNOWN
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import (
@@ -59,6 +61,8 @@ class _Braking(NamedTuple):
     speed: Array
     """True speed once the command has taken effect, or that along it at the command or when last measured,
     whichever is least [m/s]."""
+    fast: Array
+    """Speed from which braking is judged [m/s]."""
     share: Array
     """Commanded deceleration, of that due [-]."""
 
@@ -67,11 +71,11 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     """Return the vehicle without measurements that is braked the least."""
     found = _braking(ticks)
     judged = _judged(run, ticks)[: len(found.speed)]
-    unmet = np.where(judged & (found.speed > FAST), found.share, np.inf)
+    unmet = np.where(judged & (found.speed > found.fast), found.share, np.inf)
     k, row = np.unravel_index(int(unmet.argmin()), unmet.shape)
     least = float(unmet[k, row])
     bad = (Violation("brake", ticks.names[row], float(ticks.t[k]), least, SHARE),) if least < SHARE else ()
-    margin = np.maximum(1.0 - found.speed / FAST, found.share / SHARE - 1.0)
+    margin = np.maximum(1.0 - found.speed / found.fast, found.share / SHARE - 1.0)
     return StatedOutcome(bad, float(np.minimum(margin[judged], 1.0).min(initial=np.inf)))
 
 
@@ -82,12 +86,15 @@ def _braking(ticks: RunTicks) -> _Braking:
     vel = true_vel[late:]
     speed = np.linalg.norm(vel, axis=2)
     along = vel / np.maximum(speed, STILL)[..., None]
-    before = np.take_along_axis(true_vel, last_measured(ticks)[: len(vel), :, None], axis=0)
+    last = last_measured(ticks)[: len(vel)]
+    before = np.take_along_axis(true_vel, last[..., None], axis=0)
     known = speed  # a push since it was measured is unknown, and who is measured again may speed up
     for earlier in (before, true_vel[: len(vel)]):
         known = np.minimum(known, np.einsum("tnk,tnk->tn", earlier, along))
+    age = TICK_S * (np.arange(len(vel))[:, None] - last)
+    fast = np.where(age > KNOWN, FAST + DRIFT, FAST)
     due = np.minimum(np.maximum(speed, FAST) / BRAKING_S, BRAKING_MAX)
-    return _Braking(known, -np.einsum("tnk,tnk->tn", ticks.commanded_acc()[: len(vel)], along) / due)
+    return _Braking(known, fast, -np.einsum("tnk,tnk->tn", ticks.commanded_acc()[: len(vel)], along) / due)
 
 
 def _judged(run: Run, ticks: RunTicks) -> Mask:
