@@ -354,10 +354,12 @@ def test_a_stamp_that_is_no_number_is_ignored_once_time_runs_and_refused_before(
 def test_an_old_frame_under_new_stamps_is_no_sample_but_not_for_ever():
     block = _flown(50)
     old = _truth(49)[0]
-    for tick in range(50, 110):
-        state = block.update(_frame(tick, old))
-        if _time(tick) - _time(49) <= COAST_S + 1e-9:
+    for tick in range(50, 130):
+        state, frozen = block.update(_frame(tick, old)), _time(tick) - _time(49)
+        if frozen <= COAST_S + 1e-9:
             assert list(state.status) == [COASTING, COASTING]
+        elif frozen <= 2.0 * COAST_S - 1e-9:  # a stream that is frozen is no vehicle at rest
+            assert list(state.status) == [LOST, LOST]
     assert list(state.status) == [TRACKED, TRACKED]
     assert np.array_equal(state.pos, old)
 

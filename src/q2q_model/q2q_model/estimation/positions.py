@@ -165,7 +165,7 @@ class PositionTracks:
         self._reacquisition.forget(source >= 0)
         absent = tracks.seen & (~present | ((source < 0) & ~rejected))
         unmatched = Unmatched(absent, rejected)
-        jumped = self._jumped(t, at.samples, unmatched)
+        jumped = self._jumped(t, at, unmatched)
         if (began | jumped | at.thawed).any():
             self._restart(t, at, began | jumped | at.thawed, jumped)
         return Association(np.where(jumped, rows, source), began, jumped | at.thawed)
@@ -185,17 +185,20 @@ class PositionTracks:
         without = fails | (tracks.seen & ~present)
         return np.asarray(fails & alone & ~(fits & without).any(axis=1))
 
-    def _jumped(self, t: float, samples: Array, unmatched: Unmatched) -> Mask:
-        """Return the tracks whose rejected samples are accepted, (n,)."""
+    def _jumped(self, t: float, at: Prediction, unmatched: Unmatched) -> Mask:
+        """Return the tracks whose rejected samples are accepted, (n,).
+
+        Those that may be another vehicle's, or repeat a pose as a frozen stream does, have to last.
+        """
         if not unmatched.rejected.any():
             return unmatched.rejected
         tracks, params = self._tracks, self._params
         last = LastSample(tracks.state[:, 0], tracks.state[:, 1], tracks.time)
-        ambiguous = self._reacquisition.ambiguous(t, samples, last, unmatched)
+        ambiguous = self._reacquisition.ambiguous(t, at.samples, last, unmatched)
         ambiguous &= ~tracks.confirmed | _may_borrow(tracks)
         longest = max(params.coast_s, params.reacquire_s)
-        patience = np.where(ambiguous, longest, params.reacquire_s)
-        return self._reacquisition.offer(t, samples, unmatched.rejected, patience)
+        patience = np.where(ambiguous | at.repeated, longest, params.reacquire_s)
+        return self._reacquisition.offer(t, at.samples, unmatched.rejected, patience)
 
     def _restart(self, t: float, at: Prediction, fresh: Mask, jumped: Mask) -> None:
         """Start tracks at their own samples."""
