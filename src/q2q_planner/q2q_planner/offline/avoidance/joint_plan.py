@@ -91,7 +91,7 @@ def avoid(
         swarm: the waypoints of each vehicle.
         zone: the zone that every pair keeps out of.
         reading: whether vehicles stop at inner waypoints (`minimum_snap`).
-        params: numbers of the search.
+        params: numbers of the search, and the walls.
         warm: a plan of the same vehicles; the search starts around it and tries nothing else.
 
     Raises:
