@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
+from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import (
     SET_ATTITUDE,
@@ -38,7 +39,7 @@ class CommandedFlight:
         """Start the firmware of a swarm of vehicles of one type."""
         n, (_, _, rotor_max) = len(swarm.names), swarm.body.frame
         airframe = replace(airframe_of(vehicle), force_max=rotor_max)
-        self._swarm, self._full = swarm, vehicle.full_pwm_thrust
+        self._swarm, self._scale = swarm, LegacyScale(vehicle.full_pwm_thrust)
         self._controllers = Controllers(
             setpoints=np.tile(setpoint_row(RPYT, Power()), (n, 2, 1)),
             gains=np.tile(Parameters(airframe).gains(), (n, 1)),
@@ -63,5 +64,5 @@ class CommandedFlight:
         rows[:, :, SET_ATTITUDE] = np.degrees(roll)[:, None]
         rows[:, :, SET_ATTITUDE + 1] = -np.degrees(pitch)[:, None]
         rows[:, :, SET_RATE + 2] = np.degrees(yaw_rate)[:, None]
-        pwm = np.clip(np.round(thrust / self._full * PWM_FULL), 0, RPYT_PWM_MAX)
+        pwm = np.clip(np.round(self._scale.pwm_of(thrust)), 0, RPYT_PWM_MAX)
         rows[:, :, SET_THRUST] = pwm[:, None]
