@@ -16,17 +16,9 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.crtp.vehicle import CrtpVehicle
-from q2q_sim.firmware.controllers.columns import (
-    IDLE,
-    MOTOR,
-    SET_ACC,
-    SETPOINT_WIDTH,
-    frame_row,
-    fresh_memory,
-)
+from q2q_sim.firmware.controllers.columns import IDLE, MOTOR, SET_ACC
 from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
-from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
-from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.firmware.firmware_tick import airframe_in, fly_tick, fresh_controllers
 from q2q_sim.firmware.onboard_apps import OnboardApps
 from q2q_sim.plant.swarm import Swarm
 
@@ -46,16 +38,9 @@ class Fleet:
 
     def __init__(self, swarm: Swarm, vehicle: Vehicle, build: Build, apps: OnboardApps | None = None) -> None:
         """Start the firmware of a swarm of vehicles of one type, with apps on board if given."""
-        n, (_, _, rotor_max) = len(swarm.names), swarm.body.frame
-        airframe = replace(airframe_of(vehicle), force_max=rotor_max)
+        n, airframe = len(swarm.names), airframe_in(swarm, vehicle)
         self._swarm, self.apps = swarm, apps
-        self._rows = Controllers(
-            setpoints=np.zeros((n, 2, SETPOINT_WIDTH)),
-            gains=np.zeros((n, 0)),
-            memory=fresh_memory(n),
-            frame=np.tile(frame_row(airframe), (n, 1)),
-            drift=np.zeros((n, 6)),
-        )
+        self._rows = fresh_controllers(airframe, n)
         rows = [FirmwareRows(swarm.state[i], self._rows.memory[i], self._rows.drift[i]) for i in range(n)]
         self.vehicles = tuple(
             CrtpVehicle(name, Firmware(airframe, replace(build, number=i), rows[i]))

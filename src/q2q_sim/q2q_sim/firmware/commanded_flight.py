@@ -5,8 +5,6 @@ stay out of it: the attitude is the true one, and the supply is full. Everything
 of q2q_sim.firmware.controllers, at 500 Hz.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from q2q_control.radio.rpyt_scale import LegacyScale
@@ -19,12 +17,9 @@ from q2q_sim.firmware.controllers.columns import (
     SET_RATE,
     SET_THRUST,
     Power,
-    frame_row,
-    fresh_memory,
     setpoint_row,
 )
-from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
-from q2q_sim.firmware.motors.airframe import airframe_of
+from q2q_sim.firmware.firmware_tick import airframe_in, fly_tick, fresh_controllers
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.plant.swarm import Swarm
 
@@ -37,15 +32,11 @@ class CommandedFlight:
 
     def __init__(self, swarm: Swarm, vehicle: Vehicle) -> None:
         """Start the firmware of a swarm of vehicles of one type."""
-        n, (_, _, rotor_max) = len(swarm.names), swarm.body.frame
-        airframe = replace(airframe_of(vehicle), force_max=rotor_max)
+        n, airframe = len(swarm.names), airframe_in(swarm, vehicle)
         self._swarm, self._scale = swarm, LegacyScale(vehicle.full_pwm_thrust)
-        self._controllers = Controllers(
+        self._controllers = fresh_controllers(airframe, n)._replace(
             setpoints=np.tile(setpoint_row(RPYT, Power()), (n, 2, 1)),
             gains=np.tile(Parameters(airframe).gains(), (n, 1)),
-            memory=fresh_memory(n),
-            frame=np.tile(frame_row(airframe), (n, 1)),
-            drift=np.zeros((n, 6)),
         )
 
     def step(self, commands: Array, drive: Array) -> None:

@@ -6,17 +6,19 @@ rotor commands differs: here the firmware's controller and mixer, there q2q's at
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.firmware.controllers.attitude_pid import cascade
-from q2q_sim.firmware.controllers.columns import CONTROLLER
+from q2q_sim.firmware.controllers.columns import CONTROLLER, SETPOINT_WIDTH, frame_row, fresh_memory
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
+from q2q_sim.firmware.motors.airframe import Airframe, airframe_of
 from q2q_sim.plant.past_states import remember
 from q2q_sim.plant.quadcopter import Body, move
 from q2q_sim.plant.swarm import Air, Swarm, air_push
@@ -36,6 +38,23 @@ class Controllers(NamedTuple):
     memory: Array
     frame: Array
     drift: Array
+
+
+def airframe_in(swarm: Swarm, vehicle: Vehicle) -> Airframe:
+    """Return the airframe of a swarm's vehicles, whose rotors give what the swarm's air leaves them."""
+    _, _, rotor_max = swarm.body.frame
+    return replace(airframe_of(vehicle), force_max=rotor_max)
+
+
+def fresh_controllers(airframe: Airframe, vehicles: int) -> Controllers:
+    """Return controllers that have not run yet, without gains and setpoints."""
+    return Controllers(
+        setpoints=np.zeros((vehicles, 2, SETPOINT_WIDTH)),
+        gains=np.zeros((vehicles, 0)),
+        memory=fresh_memory(vehicles),
+        frame=np.tile(frame_row(airframe), (vehicles, 1)),
+        drift=np.zeros((vehicles, 6)),
+    )
 
 
 @compiled
