@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
-from q2q_planner.offline.certificate import TOLERANCE, certify
+from q2q_planner.offline.branch_and_bound import TOLERANCE
+from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint

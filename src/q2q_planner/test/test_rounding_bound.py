@@ -11,10 +11,10 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
-from q2q_planner.offline.certificate import ROUNDING, certify
+from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.offline.rounding_bound import MOST_COEFFICIENTS, rounding_bound
+from q2q_planner.offline.rounding_bound import MOST_COEFFICIENTS, ROUNDING, rounding_bound
 from q2q_planner.offline.shared_pieces import shared_pieces
 
 

@@ -1,15 +1,14 @@
 """Proof that no pair of a plan enters a zone, at any time, not only at samples.
 
-Branch and bound over time. On a stretch of time the relative position dr(t) of a pair lies in the convex
+On a stretch of time the relative position dr(t) of a pair lies in the convex
 hull of its Bernstein control points c_k, so for every unit n
 
     distance(dr(t), zone) >= min_k n.c_k - support(n)
 
 holds for all t of the stretch (`convex_zone`). With n the zone's normal at the middle of the stretch the
-bound is second order in its length. Stretches whose bound is above the least distance found so far are
-discarded; the others are halved. The result is the clearance: a lower bound of the signed distance over all
-pairs and all t, within TOLERANCE, less a bound of all rounding that grows with the coefficients
-(`rounding_bound`), at least ROUNDING: it holds for the exact polynomials and for the setpoints that a player
+bound is second order in its length (`branch_and_bound`). The result is the clearance: a lower bound of the
+signed distance over all pairs and all t, within TOLERANCE, less a bound of all rounding that grows with the
+coefficients (`rounding_bound`): it holds for the exact polynomials and for the setpoints that a player
 computes from them. After their last waypoint vehicles are at rest; that time is covered by their last point.
 """
 
@@ -22,21 +21,10 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, TOLERANCE, StretchBounds, least
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
-from q2q_planner.offline.rounding_bound import DEEPEST, rounding_bound
+from q2q_planner.offline.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
 from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
-
-TOLERANCE = 1e-5
-"""How far the clearance may lie below the true least distance [m]."""
-
-ROUNDING = 1e-9
-"""Least slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
-
-MOST_ROUNDING = 1.0
-"""Rounding beyond which nothing is computed, so that nothing overflows [m]."""
-
-MOST_STRETCHES = 10_000_000
-"""Stretches beyond which a plan is not searched further, for its memory: a hundred vehicles have a tenth."""
 
 LIKELY = 256
 """Number of nearest boxes evaluated first, for an initial least distance."""
@@ -64,17 +52,18 @@ def certify(plan: SwarmPlan, zone: Zone, tolerance: float = TOLERANCE) -> Certif
     """Return the proven clearance of a plan from a zone."""
     if len(plan.names) < 2:
         return Certificate(np.inf, None, 0.0)
-    rounding = max(ROUNDING, rounding_bound(plan.trajectories))
+    rounding = rounding_slack(plan.trajectories)
     if not rounding < MOST_ROUNDING:
         return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0)
     lathe, shared = lathe_around(zone), shared_pieces(plan.trajectories)
     if len(shared.durations) * len(plan.names) * (len(plan.names) - 1) > 2 * MOST_STRETCHES:
         return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0)
     stretches = _stretches(shared, lathe)
-    bound, where = _least_distance(stretches, lathe, tolerance)
-    first, second = (plan.names[row] for row in (stretches.first[where[0]], stretches.second[where[0]]))
-    t = shared.starts[stretches.piece[where[0]]] + where[1] * shared.durations[stretches.piece[where[0]]]
-    return Certificate(bound - rounding, (first, second), float(t))
+    found = least(stretches.points, lambda points: _stretch_bounds(points, lathe), tolerance)
+    pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
+    piece = stretches.piece[found.row]
+    t = shared.starts[piece] + found.share * shared.durations[piece]
+    return Certificate(found.bound - rounding, pair, float(t))
 
 
 def as_certified(plan: SwarmPlan, lathe: Lathe) -> SwarmPlan:
@@ -123,50 +112,19 @@ def _relative(points: Array, which: tuple[Rows, ...], first: Rows, second: Rows)
     return np.asarray(points[piece, first[pair]] - points[piece, second[pair]])
 
 
-def _least_distance(stretches: _Stretches, lathe: Lathe, tolerance: float) -> tuple[float, tuple[int, float]]:
-    """Return a lower bound of the least distance, and (stretch, share of its piece) where it is met."""
-    points, owner = stretches.points, np.arange(len(stretches.first))
-    share, length = np.zeros(len(owner)), 1.0
-    best, where, floor = np.inf, (0, 0.0), np.inf
-    for _ in range(DEEPEST):
-        middle = _midpoints(points)
-        normal, distance = lathe.nearest(middle)
-        nearest = int(distance.argmin())
-        if distance[nearest] < best:
-            best, where = (
-                float(distance[nearest]),
-                (int(owner[nearest]), float(share[nearest] + 0.5 * length)),
-            )
-        bound = _lower_bounds(points, normal, lathe, distance)
-        open_ = bound < best - tolerance
-        floor = min(floor, float(bound[~open_].min(initial=np.inf)))
-        if not open_.any():
-            return min(floor, best), where
-        left, right = halves(points[open_])
-        points = np.concatenate([left, right])
-        owner = np.concatenate([owner[open_], owner[open_]])
-        length *= 0.5
-        share = np.concatenate([share[open_], share[open_] + length])
-        if len(owner) > MOST_STRETCHES:
-            break
-    return min(floor, best, float(_lower_bounds(points, *_at_middle(points, lathe)).min())), where
-
-
-def _at_middle(points: Array, lathe: Lathe) -> tuple[Array, Lathe, Array]:
-    normal, distance = lathe.nearest(_midpoints(points))
-    return normal, lathe, distance
-
-
 def _midpoints(points: Array) -> Array:
     return np.asarray(halves(points)[0][..., -1])
 
 
-def _lower_bounds(points: Array, normal: Array, lathe: Lathe, distance: Array) -> Array:
-    """Return bounds below the signed distance on each stretch, (stretches,).
+def _stretch_bounds(points: Array, lathe: Lathe) -> StretchBounds:
+    """Return the distance to the zone in the middle of each stretch, and its lower bound on all of it.
 
     A separating plane where the middle is outside; everywhere, the distance less the radius of the control
     points, because a signed distance is 1-Lipschitz.
     """
+    middle = _midpoints(points)
+    normal, distance = lathe.nearest(middle)
     plane = np.einsum("sak,sa->sk", points, normal).min(-1) - lathe.support(normal)
-    reach = np.sqrt(((points - _midpoints(points)[..., None]) ** 2).sum(1)).max(-1)
-    return np.asarray(np.where(distance > 0.0, np.maximum(plane, distance - reach), distance - reach))
+    sphere = distance - np.sqrt(((points - middle[..., None]) ** 2).sum(1)).max(-1)
+    lower = np.where(distance > 0.0, np.maximum(plane, sphere), sphere)
+    return StretchBounds(distance, np.full(len(points), 0.5), lower)

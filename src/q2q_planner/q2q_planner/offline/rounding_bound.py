@@ -38,8 +38,20 @@ SHORTEST = 1e-6
 
 MOST_COEFFICIENTS = 56
 """Beyond, C(m - 1, k) is not a double."""
+
+ROUNDING = 1e-9
+"""Least slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
+
+MOST_ROUNDING = 1.0
+"""Rounding beyond which nothing is computed, so that nothing overflows [m]."""
+
 UNDERFLOW = 1e-200
 """What products below the normal numbers are off by [m]: 5e-324 for each, times powers of a duration."""
+
+
+def rounding_slack(trajectories: Sequence[Trajectory]) -> float:
+    """Return what a proof takes off for rounding [m]: the bound, at least ROUNDING."""
+    return max(ROUNDING, rounding_bound(trajectories))
 
 
 def rounding_bound(trajectories: Sequence[Trajectory]) -> float:

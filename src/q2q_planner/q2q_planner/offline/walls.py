@@ -1,23 +1,25 @@
 """Walls of a room, and the proof that no vehicle of a plan crosses one, at any time.
 
 On a stretch of time the distance to a wall is a polynomial, and at least the least of its Bernstein control
-points (`q2q_model.trajectory.bernstein`). Stretches whose bound is below the least distance found so far are
-halved, as in `certificate`, until the bound is within TOLERANCE of it; its bound of rounding counts, too.
+points (`q2q_model.trajectory.bernstein`), which bound it in `branch_and_bound`. Rounding is taken off, as by
+`certificate`.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array
-from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.bernstein import control_points
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.certificate import MOST_ROUNDING, ROUNDING, TOLERANCE
-from q2q_planner.offline.rounding_bound import DEEPEST, rounding_bound
+from q2q_planner.offline.branch_and_bound import StretchBounds, least
+from q2q_planner.offline.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
 from q2q_planner.offline.shared_pieces import shared_pieces
 
 Point = tuple[float, float, float]
+
+WALLS = 6
+"""Walls of a room: low x, y, z, high x, y, z."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,40 +69,21 @@ class WallProof:
 
 def prove_within(plan: SwarmPlan, walls: Walls) -> WallProof:
     """Return the proven distance of a plan to the walls."""
-    rounding = max(ROUNDING, rounding_bound(plan.trajectories))
+    rounding = rounding_slack(plan.trajectories)
     if not rounding < MOST_ROUNDING:
         return WallProof(-np.inf, plan.names[0], 0.0)
     shared = shared_pieces(plan.trajectories)
     points = control_points(shared.coefficients, shared.durations[:, None, None])  # (pieces, n, 3, order)
     gaps = np.moveaxis(walls.distances(np.moveaxis(points, 2, -1)), -1, 2)  # (pieces, n, 6, order)
-    bound, (row, share) = _least(gaps.reshape(-1, gaps.shape[-1]))
-    piece, vehicle, _ = np.unravel_index(row, gaps.shape[:-1])
-    t = shared.starts[piece] + share * shared.durations[piece]
-    return WallProof(bound - rounding, plan.names[int(vehicle)], float(t))
+    found = least(gaps.reshape(-1, gaps.shape[-1]), _stretch_bounds)
+    piece, vehicle, _ = np.unravel_index(found.row, gaps.shape[:-1])
+    t = shared.starts[piece] + found.share * shared.durations[piece]
+    return WallProof(found.bound - rounding, plan.names[int(vehicle)], float(t))
 
 
-def _least(points: Array) -> tuple[float, tuple[int, float]]:
-    """Return a lower bound of the least polynomial of control points (m, order), and (row, share) of it."""
-    row: NDArray[np.intp] = np.arange(len(points))
-    share, length = np.zeros(len(points)), 1.0
-    best, where, floor = np.inf, (0, 0.0), np.inf
-    for _ in range(DEEPEST):
-        for end, at in ((0, 0.0), (-1, length)):
-            nearest = int(points[:, end].argmin())
-            if points[nearest, end] < best:
-                best, where = float(points[nearest, end]), (int(row[nearest]), float(share[nearest] + at))
-        bound = points.min(-1)
-        open_ = bound < best - TOLERANCE
-        floor = min(floor, float(bound[~open_].min(initial=np.inf)))
-        if not open_.any():
-            break
-        left, right = halves(points[open_])
-        points, row = np.concatenate([left, right]), np.concatenate([row[open_], row[open_]])
-        length *= 0.5
-        share = np.concatenate([share[open_], share[open_] + length])
-    else:
-        floor = min(floor, float(points.min()))
-    return min(floor, best), where
+def _stretch_bounds(points: Array) -> StretchBounds:
+    ends = points[:, [0, -1]]
+    return StretchBounds(ends.min(1), ends.argmin(1).astype(float), points.min(1))
 
 
 def _words(point: Point) -> str:

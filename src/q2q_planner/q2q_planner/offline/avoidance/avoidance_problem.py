@@ -8,10 +8,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
 from q2q_planner.offline.avoidance.separating_planes import Rows
 from q2q_planner.offline.convex_zone import Lathe
-from q2q_planner.offline.walls import Walls
-
-WALLS = 6
-"""Walls of a room: low x, y, z, high x, y, z."""
+from q2q_planner.offline.walls import WALLS, Walls
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,10 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_planner.offline.avoidance.avoidance_problem import WALLS
 from q2q_planner.offline.avoidance.near_samples import Mask, deepest_of_runs
 from q2q_planner.offline.avoidance.separating_planes import Planes, Rows
-from q2q_planner.offline.walls import Walls
+from q2q_planner.offline.walls import WALLS, Walls
 
 
 class WallWatch(NamedTuple):
