@@ -21,6 +21,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     reckon,
 )
 from q2q_control.pid.pid import PidParams
+from q2q_model.estimation.mocap_filter import MocapFilterParams
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
@@ -107,6 +108,21 @@ def test_who_is_not_seen_comes_to_rest_whatever_its_heading(yaw: float, status: 
         assert command.thrust[1] == HOVER
         upright = np.cos(command.roll[0]) * np.cos(command.pitch[0])
         assert command.thrust[0] * upright == pytest.approx(HOVER, rel=0.03)  # the lag of the thrust
+
+
+def test_a_command_that_was_held_through_a_gap_counts_for_all_of_it() -> None:
+    """Frames stopped for 0.25 s while a vehicle leaned: it is reckoned as one of which every tick came."""
+    speeds = []
+    for gap in (TICK, 0.25):
+        block = DeadReckonedBraking(HOVER)
+        block.update(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=0.3))
+        for k in range(1, round(0.5 / gap) + 1):
+            t = k * gap
+            block.advance(state_at(t, np.zeros(2), age=t), None, t)
+            block.record_nominal(state_at(t, np.zeros(2)), level_at(t, CommandStatus.OK, roll=0.3))
+        speeds.append(block.predicted(state_at(0.5, np.zeros(2), age=0.5)).vel[0, 1])
+    assert speeds[0] == pytest.approx(-GRAVITY * np.sin(0.3) * (0.5 - LAG_S), rel=0.1)
+    assert speeds[1] == pytest.approx(speeds[0], rel=1e-9)
 
 
 def test_commands_that_are_computed_or_held_are_left_alone() -> None:
@@ -252,7 +268,7 @@ def test_the_largest_deceleration_asks_for_no_more_tilt_than_the_controllers() -
     assert np.arctan(BRAKING_MAX / GRAVITY) <= PidParams().tilt_max
 
 
-def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_a_tenth_of_a_second_at_most() -> None:
+def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_as_long_as_a_vehicle_coasts_at_most() -> None:
     def reckoned(gap: float) -> np.ndarray:
         block, leaning = DeadReckonedBraking(HOVER), level_at(0.0, CommandStatus.OK, roll=0.2)
         block.update(state_at(0.0, np.array([1.0, 0.0])), leaning)
@@ -261,7 +277,7 @@ def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_a_tenth_of_a_second
         return block.reckoned(("cf1",))["cf1"].pos
 
     assert reckoned(0.05)[0] == pytest.approx(0.05)
-    np.testing.assert_array_equal(reckoned(0.1), reckoned(2.0))
+    np.testing.assert_array_equal(reckoned(MocapFilterParams().coast_s), reckoned(2.0))
 
 
 @pytest.mark.parametrize("vel", [1.2, -1.2])

@@ -19,7 +19,10 @@ from q2q_control.failsafe.evasion.descent_evasion import (
     RISE,
     DescentEvasion,
 )
-from q2q_model.signals.values import CommandStatus
+from q2q_model.signals.values import CommandStatus, TrackStatus
+
+LOST = flown(2, 0)
+"""The upper one of two vehicles is lost."""
 
 
 def shifts(pos: np.ndarray, ticks: int, blind: InFallback, vel: np.ndarray | None = None) -> np.ndarray:
@@ -108,6 +111,19 @@ def test_the_longer_another_is_lost_the_further_it_is_evaded(age: float) -> None
         output = evasion.update(setpoint_of(k * TICK, pos), state, flown(2, 0), {})
     kept = min(REACH + DRIFT * max(age - KNOWN, 0.0), FARTHEST)
     assert output.pos[1, 0] == pytest.approx(kept, abs=1e-3)
+
+
+def test_who_is_not_measured_itself_any_more_comes_to_rest() -> None:
+    """Lost while it evades, it would drift on; its shift goes on by s' / w, by s'' = -w s'."""
+    evasion, pos, made = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)]), []
+    for k in range(300):
+        status = np.array([TrackStatus.LOST, TrackStatus.COASTING if k >= 30 else TrackStatus.TRACKED])
+        output = evasion.update(setpoint_of(k * TICK, pos), replace(state_of(pos), status=status), LOST, {})
+        made.append((output.pos[1, 0], output.vel[1, 0]))
+    way, speed = np.array(made).T
+    assert speed[29] > 0.3
+    np.testing.assert_allclose(speed[30:], speed[29] * (1.0 - PACE * TICK) ** np.arange(1, 271), rtol=1e-9)
+    assert way[-1] == pytest.approx(way[29] + speed[29] / PACE, abs=0.01)  # semi-implicit: w dt of the rest
 
 
 def test_velocity_and_acceleration_are_those_of_the_motion() -> None:

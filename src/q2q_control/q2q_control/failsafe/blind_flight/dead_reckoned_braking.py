@@ -44,8 +44,9 @@ from q2q_model.signals.values import (
     index_of,
 )
 
-LONGEST_STEP = 0.1
-"""Longest time between ticks for which the last tilt is integrated [s]."""
+LONGEST_STEP = 0.35
+"""Longest time between ticks for which the last command is integrated [s]: that for which the filter coasts.
+A longer gap, or jump of the clock, counts as this."""
 LOST = np.uint8(TrackStatus.LOST)
 LEVEL, LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
 

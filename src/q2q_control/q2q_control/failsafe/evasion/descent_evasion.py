@@ -10,9 +10,10 @@ within d_j of it horizontally, and less than RISE above it, the setpoint is shif
     d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
-where goal' counts while r approaches only: nothing that moves away is braked. An evasion ends when j is cut,
-or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or climbs
-there by more than BACK above.
+where goal' counts while r approaches only: nothing that moves away is braked. The shift of a vehicle that is
+no longer measured itself comes to rest, s'' = -w s': it would be lost at speed. An evasion ends when j is
+cut, or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or
+climbs there by more than BACK above.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -29,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
+from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
@@ -90,6 +92,11 @@ class _Shift:
         return acc
 
     @property
+    def resting_place(self) -> Array:
+        """Return the shift towards which it comes to rest by s'' = -w s' [m], (2,)."""
+        return self.pos + self.vel / PACE
+
+    @property
     def over(self) -> bool:
         """Return whether the evasion has ended and the setpoint is no longer shifted."""
         return not self.directions and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
@@ -139,7 +146,8 @@ class DescentEvasion:
         for places in (pos, np.where(gone[:, None], pos, sent)):
             self._ask(_near_gone(places, gone, reach), state.names, pos, rest)
         evaded = zip(map(tuple, pos[:, :2].tolist()), reach.tolist(), strict=True)
-        moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), dt)
+        unmeasured = frozenset(state.names[row] for row in np.flatnonzero(state.status != TRACKED))
+        moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), unmeasured, dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
         self._active = bool(self._shifts) or self._climbs.active
         return moved
@@ -180,7 +188,11 @@ class DescentEvasion:
                 shift.directions[names[j]] = evasion_direction(pos[:, :2], (i, j), rest[j], REACH)
 
     def _moved(
-        self, setpoint: SwarmSetpoint, evaded: Mapping[str, tuple[Place, float]], dt: float
+        self,
+        setpoint: SwarmSetpoint,
+        evaded: Mapping[str, tuple[Place, float]],
+        unmeasured: frozenset[str],
+        dt: float,
     ) -> SwarmSetpoint:
         """Return the setpoints shifted from the places of others, (2,), by the distances to keep [m]."""
         pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
@@ -189,6 +201,8 @@ class DescentEvasion:
             if shift is None:
                 continue
             target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], evaded)
+            if name in unmeasured:
+                target, target_vel = shift.resting_place, np.zeros(2)
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
