@@ -6,8 +6,7 @@ Loops run uncompiled where they are mutated. The tests of a room are collected, 
 which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A mutant
 then is a fork of this warm process: the changed function gets its new code in place, and the tests that call
 it run, the quickest first, until one fails, which kills the mutant. So does more than PATIENCE times the
-processor time that these tests took before. Mutations: comparisons, and/or, arithmetic, numbers, `not`, and
-returned values; not the bounds that parameters are declared with, nor whether a class is frozen.
+processor time that these tests took before. `mutants` has the mutations, `mutated_rooms` what is mutated.
 """
 
 import argparse
@@ -17,7 +16,7 @@ import gc
 import os
 import resource
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
@@ -27,188 +26,14 @@ from types import CodeType, FrameType, FunctionType, ModuleType
 import pytest
 from _pytest.runner import runtestprotocol
 from hypothesis import Phase, settings
+from mutants import Mutant, mutants
+from mutated_rooms import ROOMS, Room
 
 ROOT = Path(__file__).parents[1]
 PATIENCE, LEAST_S = 5.0, 10
 """A mutant is taken to hang after so many times the processor time of its tests, and so many seconds [s]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Room:
-    """Modules that are mutated, and the tests that must notice."""
-
-    modules: tuple[str, ...]
-    tests: tuple[str, ...]
-    left_out: str = ""
-    """Which tests are not run, in pytest's words: slow ones that others back up."""
-    compiled: bool = False
-    """Loops of other modules run compiled; the mutated ones call them, and are not called by them."""
-
-
-ROOMS = (
-    Room(
-        tuple(
-            f"q2q_control.failsafe.{name}"
-            for name in (
-                "ladder",
-                "stamp_delay",
-                "blind_flight.dead_reckoned_braking",
-                "evasion.climb_back",
-                "evasion.descent_evasion",
-                "guard",
-                "tick_watch",
-            )
-        ),
-        tuple(
-            f"src/q2q_control/test/test_{name}.py"
-            for name in (
-                "guard",
-                "tick_watch",
-                "stamp_delay",
-                "ladder",
-                "dead_reckoned_braking",
-                "climb_back",
-                "descent_evasion",
-            )
-        ),
-        "not mpc",
-    ),
-    Room(
-        (
-            "q2q_model.estimation.clock_resets",
-            *(
-                f"q2q_model.estimation.{name}"
-                for name in (
-                    "reacquisition",
-                    "marker_swaps",
-                    "position_gates",
-                    "attitudes",
-                    "positions",
-                )
-            ),
-        ),
-        tuple(
-            f"src/q2q_model/test/test_{name}.py"
-            for name in (
-                "clock_resets",
-                "tracking_gates",
-                "position_gates",
-                "position_tracks",
-                "attitude_tracks",
-                "mocap_filter",
-                "mocap_filter_lies",
-            )
-        ),
-    ),
-    Room(
-        tuple(
-            f"q2q_planner.online.safe.{name}"
-            for name in (
-                "safe_replanner",
-                "last_known_states",
-                "committed_motion",
-                "decision",
-                "tracking_uncertainty",
-                "found_again",
-                "traffic",
-                "wanted_motion",
-            )
-        ),
-        tuple(
-            f"src/q2q_planner/test/test_{name}.py"
-            for name in (
-                "committed_motion",
-                "traffic",
-                "safe_tick",
-                "safe_replanner",
-                "steady_replanner",
-                "encounters",
-            )
-        ),
-        compiled=True,
-    ),
-    Room(
-        ("q2q_planner.online.safe.stopping.jerk_limited",),
-        ("src/q2q_planner/test/test_jerk_limited.py",),
-        "not compiled_and_plain",
-    ),
-)
-DECLARING = {"tunable", "dataclass"}
-"""Calls whose words say what something is, not what it does."""
-SWAPS: dict[type[ast.AST], type[ast.AST]] = {
-    ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
-    ast.NotEq: ast.Eq,
-    ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.And: ast.Or, ast.Or: ast.And, ast.Add: ast.Sub,
-    ast.Sub: ast.Add,
-    ast.Mult: ast.Div, ast.Div: ast.Mult, ast.BitOr: ast.BitAnd, ast.BitAnd: ast.BitOr,
-}  # fmt: skip
-MUTABLE = (ast.Compare, ast.BoolOp, ast.BinOp, ast.Constant, ast.Return, ast.UnaryOp)
 Place = tuple[str, int]
 """File and first line of a function."""
-
-
-@dataclass(frozen=True, slots=True)
-class Mutant:
-    """A module changed in one place."""
-
-    change: str
-    function: int
-    """First line of the function that is changed; 0 outside of all."""
-    tree: ast.Module
-
-
-def mutants(tree: ast.Module) -> Iterator[Mutant]:
-    """Yield every mutant of a module; its tree is as it was again once the next one is asked for."""
-    calls = [
-        call for call in ast.walk(tree) if isinstance(call, ast.Call) and isinstance(call.func, ast.Name)
-    ]
-    declared = {
-        id(inner)
-        for call in calls
-        if isinstance(call.func, ast.Name) and call.func.id in DECLARING
-        for word in call.keywords
-        for inner in ast.walk(word)
-    }
-    functions = _functions_of(tree)
-    for node in [one for one in ast.walk(tree) if isinstance(one, MUTABLE) and id(one) not in declared]:
-        kept = {name: list(part) if isinstance(part, list) else part for name, part in vars(node).items()}
-        lines = ast.unparse(node)
-        if _mutate(node):
-            change = f"line {node.lineno}: {lines} -> {ast.unparse(node)}"
-            yield Mutant(change, functions.get(id(node), 0), ast.fix_missing_locations(tree))
-        vars(node).update(kept)
-
-
-def _functions_of(tree: ast.Module) -> dict[int, int]:
-    """Return the first line of the innermost function around each node, by the node's id."""
-    found = {}
-    for node in ast.walk(tree):  # outer ones first
-        if isinstance(node, ast.FunctionDef):
-            first = min([node.lineno, *(one.lineno for one in node.decorator_list)])
-            found.update({id(inner): first for part in node.body for inner in ast.walk(part)})
-    return found
-
-
-def _mutate(here: ast.AST) -> bool:
-    """Change a node, if there is a way to; return whether there was."""
-    if isinstance(here, ast.Compare) and type(here.ops[0]) in SWAPS:
-        here.ops[0] = SWAPS[type(here.ops[0])]()  # type: ignore[assignment]
-    elif isinstance(here, ast.BoolOp | ast.BinOp) and type(here.op) in SWAPS and _is_value(here):
-        here.op = SWAPS[type(here.op)]()  # type: ignore[assignment]
-    elif isinstance(here, ast.Constant) and isinstance(here.value, float | int) and here.value is not ...:
-        here.value = not here.value if isinstance(here.value, bool) else here.value + 1
-    elif isinstance(here, ast.Return) and here.value is not None and not isinstance(here.value, ast.Constant):
-        here.value = ast.Constant(None)
-    elif isinstance(here, ast.UnaryOp) and isinstance(here.op, ast.Not | ast.Invert):
-        here.op = ast.UAdd()
-    else:
-        return False
-    return True
-
-
-def _is_value(node: ast.BoolOp | ast.BinOp) -> bool:
-    """Return whether an operator computes: `A | None` in a type does not."""
-    return not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr) and "None" in ast.dump(node))
 
 
 def transplant(module: ModuleType, tree: ast.Module) -> None:

@@ -69,7 +69,7 @@ def test_who_is_near_the_place_to_which_another_may_have_drifted_evades() -> Non
 
 
 @pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])
-def test_who_is_seen_or_held_for_a_moment_or_down_needs_no_way(how: CommandStatus) -> None:
+def test_who_is_seen_or_held_for_a_moment_or_down_is_not_evaded(how: CommandStatus) -> None:
     sent = setpoint_of(0.0, np.array([UPPER, (0.0, 0.0, 1.0)]))
     assert DescentEvasion().update(sent, state_of(sent.pos), flown(2, 0, how=how), {}) is sent
 

@@ -1,0 +1,129 @@
+"""Vehicles that do at once what a flight procedure tells them, for its tests."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
+from q2q_control.flight_procedure.procedure import FlightProcedure
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.steps import Act, Call, Order, Step
+from q2q_model.node.reply import Reply
+from q2q_model.signals.values import Array
+
+NAMES = ("cf1", "cf2")
+HOME = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+FIRST = HOME + np.array([0.0, 0.0, 1.0])
+END = FIRST + np.array([1.0, 0.0, 0.0])
+PLAN = PlanOutline(NAMES, FIRST, FIRST, END, duration=4.0)
+WELL = VehicleReport(
+    "cf1", connected=True, volt=4.0, armed=True, locked=False, wrong="", onboard=None, hover_ratio=1.0
+)
+STEP = 0.02
+
+
+def up(metres: float) -> Array:
+    return np.array([0.0, 0.0, metres])
+
+
+@dataclass
+class Bench:
+    """Vehicles that do at once what they are told, unless `stuck`, and the procedure that tells them."""
+
+    params: FlightProcedureParams = field(default_factory=FlightProcedureParams)
+    t: float = 100.0
+    pos: Array = field(default_factory=HOME.copy)
+    vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
+    setpoint_pos: Array = field(default_factory=HOME.copy)
+    setpoint_vel: Array = field(default_factory=lambda: np.zeros((2, 3)))
+    seen_at: float = 100.0
+    heard_at: float = 100.0
+    blind: bool = False
+    ignore_signals: bool = False
+    reports: tuple[VehicleReport, ...] = (WELL, replace(WELL, name="cf2"))
+    plan: PlanOutline | None = PLAN
+    refuses: dict[Act, str] = field(default_factory=dict)
+    stuck: set[Act] = field(default_factory=set)
+    sent: list[Order] = field(default_factory=list)
+    replies: list[tuple[Call, Reply]] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
+    outcome: Reply | None = None
+
+    def __post_init__(self) -> None:
+        """Begin with vehicles on the ground, and a tick."""
+        self.procedure = FlightProcedure(self.params, LandingParams())
+        self.wait(STEP)
+
+    def observe(self) -> Observation:
+        """Return what the procedure sees now."""
+        return Observation(
+            self.reports, self.pos, self.vel, np.full(2, self.t - self.seen_at), self.setpoint_pos,
+            self.setpoint_vel, self.t - self.heard_at, self.plan,
+        )  # fmt: skip
+
+    def call(self, call: Call) -> Reply | None:
+        """Return the reply to a call, None if it comes later."""
+        return self.procedure.call(call, self.observe(), self.t)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass and carry out what is ordered."""
+        for _ in range(round(seconds / STEP)):
+            self.t += STEP
+            self.seen_at = self.seen_at if self.blind else self.t
+            if not self.ignore_signals:
+                self.heard_at = self.t
+                self.procedure.accepts(self.setpoint_pos)
+            self.procedure.update(self.observe(), self.outcome, self.t)
+            self.outcome = None
+            for order in self.procedure.state.take_orders():
+                self._obey(order)
+            self.replies += self.procedure.state.take_replies()
+            self.log += self.procedure.state.take_log()
+
+    def answer(self) -> Reply:
+        """Return the one reply that came."""
+        assert len(self.replies) == 1, self.replies
+        return self.replies.pop()[1]
+
+    def asked(self, call: Call, seconds: float = 8.0) -> Reply:
+        """Call, let time pass, and return the answer."""
+        at_once = self.call(call)
+        self.wait(seconds if at_once is None else STEP)
+        return self.answer() if at_once is None else at_once
+
+    @property
+    def acts(self) -> list[Act]:
+        """Return what was ordered, in order."""
+        return [order.act for order in self.sent]
+
+    def _obey(self, order: Order) -> None:
+        self.sent.append(order)
+        self.outcome = Reply(order.act not in self.refuses, self.refuses.get(order.act, ""))
+        if order.act in self.stuck or order.act in self.refuses:
+            return
+        moves: dict[Act, Callable[[], None]] = {
+            Act.TAKE_OFF: lambda: self.move(HOME + up(order.height)),
+            Act.GLIDE: lambda: self.move(FIRST if self.procedure.step is Step.HOLD else self.pos),
+            Act.STREAM: lambda: self.move(FIRST),
+            Act.START: lambda: None,
+            Act.LAND: lambda: self.move(self.pos * [1.0, 1.0, 0.0]),
+        }
+        moves.get(order.act, lambda: None)()
+
+    def move(self, pos: Array) -> None:
+        """Put vehicles and setpoints somewhere, within what a setpoint may move in a tick."""
+        self.pos, self.setpoint_pos = pos.copy(), pos.copy()
+        self.procedure.accepts(np.full((2, 3), np.nan))
+
+
+def up_to(step: Step, **given: object) -> Bench:
+    """Return a bench whose procedure has come to a step."""
+    bench = Bench(**given)
+    road = {Step.HOVER: [Call.TAKE_OFF], Step.FLIGHT: [Call.TAKE_OFF, Call.FLY],
+            Step.HOLD: [Call.TAKE_OFF, Call.FLY, Call.HOLD]}  # fmt: skip
+    for call in road.get(step, []):
+        assert bench.asked(call, 3.0).granted
+    assert bench.procedure.step is step
+    bench.sent.clear()
+    return bench

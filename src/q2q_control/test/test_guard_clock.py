@@ -1,0 +1,79 @@
+"""The guard on ticks that are repeated, older, or of a clock that was set back."""
+
+import numpy as np
+import pytest
+from guarded_flights import (
+    CUT,
+    HOLD,
+    LAND,
+    OK,
+    TICK,
+    fly,
+    guarded,
+    setpoint_at,
+    state_at,
+)
+
+
+def test_an_older_tick_gets_the_last_answer() -> None:
+    guard = guarded()
+    last = fly(guard, 0, 300)[-1]
+    for t in (2.95, 2.5, 2.0):  # out of order: still the same clock
+        again = guard.update(state_at(t), setpoint_at(t), None)
+        assert again.t == t
+        assert again.pitch.tolist() == last.pitch.tolist()
+        assert again.status.tolist() == [HOLD, HOLD]
+
+
+@pytest.mark.parametrize("back", [0.2, 1.0])
+def test_a_clock_set_back_lets_ages_go_on_and_leaves_who_is_cut_on_the_floor(back: float) -> None:
+    guard = guarded()
+    for k in range(520):
+        t = k * TICK
+        output = guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
+    assert output.status.tolist() == [CUT, OK]
+    begin = t - back
+    for k in range(11):
+        now = begin + k * TICK
+        output = guard.update(state_at(now, (t, 0.0), coast=10.0), setpoint_at(now), None)
+        assert output.t == now
+        assert output.status.tolist() == [CUT, HOLD if k < 10 else OK]
+
+
+def test_a_clock_set_back_does_not_make_young_who_was_not_seen() -> None:
+    guard = guarded()
+    for k in range(96):
+        t = k * TICK
+        guard.update(state_at(t, (t, 0.0), coast=0.35), setpoint_at(t), None)
+    begin = 0.3  # unseen for 0.95 s, by whatever clock
+    statuses = []
+    for k in range(18):
+        t = begin + k * TICK
+        output = guard.update(state_at(t, (np.inf, 0.0), coast=0.35), setpoint_at(t), None)
+        statuses.append(output.status[0])
+    assert LAND not in statuses[:10]
+    assert statuses[10:] == [LAND] * 8  # 1.05 s and more: the 0.1 s before the new time is believed count
+
+
+def test_a_flight_that_begins_again_is_another_one() -> None:
+    guard = guarded()
+    for k in range(520):
+        t = k * TICK
+        guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
+    anew = guard.update(state_at(4.1), setpoint_at(4.1), None)
+    assert (anew.t, anew.status.tolist()) == (4.1, [OK, OK])
+
+
+def test_a_repeated_tick_is_no_older_one() -> None:
+    guard = guarded()
+    first = fly(guard, 0, 5)[-1]
+    again = guard.update(state_at(0.04), setpoint_at(0.04), None)
+    assert again.status.tolist() == [OK, OK]
+    np.testing.assert_array_equal(again.pitch, first.pitch)
+
+
+def test_a_tick_older_by_just_what_a_restart_takes_is_of_the_same_flight() -> None:
+    guard = guarded()
+    guard.update(state_at(2.0), setpoint_at(2.0), None)
+    assert guard.update(state_at(1.0), setpoint_at(1.0), None).status.tolist() == [HOLD, HOLD]
+    assert guard.newest == 2.0

@@ -1,0 +1,111 @@
+"""The guard moves measured vehicles out of the way of lost ones, and lost ones brake."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from guarded_flights import (
+    HOLD,
+    HOVER,
+    LEVEL,
+    NAMES,
+    OK,
+    PARAMS,
+    TICK,
+    Scripted,
+    guarded,
+    setpoint_at,
+    state_at,
+)
+
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_model.signals.values import (
+    Interference,
+    SwarmCommand,
+)
+from q2q_model.vehicle.constants import GRAVITY
+
+
+def test_who_is_beneath_an_unseen_vehicle_evades_and_a_clock_set_back_moves_it_no_further() -> None:
+    controller = Scripted(OK, OK)
+    guard = guarded(controller)
+    place = np.array([[0.7, 0.0, 1.0], [1.0, 0.0, 1.5]])
+
+    def moved(t: float, age: float) -> float:
+        """Return by how much cf1 is moved in x [m]; cf2, above it, was measured `age` ago."""
+        controller.status = (OK, LEVEL if age > 0.35 else OK)
+        state = replace(state_at(t, (0.0, age)), pos=place)
+        guard.update(state, replace(setpoint_at(t), pos=place), None)
+        return float(controller.given[-1].pos[0, 0]) - 0.7
+
+    assert [moved(k * TICK, 0.0) for k in range(5)] == [0.0] * 5
+    before = [moved(k * TICK, k * TICK - 0.04) for k in range(5, 100)][-1]
+    answered = len(controller.given)
+    assert before < -0.1
+    after = [moved(k * TICK, 0.95) for k in range(60, 80)][-1]  # old ticks, until they have risen for long
+    assert float(controller.given[answered].pos[0, 0]) - 0.7 == pytest.approx(before)
+    assert after < before  # and on it goes
+
+
+@pytest.mark.parametrize("statuses", [(OK,), (OK, HOLD)], ids=["of another controller", "held"])
+def test_a_vehicle_evades_a_lost_one_as_soon_as_it_is_lost_until_that_is_cut(
+    statuses: tuple[int, ...],
+) -> None:
+    controller = Scripted(*statuses)
+    guard = guarded(controller)
+    place = np.array([[0.7, 0.0, 1.0], [1.0, 0.0, 1.5]])
+
+    def moved(t: float, age: float) -> float:
+        """Return by how much cf1 is moved in x [m]; cf2, above it, was measured `age` ago."""
+        state = replace(state_at(t, (0.0, age)), pos=place)
+        command = guard.update(state, replace(setpoint_at(t), pos=place), None)
+        assert command.names == NAMES[: len(statuses)]
+        assert command.status[0] == OK
+        return float(controller.given[-1].pos[0, 0]) - 0.7
+
+    assert [moved(k * TICK, 0.0) for k in range(5)] == [0.0] * 5
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(5, 39)] == [0.0] * 34  # it coasts
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(41, 43)][-1] < 0.0
+    assert [moved(k * TICK, k * TICK - 0.04) for k in range(43, 200)][-1] < -0.25
+    after_cut = PARAMS.cut_s + 0.1
+    assert abs([moved(k * TICK, after_cut) for k in range(200, 750)][-1]) < 0.01
+
+
+def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> None:
+    controller = Scripted(OK, OK)
+    guard = guarded(controller)
+    for k in range(5):
+        state = state_at(k * TICK)
+        state.vel[0] = [1.0, 0.0, 0.0]
+        guard.update(state, setpoint_at(k * TICK), None)
+    controller.status = (LEVEL, OK)
+    output = guard.update(state_at(0.05, (TICK, 0.0)), setpoint_at(0.05), None)
+    assert output.status.tolist() == [LEVEL, OK]
+    braking = min(1.0 / BRAKING_S, BRAKING_MAX)
+    assert output.pitch.tolist() == [pytest.approx(-np.arctan(braking / GRAVITY)), 0.0]  # nose up, against +x
+
+
+@pytest.mark.parametrize("seen", [(0.0, 0.0), (0.0, 0.3)], ids=["all measured", "another one lost"])
+@pytest.mark.parametrize("predicted", [0.0, -1.0])
+def test_the_lift_that_a_vehicle_hovered_with_is_what_it_begins_to_fly_level_with(
+    seen: tuple[float, float], predicted: float
+) -> None:
+    """It is measured at rest under a command of more than its weight."""
+
+    class Lifting(Scripted):
+        share = 1.1
+
+        def update(self, *given: object) -> SwarmCommand:
+            made = super().update(*given)
+            return replace(made, thrust=self.share * made.thrust)
+
+    controller = Lifting(OK, OK)
+    guard = guarded(controller)
+    downwash = Interference(
+        0.0, NAMES, np.tile([0.0, 0.0, predicted], (2, 1)), np.zeros((2, 3)), np.zeros(2, np.uint8)
+    )
+    for k in range(300):
+        guard.update(state_at(k * TICK, seen), setpoint_at(k * TICK), downwash)
+    controller.status, controller.share = (LEVEL, OK), 1.0
+    output = guard.update(state_at(3.0, (TICK, seen[1])), setpoint_at(3.0), downwash)
+    assert output.thrust[0] == pytest.approx(1.1 * HOVER, rel=1e-3)

@@ -1,0 +1,135 @@
+"""The flight procedure refuses take-offs and confirms landings by what vehicles report."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from procedure_bench import END, FIRST, HOME, PLAN, STEP, WELL, Bench, up, up_to
+
+from q2q_control.flight_procedure.observation import VehicleReport
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
+from q2q_control.flight_procedure.rest import places
+from q2q_control.flight_procedure.steps import Act, Call, Step
+from q2q_model.node.reply import Reply
+
+BAD: list[tuple[dict[str, object], str]] = [
+    ({"reports": (WELL, VehicleReport("cf2", connected=False))}, "cf2 offline"),
+    ({"reports": (WELL, replace(WELL, name="cf2", locked=True))}, "cf2 is locked: restart it"),
+    ({"reports": (WELL, replace(WELL, name="cf2", volt=3.41))}, r"cf2 has 3\.41 V: 3\.60 V is the least"),
+    ({"reports": (WELL, replace(WELL, name="cf2", volt=np.nan))}, "cf2 does not report its battery"),
+    ({"reports": (WELL, replace(WELL, name="cf2", wrong="stabilizer.controller is 1, 2 is asked"))},
+     "cf2: stabilizer.controller is 1, 2 is asked"),
+    ({"reports": (WELL, replace(WELL, name="cf2", onboard=(0.0, 1.0, 0.25)))},
+     r"cf2 estimates itself 0\.25 m from its measured position"),
+    ({"reports": (WELL, replace(WELL, name="cf2", hover_ratio=0.73))},
+     r"cf2 would be sent 73 % of the thrust at which it hovers: within 15 %"),
+    ({"pos": HOME + up(0.3)}, r"cf1 is 0\.30 m above the ground"),
+    ({"vel": np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]])}, r"cf2 moves at 0\.20 m/s"),
+    ({"pos": HOME * 0.2}, r"cf1 and cf2 are 0\.20 m apart: 0\.30 m is the least"),
+    ({"pos": HOME + np.array([0.0, 0.4, 0.0])}, r"cf1 is 0\.40 m from its first point: 0\.30 m"),
+    ({"plan": None}, "no plan is waiting"),
+    ({"plan": replace(PLAN, names=("cf1", "cf9"))}, "the plan is for cf1, cf9, the vehicles are cf1, cf2"),
+    ({"plan": replace(PLAN, high=END + np.array([0.0, 3.0, 0.0]))}, r"cf2 would fly y from 1\.00 to 4\.00 m"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("given", "log"), BAD, ids=[log for _, log in BAD])
+def test_take_off_is_refused_with_vehicle_and_number_and_nobody_arms(
+    given: dict[str, object], log: str
+) -> None:
+    bench = Bench()
+    for name, value in given.items():
+        setattr(bench, name, value)
+    answer = bench.asked(Call.TAKE_OFF)
+    assert not answer.granted
+    assert re.search(log, answer.reason), answer.reason
+    assert bench.sent == []
+
+
+def test_an_old_state_refuses_the_take_off() -> None:
+    bench = Bench(blind=True)
+    bench.wait(0.3)
+    assert "cf1 has no state younger than 0.1 s (its last is 0.32 s old)" in bench.asked(Call.TAKE_OFF).reason
+
+
+def test_vehicles_that_do_not_arm_are_disarmed_again_and_named() -> None:
+    bench = Bench(refuses={Act.ARM: "cf2 did not arm within 2 s"})
+    answer = bench.asked(Call.TAKE_OFF)
+    assert answer == Reply(granted=False, reason="cf2 did not arm within 2 s")
+    assert bench.acts == [Act.WAIT, Act.ARM, Act.DISARM]
+    assert bench.procedure.step is Step.CHECKED
+
+
+def test_a_take_off_that_does_not_arrive_is_landed_and_says_where_the_vehicle_is() -> None:
+    bench = Bench(stuck={Act.TAKE_OFF})
+    answer = bench.asked(Call.TAKE_OFF, 9.0)
+    assert "take-off failed: cf1 is at 0.00 m, 0.50 m from where it should be; landing" in answer.reason
+    assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
+
+
+def test_vehicles_are_landed_before_they_are_disarmed_where_a_take_off_is_told_to_have_failed() -> None:
+    bench = Bench(refuses={Act.TAKE_OFF: "no answer from all/takeoff"})
+    bench.call(Call.TAKE_OFF)
+    while Act.TAKE_OFF not in bench.acts:
+        bench.wait(STEP)
+    bench.move(HOME + up(0.5))
+    bench.wait(8.0)
+    assert bench.answer() == Reply(granted=False, reason="no answer from all/takeoff; landing")
+    assert bench.acts[-3:] == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
+
+
+def test_a_landing_is_confirmed_only_on_the_ground() -> None:
+    bench = up_to(Step.HOLD, stuck={Act.LAND})
+    answer = bench.asked(Call.LAND, 12.0)
+    assert not answer.granted
+    assert "not on the ground: cf1 is at 1.00 m" in answer.reason
+    assert Act.DISARM not in bench.acts
+    bench.stuck.clear()
+    assert bench.asked(Call.LAND).granted  # called again, it lands
+
+
+def test_a_landing_that_ends_at_the_last_moment_is_waited_for() -> None:
+    bench = up_to(Step.HOLD, stuck={Act.LAND})
+    bench.call(Call.LAND)
+    while not bench.replies:
+        late = bench.t
+        bench.wait(STEP)
+    again = up_to(Step.HOLD, stuck={Act.LAND})
+    again.call(Call.LAND)
+    again.wait(late - again.t)
+    again.move(again.pos * [1.0, 1.0, 0.0])
+    again.wait(8.0)
+    assert again.answer().granted
+
+
+def test_vehicles_that_overlap_glide_apart_before_they_land() -> None:
+    bench = up_to(Step.HOLD)
+    bench.move(np.array([[0.0, 0.0, 1.0], [0.0, 0.1, 1.5]]))
+    bench.call(Call.LAND)
+    bench.wait(STEP)
+    assert bench.acts == [Act.GLIDE]
+    bench.move(FIRST)
+    bench.wait(6.0)
+    assert bench.answer().granted
+    assert bench.acts == [Act.GLIDE, Act.STOP_STREAM, Act.LAND, Act.DISARM]
+
+
+def test_vehicles_that_land_by_themselves_are_watched_to_the_ground() -> None:
+    bench = up_to(Step.FLIGHT)
+    bench.reports = tuple(replace(one, flies=False) for one in bench.reports)
+    bench.wait(STEP)
+    assert bench.procedure.step is Step.LANDING
+    bench.move(HOME)
+    bench.wait(2.0)
+    assert bench.acts == [Act.DISARM]
+
+
+def test_a_room_without_an_inside_is_refused() -> None:
+    with pytest.raises(ValueError, match="lowest x, y, z and highest x, y, z"):
+        FlightProcedureParams(room=(0.0, 0.0, 0.0, 1.0, 1.0, 0.0))
+
+
+def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
+    observation = replace(Bench().observe(), pos=HOME + up(-0.001))
+    assert places(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"

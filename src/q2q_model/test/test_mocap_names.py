@@ -1,0 +1,166 @@
+"""The mocap filter on samples under the names of other vehicles."""
+
+import numpy as np
+import pytest
+from mocap_frames import (
+    COAST_S,
+    COASTING,
+    LOST,
+    PAIR,
+    TRACKED,
+    flown_until,
+    frame_at,
+    same,
+    time_of,
+    truth_at,
+)
+
+from q2q_model.estimation.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
+from q2q_model.geometry.rotations import identity_quat
+from q2q_model.signals.values import Array, MocapFrame, SwarmState
+
+
+@pytest.mark.parametrize("length", [1, 20, 45])
+def test_swapped_markers_are_given_back(length: int):
+    block = flown_until(50)
+    for tick in range(50, 50 + length):
+        state = block.update(frame_at(tick, truth_at(tick)[0][::-1]))
+        assert np.array_equal(state.pos, truth_at(tick)[0])
+        assert list(state.status) == [TRACKED, TRACKED]
+    assert block.report.swapped == 2 * length
+    assert np.array_equal(block.update(frame_at(50 + length)).pos, truth_at(50 + length)[0])
+
+
+def test_a_marker_under_the_name_of_another_is_taken_where_it_fits():
+    block = flown_until(50)
+    pos = truth_at(50)[0]
+    lone = MocapFrame(time_of(50), ("cf1",), pos[1:], identity_quat((1,)))  # cf2's place, cf1's name
+    state = block.update(lone)
+    assert list(state.status) == [COASTING, TRACKED]
+    assert np.array_equal(state.pos[1], pos[1])
+
+
+def test_a_swap_at_the_very_start_heals():
+    block = MocapFilter(IDEAL_SENSING, PAIR)
+    for tick in range(20):
+        block.update(frame_at(tick, truth_at(tick)[0][::-1]))
+    states = [block.update(frame_at(tick)) for tick in range(20, 80)]
+    # BORROWED_MOST samples and 60 ms to be convinced
+    assert all(np.array_equal(s.pos, truth_at(round(s.t * 100))[0]) for s in states[42:])
+
+
+@pytest.mark.parametrize("first", [2, 4, 20])
+def test_names_exchanged_for_less_than_a_vehicle_may_coast_move_no_track_however_early(first: int):
+    right, states = _hovering_with_names_exchanged(range(first, first + 34))
+    assert all(right)
+    assert all((state.status == TRACKED).all() for state in states[1:])
+
+
+def _hovering_with_names_exchanged(
+    exchanged: range, outlier: int | None = None
+) -> tuple[list[bool], list[SwarmState]]:
+    """Return for 60 ticks whether both hovering vehicles are believed where they are, and the states.
+
+    In the tick `outlier`, the first of the exchanged samples is 1 m off.
+    """
+    block, noise = MocapFilter(MocapFilterParams(), PAIR), np.random.default_rng(0)
+    place = truth_at(0)[0]
+    states = []
+    for tick in range(60):
+        seen = place + noise.normal(0.0, 3e-4, (2, 3))
+        seen = seen[::-1].copy() if tick in exchanged else seen
+        seen[0, 0] += float(tick == outlier)
+        states.append(block.update(frame_at(tick, seen)))
+    return [bool(np.abs(state.pos - place).max() < 5e-3) for state in states], states
+
+
+@pytest.mark.parametrize("until", [2, 17, 35])
+def test_names_exchanged_from_the_second_frame_on_move_no_track(until: int):
+    right, states = _hovering_with_names_exchanged(range(1, until))
+    assert all(right)
+    assert all((state.status == COASTING).all() for state in states[:until])
+    assert all((state.status == TRACKED).all() for state in states[until:])
+
+
+@pytest.mark.parametrize("outlier", [2, 4, 15])
+def test_an_outlier_among_names_exchanged_from_the_second_frame_on_moves_no_track(outlier: int):
+    right, states = _hovering_with_names_exchanged(range(1, 20), outlier)
+    assert all(right)
+    assert all((state.status == TRACKED).all() for state in states[20:])
+
+
+def test_names_exchanged_in_the_first_frame_alone_are_put_right_once_the_others_have_lasted():
+    right, states = _hovering_with_names_exchanged(range(1))
+    assert right == [False] * 36 + [True] * 24  # coast_s after the second frame
+    assert not any((state.status == TRACKED).any() for state in states[:36])
+
+
+def _alone(tick: int, pos: Array) -> MocapFrame:
+    return MocapFrame(time_of(tick), ("cf1",), pos[None], identity_quat((1,)))
+
+
+def _with_the_other_lost() -> MocapFilter:
+    """Return a filter at tick 99 that has not seen cf2 since tick 49."""
+    block = flown_until(50)
+    for tick in range(50, 100):
+        block.update(_alone(tick, truth_at(tick)[0][0]))
+    return block
+
+
+def test_a_missing_vehicle_under_anothers_name_is_not_believed_while_that_one_may_coast():
+    block = _with_the_other_lost()
+    for tick in range(100, 110):  # swaps of rooms last up to 0.1 s
+        state = block.update(_alone(tick, truth_at(tick)[0][1]))
+        assert list(state.status) == [COASTING, LOST]
+        assert np.abs(state.pos[0] - truth_at(tick)[0][0]).max() < 5e-3  # coasting for 0.1 s at 0.5 m/s^2
+    state = block.update(_alone(110, truth_at(110)[0][0]))
+    assert state.status[0] == TRACKED
+    assert np.array_equal(state.pos[0], truth_at(110)[0][0])
+
+
+def test_a_vehicle_that_truly_is_where_a_missing_one_was_is_found_once_it_has_coasted():
+    block = _with_the_other_lost()
+    found = 100 + round(COAST_S * 100)
+    for tick in range(100, found + 1):
+        state = block.update(_alone(tick, truth_at(tick)[0][1]))
+        assert (state.status[0] == TRACKED) == (tick == found)
+    assert np.array_equal(state.pos[0], truth_at(found)[0][1])
+
+
+def test_names_put_right_again_are_believed_as_soon_as_any_jump() -> None:
+    """After a gap both are lost, and their names exchanged for 0.2 s."""
+    block = flown_until(50)
+    for tick in range(150, 170):
+        assert list(block.update(frame_at(tick, truth_at(tick)[0][::-1].copy())).status) == [LOST, LOST]
+    for tick in range(170, 177):
+        state = block.update(frame_at(tick))
+        assert list(state.status) == [TRACKED if tick == 176 else LOST] * 2
+
+
+def test_rows_are_matched_by_name_whatever_their_order_and_company():
+    block, twin = flown_until(50), flown_until(50)
+    pos = truth_at(50)[0]
+    crowd = MocapFrame(
+        time_of(50),
+        ("ghost", "cf2", "cf1", "cf2"),
+        np.stack([pos[0], pos[1], pos[0], pos[1] + 3.0]),
+        identity_quat((4,)),
+    )
+    assert same(block.update(crowd), twin.update(frame_at(50)))
+    assert block.report.unknown_names == 1
+    assert block.report.repeated_names == 1
+
+
+def test_without_names_vehicles_are_adopted_as_they_appear():
+    block, named = MocapFilter(IDEAL_SENSING, ()), MocapFilter(IDEAL_SENSING, ("cf2", "cf1"))
+    empty = MocapFrame(time_of(0), (), np.zeros((0, 3)), np.zeros((0, 4)))
+    assert block.update(empty).names == ()
+    for tick in range(1, 30):
+        rows = [1] if tick < 10 else [0, 1]
+        frame = MocapFrame(
+            time_of(tick), tuple(PAIR[r] for r in rows), truth_at(tick)[0][rows], identity_quat((len(rows),))
+        )
+        state, expected = block.update(frame), named.update(frame)
+        assert state.names == ("cf2", "cf1")[: len(rows)]
+        assert np.allclose(state.pos, expected.pos[: len(rows)], atol=0)
+        assert np.allclose(state.vel, expected.vel[: len(rows)], atol=1e-12)  # the same sums in another order

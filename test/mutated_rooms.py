@@ -1,0 +1,112 @@
+"""Modules of the safety code that are mutated, and the tests that must notice."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """Modules that are mutated, and the tests that must notice."""
+
+    modules: tuple[str, ...]
+    tests: tuple[str, ...]
+    left_out: str = ""
+    """Which tests are not run, in pytest's words: slow ones that others back up."""
+    compiled: bool = False
+    """Loops of other modules run compiled; the mutated ones call them, and are not called by them."""
+
+
+ROOMS = (
+    Room(
+        tuple(
+            f"q2q_control.failsafe.{name}"
+            for name in (
+                "ladder",
+                "stamp_delay",
+                "blind_flight.dead_reckoned_braking",
+                "evasion.climb_back",
+                "evasion.descent_evasion",
+                "guard",
+                "tick_watch",
+            )
+        ),
+        tuple(
+            f"src/q2q_control/test/test_{name}.py"
+            for name in (
+                "guard",
+                "guard_clock",
+                "guard_evasion",
+                "guard_without_ticks",
+                "tick_watch",
+                "stamp_delay",
+                "ladder",
+                "dead_reckoned_braking",
+                "dead_reckoning",
+                "climb_back",
+                "descent_evasion",
+                "evasion_end",
+            )
+        ),
+        "not mpc",
+    ),
+    Room(
+        (
+            "q2q_model.estimation.clock_resets",
+            *(
+                f"q2q_model.estimation.{name}"
+                for name in (
+                    "reacquisition",
+                    "marker_swaps",
+                    "position_gates",
+                    "attitudes",
+                    "positions",
+                )
+            ),
+        ),
+        tuple(
+            f"src/q2q_model/test/test_{name}.py"
+            for name in (
+                "clock_resets",
+                "tracking_gates",
+                "position_gates",
+                "position_tracks",
+                "attitude_tracks",
+                "mocap_filter",
+                "mocap_filter_lies",
+                "mocap_names",
+                "mocap_stamps",
+            )
+        ),
+    ),
+    Room(
+        tuple(
+            f"q2q_planner.online.safe.{name}"
+            for name in (
+                "safe_replanner",
+                "last_known_states",
+                "committed_motion",
+                "decision",
+                "tracking_uncertainty",
+                "found_again",
+                "traffic",
+                "wanted_motion",
+            )
+        ),
+        tuple(
+            f"src/q2q_planner/test/test_{name}.py"
+            for name in (
+                "committed_motion",
+                "traffic",
+                "safe_tick",
+                "safe_replanner",
+                "steady_replanner",
+                "encounters",
+            )
+        ),
+        compiled=True,
+    ),
+    Room(
+        ("q2q_planner.online.safe.stopping.jerk_limited",),
+        ("src/q2q_planner/test/test_jerk_limited.py",),
+        "not compiled_and_plain",
+    ),
+)

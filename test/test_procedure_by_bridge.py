@@ -1,0 +1,126 @@
+"""Whole flights by the procedure through the node `crazyswarm`, in simulated time."""
+
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+from procedure_room import ProcedureRoom
+from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, by_bridge, fly_plan, land
+
+from q2q_control.flight_procedure.steps import Call
+
+SERVERS_ORDER = [
+    "trajectory/wait", "arm", "takeoff",
+    "trajectory/glide", "cmd_full_state", "trajectory/start", "cmd_full_state",
+    "trajectory/glide", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
+]  # fmt: skip
+
+
+def said_in_order(room: ProcedureRoom) -> list[str]:
+    """Return, and forget, what servers were asked and sent; repetitions count once."""
+    order = [one for k, one in enumerate(room.log) if k == 0 or room.log[k - 1] != one]
+    room.log.clear()
+    return order
+
+
+def test_table6_by_the_bridge_flies_lands_and_disarms_in_the_servers_order(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    room, _ = by_bridge(monkeypatch)
+    room.wait(1.5)
+    fly_plan(room, *TABLE6_ENDS)
+    assert room.height_error(50.0).max() < 0.005
+    land(room)
+    assert said_in_order(room) == SERVERS_ORDER
+
+
+def test_a_plan_is_flown_by_the_bridge_three_times_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, _ = by_bridge(monkeypatch, SHORT)
+    room.wait(1.5)
+    for _ in range(3):
+        fly_plan(room, *SHORT_ENDS)
+        assert room.height_error(3.0).max() < 0.005
+        land(room)
+        assert said_in_order(room) == SERVERS_ORDER
+
+
+def test_the_bridge_flies_with_poses_of_the_second_version(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, _ = by_bridge(monkeypatch, SHORT, version=2)
+    room.wait(1.5)
+    for call in (Call.TAKE_OFF, Call.FLY):
+        assert room.call(call).granted, room.node.lines[-5:]
+    room.wait(4.0)
+    land(room)
+    assert said_in_order(room) == SERVERS_ORDER
+
+
+def test_a_landing_that_does_not_happen_is_not_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A server that is deaf to `land`: it answers, and the vehicles stay up."""
+    room, server = by_bridge(monkeypatch, SHORT)
+    room.wait(1.5)
+    assert room.call(Call.TAKE_OFF).granted
+    server.ignore_signals.add("land")
+    reply = room.call(Call.LAND)
+    assert not reply.granted
+    assert "not on the ground: cf1 is at 0.5" in reply.reason
+    server.ignore_signals.clear()
+    assert room.call(Call.LAND).granted
+
+
+def test_a_battery_that_the_server_does_not_log_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, server = by_bridge(monkeypatch)
+    server.tells.remove("status")
+    room.wait(1.5)
+    assert "cf1 does not report its battery" in room.call(Call.TAKE_OFF).reason
+
+
+REFUSED_BY_WHAT_THE_SERVER_TELLS = [
+    ({"offset": 0.3}, "cf1 estimates itself 0.30 m from its measured position: 0.10 m is the most"),
+    (
+        {"held": {"ctrlMel.mass": 0.034, "ctrlMel.massThrust": 132000.0}},
+        "cf1 would be sent 68 % of the thrust",
+    ),
+    ({"held": {"stabilizer.controller": 1.0}}, "cf1: its stabilizer.controller is 1, expected 2"),
+]
+
+
+@pytest.mark.parametrize(("reported", "why"), REFUSED_BY_WHAT_THE_SERVER_TELLS)
+def test_the_bridge_refuses_the_take_off_by_what_the_server_tells(
+    monkeypatch: pytest.MonkeyPatch, reported: dict[str, object], why: str
+) -> None:
+    room, server = by_bridge(monkeypatch, SHORT)
+    for name, value in reported.items():
+        setattr(server, name, value)
+    room.wait(1.5)
+    assert why in room.call(Call.TAKE_OFF).reason
+    assert not {"arm", "takeoff"} & set(room.log)
+
+
+def test_an_estimate_that_is_no_longer_told_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, server = by_bridge(monkeypatch, SHORT)
+    room.wait(1.5)
+    server.tells.remove("onboard")
+    room.wait(3.1)
+    assert "cf1 stopped sending its own estimate x, y, z" in room.call(Call.TAKE_OFF).reason
+
+
+def test_what_the_server_does_not_tell_is_said_not_to_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, server = by_bridge(monkeypatch, SHORT)
+    server.tells = {"status"}
+    room.wait(1.5)
+    words = "not checked: parameters of cf1, cf2; own estimate of cf1, cf2; thrust scale of cf1, cf2"
+    assert room.node.lines[-1] == f"step checked: {words}"
+    values = {one.key: one.value for one in room.node.published["~/status"][-1].values}
+    assert values == {"take_off_refusal": "", "unchecked": words}
+    assert room.call(Call.TAKE_OFF).granted
+    assert f"step arming: {words}" in room.node.lines
+
+
+def test_an_emergency_by_the_bridge_stops_the_motors(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, _ = by_bridge(monkeypatch, SHORT)
+    room.wait(1.5)
+    assert room.call(Call.TAKE_OFF).granted
+    assert room.call(Call.EMERGENCY).granted
+    room.wait(1.0)
+    assert room.height[-1].max() < 0.02
+    assert "the step is stopped" in room.call(Call.TAKE_OFF).reason
