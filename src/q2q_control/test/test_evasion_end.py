@@ -35,7 +35,7 @@ def test_one_that_is_driven_ahead_turns_across_unless_the_other_may_climb_to_its
     height: float, across: bool
 ) -> None:
     """cf1, found at a height, moves along x at 0.5 m/s under its setpoint; cf2 hovers at 1 m ahead of it."""
-    evasion = DescentEvasion()
+    evasion, aside = DescentEvasion(), 0.0
     for k in range(400):
         x = 0.5 * max(k - 100, 0) * TICK
         low = 2.0 if k < 100 else height
@@ -43,7 +43,20 @@ def test_one_that_is_driven_ahead_turns_across_unless_the_other_may_climb_to_its
         plan = np.array([(x, 0.0, 2.0), (0.3, 0.0, 1.0)])
         blind = flown(2, 0) if k < 100 else flown(2)
         output = evasion.update(setpoint_of(k * TICK, plan), state, blind, {})
-    assert (abs(output.pos[1, 1]) > 0.3) == across
+        aside = max(aside, abs(output.pos[1, 1]))
+    assert (aside > 0.3) == across
+
+
+@pytest.mark.parametrize(("end", "aside"), [(0.5, 0.5), (0.7, 0.0)])
+def test_who_has_moved_past_a_lost_one_goes_back_to_its_setpoint(end: float, aside: float) -> None:
+    """The setpoint of cf2 is 0.1 m beside the lost vehicle for 2 s, then moves on to a distance along x."""
+    evasion = DescentEvasion()
+    for k in range(700):
+        x = min(max(0.5 * (k - 200) * TICK, 0.0), end)
+        sent = setpoint_of(k * TICK, np.array([UPPER, (x, 0.1, 1.0)]))
+        output = evasion.update(sent, state_of(sent.pos), flown(2, 0), {})
+        assert k < 200 or np.hypot(*output.pos[1, :2]) > REACH - 0.02
+    np.testing.assert_allclose(output.pos[1, :2], [end, 0.1 + aside], atol=1e-3)
 
 
 def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None:

@@ -10,10 +10,11 @@ within d_j of it horizontally, and less than RISE above it, the setpoint is shif
     d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
-where goal' counts while r approaches only: nothing that moves away is braked. The shift of a vehicle that is
-no longer measured itself comes to rest, s'' = -w s': it would be lost at speed. An evasion ends when j is
-cut, or measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or
-climbs there by more than BACK above.
+where goal' counts while r approaches only: nothing that moves away is braked. Both are 0 while the way back,
+from r + s to r, keeps d_j from p_j, as it does once r is past j. The shift of a vehicle that is no longer
+measured itself comes to rest, s'' = -w s': it would be lost at speed. An evasion ends when j is cut, or
+measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or climbs
+there by more than BACK above.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -23,6 +24,7 @@ climbs there by more than BACK above.
 | w | PACE | bandwidth of the critically damped shift [rad/s] |
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -77,6 +79,8 @@ class _Shift:
         sx = sy = sent_x = sent_y = 0.0
         for other, direction in self.directions.items():
             ((px, py), reach), (ux, uy) = evaded[other], direction.tolist()
+            if _is_clear((x - px, y - py), self.pos.tolist(), reach):
+                continue
             shortfall = reach - ((x + sx - px) * ux + (y + sy - py) * uy)
             if shortfall > 0.0:
                 sx, sy = sx + shortfall * ux, sy + shortfall * uy
@@ -207,6 +211,20 @@ class DescentEvasion:
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
+
+
+def _is_clear(offset: Place, shift: list[float], reach: float) -> bool:
+    """Return whether the way back from a shift is at least `reach` [m] from a place.
+
+    Args:
+        offset: setpoint, from the place [m].
+        shift: of the setpoint [m].
+        reach: [m].
+    """
+    (x, y), (sx, sy) = offset, shift
+    squared = sx * sx + sy * sy
+    share = min(max(-(x * sx + y * sy) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
+    return math.hypot(x + share * sx, y + share * sy) >= reach
 
 
 def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Array]:
