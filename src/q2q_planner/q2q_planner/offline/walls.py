@@ -60,6 +60,7 @@ class WallProof:
     """The vehicle that comes nearest."""
     t: float
     """Time of its least distance [s]."""
+    walls: Walls
 
     @property
     def holds(self) -> bool:
@@ -71,14 +72,14 @@ def prove_within(plan: SwarmPlan, walls: Walls) -> WallProof:
     """Return the proven distance of a plan to the walls."""
     rounding = rounding_slack(plan.trajectories)
     if not rounding < MOST_ROUNDING:
-        return WallProof(-np.inf, plan.names[0], 0.0)
+        return WallProof(-np.inf, plan.names[0], 0.0, walls)
     shared = shared_pieces(plan.trajectories)
     points = control_points(shared.coefficients, shared.durations[:, None, None])  # (pieces, n, 3, order)
     gaps = np.moveaxis(walls.distances(np.moveaxis(points, 2, -1)), -1, 2)  # (pieces, n, 6, order)
     found = least(gaps.reshape(-1, gaps.shape[-1]), _stretch_bounds)
     piece, vehicle, _ = np.unravel_index(found.row, gaps.shape[:-1])
     t = shared.starts[piece] + found.share * shared.durations[piece]
-    return WallProof(found.bound - rounding, plan.names[int(vehicle)], float(t))
+    return WallProof(found.bound - rounding, plan.names[int(vehicle)], float(t), walls)
 
 
 def _stretch_bounds(points: Array) -> StretchBounds:

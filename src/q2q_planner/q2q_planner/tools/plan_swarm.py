@@ -53,7 +53,7 @@ def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, bef
     `before` is the processor time at its start [s].
     """
     warm = plan_file.load(asked.warm) if asked.warm else None
-    params = params_of(asked)
+    params = _params_of(asked)
     if asked.avoid:
         found = avoid(swarm, zone, asked.reading, params, warm)
         proofs = found.certificate, found.within
@@ -66,7 +66,7 @@ def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, bef
     return Planned(shown, proof, within, cost, cost, _ms_since(before))
 
 
-def params_of(asked: Namespace) -> AvoidanceParams:
+def _params_of(asked: Namespace) -> AvoidanceParams:
     """Return the parameters of the search; raise ValueError if `--within` is no box."""
     return AvoidanceParams(starts=asked.starts, within=tuple(asked.within or ()))
 
@@ -100,7 +100,7 @@ def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Z
         raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold, which it chooses")
     file = find_model(asked.model)
     downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
-    made = avoid_downwash(swarm, downwash, asked.reading, params_of(asked))
+    made = avoid_downwash(swarm, downwash, asked.reading, _params_of(asked))
     if made.cut < asked.cut:
         raise ValueError(
             f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
@@ -152,7 +152,7 @@ def run(asked: Namespace) -> int:
     print(f"  snap cost {made.cost:.6g}, {made.cost / made.infimum:.4f} times that without avoidance")
     print(f"  {_verdict(made)} ({words})")
     if made.within:
-        print(f"  {_wall_verdict(made.within)} ({params_of(asked).walls})")
+        print(f"  {_wall_verdict(made.within)} ({made.within.walls})")
     return 0
 
 
