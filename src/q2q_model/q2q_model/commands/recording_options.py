@@ -6,6 +6,17 @@ from q2q_model.commands.command_line import CommandLine
 from q2q_model.vehicle.constants import VEHICLES
 
 
+def add_recordings(parser: CommandLine) -> None:
+    """Add `flights`, the recordings to read."""
+    parser.add_argument(
+        "flights",
+        nargs="+",
+        type=Path,
+        metavar="FLIGHT",
+        help="bag, table (.parquet, .csv) or folder of them",
+    )
+
+
 def add_recording_options(parser: CommandLine) -> None:
     """Add `--topics` and `--vehicle`."""
     parser.add_argument(

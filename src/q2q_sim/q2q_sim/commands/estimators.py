@@ -7,9 +7,9 @@ are compared with the samples that they have not seen. Give flights of one vehic
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_model.commands.recording_options import add_recordings
 
 EXAMPLE = "  ros2 run q2q_sim estimators flights/ --seeds 3 --json out/estimators.json"
 
@@ -39,13 +39,7 @@ def _run(args: Namespace) -> int:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("estimators", __doc__, EXAMPLE)
-    made.add_argument(
-        "flights",
-        nargs="+",
-        type=Path,
-        metavar="FLIGHT",
-        help="bag, table (.parquet, .csv) or folder of them",
-    )
+    add_recordings(made)
     made.add_argument(
         "--seeds", type=int, default=3, metavar="N", help="draws of cuts and sensor errors (default 3)"
     )

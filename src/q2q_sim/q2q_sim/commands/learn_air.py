@@ -7,10 +7,9 @@ flights do not show is left out, and named.
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
-from q2q_model.commands.recording_options import add_recording_options
+from q2q_model.commands.recording_options import add_recording_options, add_recordings
 
 EXAMPLE = """  ros2 run q2q_sim learn_air flights/ --out room.air
   ros2 run q2q_sim learn_air bags/table2_* stack.parquet --out room.air --json room.json"""
@@ -35,13 +34,7 @@ def _prepare(args: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("learn_air", __doc__, EXAMPLE)
-    made.add_argument(
-        "flights",
-        nargs="+",
-        type=Path,
-        metavar="FLIGHT",
-        help="bag, table (.parquet, .csv) or folder of them",
-    )
+    add_recordings(made)
     made.add_argument("--out", type=output_file, required=True, metavar="FILE", help="air to write (.air)")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file of values, intervals and checks")
     add_recording_options(made)

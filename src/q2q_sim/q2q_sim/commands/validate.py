@@ -8,7 +8,6 @@ wake and in clear air, for each flight and pooled.
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
-from pathlib import Path
 
 from q2q_model.commands.command_line import (
     CommandLine,
@@ -18,7 +17,7 @@ from q2q_model.commands.command_line import (
     require_existing,
     run_command,
 )
-from q2q_model.commands.recording_options import add_recording_options
+from q2q_model.commands.recording_options import add_recording_options, add_recordings
 from q2q_sim.air.air_names import check_air
 
 EXAMPLE = "  ros2 run q2q_sim validate --air room.air flight3 flight4 --json v.json --out page/"
@@ -57,13 +56,7 @@ def _run(args: Namespace) -> int:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("validate", __doc__, EXAMPLE)
-    made.add_argument(
-        "flights",
-        nargs="+",
-        type=Path,
-        metavar="FLIGHT",
-        help="bag, table (.parquet, .csv) or folder of them",
-    )
+    add_recordings(made)
     made.add_argument(
         "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
     )
