@@ -98,6 +98,8 @@ MEASURED = (LOST - 35) * TICK_S
         (Fault("jump", MEASURED + 0.1, 2.0, ("cf1",), 0.3), False),  # still measured
         (Fault("radio_loss", MEASURED + 0.1, 0.1, ("cf2",), 1.0), False),
         (Fault("dropout", MEASURED, 1.0, ("cf2",)), True),
+        (Fault("stale", LOST * TICK_S - 0.2, 0.195), False),  # the state of cf1 steps in the next tick
+        (Fault("stale", MEASURED + 0.1, 0.1), True),
     ],
 )
 def test_evasion_is_judged_unless_a_fault_hides_where_either_vehicle_is(fault: Fault, judged: bool) -> None:

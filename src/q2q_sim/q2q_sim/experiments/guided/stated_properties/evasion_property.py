@@ -10,9 +10,10 @@ the change of its commanded acceleration to the next tick, less that of its setp
     |c| >= LEAST_ACC                 where |d| < NEAR
     -c . d / |d| <= LEAST_ACC        where |d| > CLEAR and no third vehicle is near where it is sent
 
-It is judged for the PID, whose command follows its setpoint at once, where nothing has deceived the
-dead reckoning of either (deception) and no vehicle was lost shortly before. The margin is the least distance
-from these limits, at most 1; beyond NEAR it is the larger one of those from NEAR and from the limit.
+It is judged for the PID, whose command follows its setpoint at once, where nothing has deceived the dead
+reckoning of either and the last frame of neither came late or again (deception): its state steps with the
+next one. Nor is it where a vehicle was lost shortly before. The margin is the least distance from these
+limits, at most 1; beyond NEAR it is the larger one of those from NEAR and from the limit.
 """
 
 from collections.abc import Iterator
@@ -25,7 +26,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
 from q2q_model.signals.values import Array, CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.deception import deceived
+from q2q_sim.experiments.guided.stated_properties.deception import deceived, outdated
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S
@@ -85,7 +86,8 @@ def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
     if run.options.controller != "pid":
         return StatedOutcome()
     found, margin = [], np.inf
-    known, acc = ~deceived(ticks, run.scenario.faults), ticks.commanded_acc()
+    faults, acc = run.scenario.faults, ticks.commanded_acc()
+    known = ~(deceived(ticks, faults) | outdated(ticks, faults))
     for one in _encounters(ticks):
         if not known[one.tick, [one.i, one.j]].all() or np.abs(acc[one.tick, one.i]).max() > LEANING:
             continue
