@@ -18,8 +18,10 @@ def with_measured_downwash(run: ReplayRun, record: ForceRecord | None) -> Replay
 
     A run that has one, or was measured in clear air only, is returned unchanged.
     """
-    samples = [] if record is None else [one for one in force_samples(record) if one.exposed.any()]
-    if not samples or "downwash" not in run.missing:
+    if record is None or "downwash" not in run.missing:
+        return run
+    samples = [one for one in force_samples(record) if one.exposed.any()]
+    if not samples:
         return run
     downwash = np.zeros_like(run.pos)
     for one in samples:

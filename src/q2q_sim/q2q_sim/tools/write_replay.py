@@ -43,12 +43,14 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     flown = _vehicle(path, args.vehicle, is_table=is_table)
     if flown.note:
         print(f"replay_page: {flown.note}", file=sys.stderr)
-    record = force_record(recording, flown.vehicle, flown.vehicle.thrust_lag)
     part = part_of(recording.flight, args.start, args.end)
     verdict = verdict_of(part, Circumstances(vehicle=flown.vehicle))
     if args.end is None and not is_table and BagReader(path).is_cut:
         verdict = with_unknown_end(verdict, part)
-    return with_measured_downwash(replay_run(part, flown.vehicle, name, verdict), record)
+    run = replay_run(part, flown.vehicle, name, verdict)
+    if "downwash" not in run.missing:
+        return run
+    return with_measured_downwash(run, force_record(recording, flown.vehicle, flown.vehicle.thrust_lag))
 
 
 def _vehicle(path: Path, override: str, *, is_table: bool) -> FlownVehicle:
