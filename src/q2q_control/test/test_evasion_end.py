@@ -59,6 +59,16 @@ def test_who_has_moved_past_a_lost_one_goes_back_to_its_setpoint(end: float, asi
     np.testing.assert_allclose(output.pos[1, :2], [end, 0.1 + aside], atol=1e-3)
 
 
+@pytest.mark.parametrize(("x", "kept"), [(-0.3, True), (0.7, False)])
+def test_one_whose_setpoint_is_beyond_a_lost_one_stays_on_its_side(x: float, kept: bool) -> None:
+    """It is 0.3 m before the lost vehicle, or already past it, and is sent 0.8 m past it."""
+    evasion, sent = DescentEvasion(), np.array([UPPER, (0.8, 0.0, 1.0)])
+    for k in range(400):
+        state = state_of(np.array([UPPER, (-0.3 if k < 100 else x, 0.0, 1.0)]))
+        output = evasion.update(setpoint_of(k * TICK, sent), state, flown(2, 0), {})
+    np.testing.assert_allclose(output.pos[1, :2], [-REACH if kept else 0.8, 0.0], atol=1e-2)
+
+
 def test_seen_again_everybody_flies_where_it_is_sent_to_the_last_digit() -> None:
     way, pos = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)])
     for k in range(200):

@@ -10,8 +10,8 @@ within d_j of it horizontally, and less than RISE above it, the setpoint is shif
     d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
     s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
-where goal' counts while r approaches only: nothing that moves away is braked. Both are 0 while the way back,
-from r + s to r, keeps d_j from p_j, as it does once r is past j. The shift of a vehicle that is no longer
+where goal' counts while r approaches only: nothing that moves away is braked. Both are 0 while the straight
+way of the vehicle to r keeps d_j from p_j, as it does past j. The shift of a vehicle that is no longer
 measured itself comes to rest, s'' = -w s': it would be lost at speed. An evasion ends when j is cut, or
 measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or climbs
 there by more than BACK above.
@@ -70,16 +70,25 @@ class _Shift:
     returning: set[str] = field(default_factory=set)
     """Those of them that are measured again."""
 
-    def goal(self, pos: Array, vel: Array, evaded: Mapping[str, tuple[Place, float]]) -> tuple[Array, Array]:
+    def goal(
+        self, pos: Array, vel: Array, at: Place, evaded: Mapping[str, tuple[Place, float]]
+    ) -> tuple[Array, Array]:
         """Return the shift that a setpoint (3,) should have [m] and its velocity [m/s], (2,) each.
 
         By plain numbers, as where half of a swarm is lost there are thousands of pairs.
+
+        Args:
+            pos: setpoint [m].
+            vel: its velocity [m/s].
+            at: where the vehicle is [m].
+            evaded: places of others [m], and distances to keep from them [m].
         """
         (x, y, _), (vx, vy, _) = pos.tolist(), vel.tolist()
+        back = at[0] - x, at[1] - y
         sx = sy = sent_x = sent_y = 0.0
         for other, direction in self.directions.items():
             ((px, py), reach), (ux, uy) = evaded[other], direction.tolist()
-            if _is_clear((x - px, y - py), self.pos.tolist(), reach):
+            if _is_clear((x - px, y - py), back, reach):
                 continue
             shortfall = reach - ((x + sx - px) * ux + (y + sy - py) * uy)
             if shortfall > 0.0:
@@ -204,7 +213,8 @@ class DescentEvasion:
             shift = self._shifts.get(name)
             if shift is None:
                 continue
-            target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], evaded)
+            at = evaded[name][0] if name in evaded else tuple(setpoint.pos[row, :2].tolist())
+            target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], at, evaded)
             if name in unmeasured:
                 target, target_vel = shift.resting_place, np.zeros(2)
             acc[row, :2] += shift.follow(target, target_vel, dt)
@@ -213,18 +223,18 @@ class DescentEvasion:
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
 
 
-def _is_clear(offset: Place, shift: list[float], reach: float) -> bool:
-    """Return whether the way back from a shift is at least `reach` [m] from a place.
+def _is_clear(setpoint: Place, back: Place, reach: float) -> bool:
+    """Return whether the straight way of a vehicle to its setpoint keeps `reach` [m] from a place.
 
     Args:
-        offset: setpoint, from the place [m].
-        shift: of the setpoint [m].
+        setpoint: from the place [m].
+        back: from the setpoint to the vehicle [m].
         reach: [m].
     """
-    (x, y), (sx, sy) = offset, shift
-    squared = sx * sx + sy * sy
-    share = min(max(-(x * sx + y * sy) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
-    return math.hypot(x + share * sx, y + share * sy) >= reach
+    (x, y), (bx, by) = setpoint, back
+    squared = bx * bx + by * by
+    share = min(max(-(x * bx + y * by) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
+    return math.hypot(x + share * bx, y + share * by) >= reach
 
 
 def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Array]:
