@@ -25,6 +25,7 @@ ROOMS = (
                 "blind_flight.dead_reckoned_braking",
                 "evasion.climb_back",
                 "evasion.descent_evasion",
+                "evasion.evasion_shift",
                 "guard",
                 "tick_watch",
             )

@@ -14,11 +14,11 @@ from q2q_control.failsafe.evasion.descent_evasion import (
     DRIFT,
     FARTHEST,
     KNOWN,
-    PACE,
     REACH,
     RISE,
     DescentEvasion,
 )
+from q2q_control.failsafe.evasion.evasion_shift import PACE
 from q2q_model.signals.values import CommandStatus, TrackStatus
 
 LOST = flown(2, 0)

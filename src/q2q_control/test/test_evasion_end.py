@@ -7,7 +7,8 @@ import pytest
 from evading_flights import TICK, UPPER, flown, setpoint_of, state_of
 
 from q2q_control.failsafe.evasion.climb_back import BACK
-from q2q_control.failsafe.evasion.descent_evasion import PACE, REACH, DescentEvasion
+from q2q_control.failsafe.evasion.descent_evasion import REACH, DescentEvasion
+from q2q_control.failsafe.evasion.evasion_shift import PACE
 from q2q_model.signals.values import CommandStatus
 
 

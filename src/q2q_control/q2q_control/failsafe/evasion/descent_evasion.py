@@ -4,29 +4,21 @@ A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsaf
 wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first. Its
 position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its setpoint is
 within d_j of it horizontally, and less than RISE above it, the setpoint is shifted along u
-(evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
+(evasion_shift, evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
 
-    goal = max(0, d_j - (r - p_j) . u) u          r: setpoint, horizontal; u is fixed, see below
     d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
-    s'' = w^2 (goal - s) + 2 w (goal' - s')       flown: r + s with its velocity and acceleration
 
-where goal' counts while r approaches only: nothing that moves away is braked. Both are 0 while the straight
-way of the vehicle to r keeps d_j from p_j, as it does past j. The shift of a vehicle that is no longer
-measured itself comes to rest, s'' = -w s': it would be lost at speed. An evasion ends when j is cut, or
-measured again and back at the height of its setpoint (q2q_control.failsafe.evasion.climb_back), or climbs
-there by more than BACK above.
+An evasion ends when j is cut, or measured again and back at the height of its setpoint
+(q2q_control.failsafe.evasion.climb_back), or climbs there by more than BACK above.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| s | shift | horizontal shift of a setpoint [m], (2,) |
 | u | direction | horizontal unit vector, (2,) |
 | d, a | reach, age | distance to keep [m], time since j was measured [s] |
-| w | PACE | bandwidth of the critically damped shift [rad/s] |
 """
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,10 +27,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
+from q2q_control.failsafe.evasion.evasion_shift import EvasionShift, Place
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
-
-Place = tuple[float, float]
-"""Horizontal [m]."""
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
@@ -49,70 +39,10 @@ KNOWN, DRIFT = 1.0, 0.4
 FARTHEST = 0.9
 """Longest shift along one direction [m], and longest distance to keep: REACH, and a drift of 0.75 s beyond
 KNOWN. A vehicle that evades further leaves the room, or is not back within seconds."""
-PACE = 3.0
-"""80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
 LONGEST_STEP = 0.1
 """Longest time between ticks that is integrated [s]."""
 CROSSING = 0.8
 """Height that another climbs while a vehicle gets across its path [m]: 0.8 m/s for the second of PACE."""
-AT_REST = 1e-3
-"""Shift below which an evasion has ended [m]."""
-
-
-@dataclass(slots=True)
-class _Shift:
-    """Shift of one vehicle's setpoint, and the vehicle it evades."""
-
-    pos: Array = field(default_factory=lambda: np.zeros(2))
-    vel: Array = field(default_factory=lambda: np.zeros(2))
-    directions: dict[str, Array] = field(default_factory=dict)
-    """u for each vehicle that is evaded."""
-    returning: set[str] = field(default_factory=set)
-    """Those of them that are measured again."""
-
-    def goal(
-        self, pos: Array, vel: Array, at: Place, evaded: Mapping[str, tuple[Place, float]]
-    ) -> tuple[Array, Array]:
-        """Return the shift that a setpoint (3,) should have [m] and its velocity [m/s], (2,) each.
-
-        By plain numbers, as where half of a swarm is lost there are thousands of pairs.
-
-        Args:
-            pos: setpoint [m].
-            vel: its velocity [m/s].
-            at: where the vehicle is [m].
-            evaded: places of others [m], and distances to keep from them [m].
-        """
-        (x, y, _), (vx, vy, _) = pos.tolist(), vel.tolist()
-        back = at[0] - x, at[1] - y
-        sx = sy = sent_x = sent_y = 0.0
-        for other, direction in self.directions.items():
-            ((px, py), reach), (ux, uy) = evaded[other], direction.tolist()
-            if _is_clear((x - px, y - py), back, reach):
-                continue
-            shortfall = reach - ((x + sx - px) * ux + (y + sy - py) * uy)
-            if shortfall > 0.0:
-                sx, sy = sx + shortfall * ux, sy + shortfall * uy
-                towards = max(-((vx + sent_x) * ux + (vy + sent_y) * uy), 0.0)
-                sent_x, sent_y = sent_x + towards * ux, sent_y + towards * uy
-        return np.array([sx, sy]), np.array([sent_x, sent_y])
-
-    def follow(self, target: Array, target_vel: Array, dt: float) -> Array:
-        """Integrate over dt [s]; return the acceleration [m/s^2], (2,)."""
-        acc = PACE**2 * (target - self.pos) + 2.0 * PACE * (target_vel - self.vel)
-        self.vel = self.vel + acc * dt
-        self.pos = self.pos + self.vel * dt
-        return acc
-
-    @property
-    def resting_place(self) -> Array:
-        """Return the shift towards which it comes to rest by s'' = -w s' [m], (2,)."""
-        return self.pos + self.vel / PACE
-
-    @property
-    def over(self) -> bool:
-        """Return whether the evasion has ended and the setpoint is no longer shifted."""
-        return not self.directions and float(np.abs(self.pos).max() + np.abs(self.vel).max()) < AT_REST
 
 
 class DescentEvasion:
@@ -123,7 +53,7 @@ class DescentEvasion:
 
     def reset(self) -> None:
         """Drop all shifts and climbs."""
-        self._shifts: dict[str, _Shift] = {}
+        self._shifts: dict[str, EvasionShift] = {}
         self._climbs = ClimbBack()
         self._active = False
         self._t: float | None = None
@@ -195,7 +125,7 @@ class DescentEvasion:
         """Assign a direction to every new pair of an evading vehicle and the one that it evades."""
         for i, j in pairs:
             if names[i] not in self._shifts:
-                self._shifts[names[i]] = _Shift()
+                self._shifts[names[i]] = EvasionShift()
             shift = self._shifts[names[i]]
             if names[j] not in shift.directions:
                 shift.directions[names[j]] = evasion_direction(pos[:, :2], (i, j), rest[j], REACH)
@@ -221,20 +151,6 @@ class DescentEvasion:
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
-
-
-def _is_clear(setpoint: Place, back: Place, reach: float) -> bool:
-    """Return whether the straight way of a vehicle to its setpoint keeps `reach` [m] from a place.
-
-    Args:
-        setpoint: from the place [m].
-        back: from the setpoint to the vehicle [m].
-        reach: [m].
-    """
-    (x, y), (bx, by) = setpoint, back
-    squared = bx * bx + by * by
-    share = min(max(-(x * bx + y * by) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
-    return math.hypot(x + share * bx, y + share * by) >= reach
 
 
 def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Array]:
