@@ -295,6 +295,19 @@ def test_a_state_that_is_no_number_holds_then_levels_and_the_other_flies_on(bad:
     assert mpc.update(lost, setpoint, downwash).status[0] == CommandStatus.LEVEL
 
 
+def test_vehicles_lost_in_a_gap_count_as_on_their_references_and_are_found_there_by_the_first_solve():
+    """Both are lost for 6 ticks after 0.4 s without one; the one that finds them is solved as any other."""
+    preview = pass_over(speed=0.2, start=0.3, gap=1.0)
+    known, unsure = controller(MpcParams(), preview), controller(MpcParams(), preview)
+    for k in [*range(10), *range(50, 57)]:
+        state, setpoint, downwash = first_tick(preview, k)
+        lost = replace(state, status=np.full(2, TrackStatus.LOST if 50 <= k < 56 else 0, np.uint8))
+        whole, some = known.update(state, setpoint, downwash), unsure.update(lost, setpoint, downwash)
+        assert unsure.report.iterations == 1
+    # what was commanded meanwhile, and with it the thrust, differs: hover, and the compensation
+    np.testing.assert_allclose(some.thrust, whole.thrust, atol=0.02 * TEXTBOOK_065.hover_thrust)
+
+
 def test_a_thrust_bound_below_hover_saturates_and_sinks_without_winding_up():
     preview = hover()
     mpc = controller(replace(IDEAL, thrust_max=6.0), preview)

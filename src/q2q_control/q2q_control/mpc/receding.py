@@ -208,4 +208,20 @@ class Mpc:
             push[..., 2] -= faded_residual(present.residual, self._setup.correct, self._params)
             kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
         low, high = input_bounds(tick.table[:, QUAT].copy(), self._most, kept)
-        return Horizon(present.chains, outlook.reference, push, outlook.path, low, high, self._step_max)
+        chains = present.chains
+        if not tick.usable.all():  # nobody knows where they are
+            still = _on_reference(outlook.reference[:, 0], push[:, 0])
+            chains = np.where(tick.usable[:, None, None], chains, still)
+        return Horizon(chains, outlook.reference, push, outlook.path, low, high, self._step_max)
+
+
+def _on_reference(reference: Array, push: Array) -> Array:
+    """Return position, velocity and acceleration by thrust of each axis, (n, 3 axes, 3), on a reference.
+
+    Args:
+        reference: position [m], velocity [m/s] and acceleration [m/s^2], world, (n, 9).
+        push: acceleration by others [m/s^2], world, (n, 3).
+    """
+    chains = reference.reshape(-1, 3, 3).transpose(0, 2, 1).copy()
+    chains[..., 2] -= push
+    return chains
