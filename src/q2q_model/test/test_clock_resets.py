@@ -31,6 +31,14 @@ def test_a_stamp_that_repeats_or_is_none_does_not_count() -> None:
         assert old.rise(0.11)
 
 
+def test_an_old_frame_that_is_delivered_again_does_not_hide_a_new_time() -> None:
+    """One of 4.41 s comes before and after the first one of the new time, 4.01 s."""
+    old = ClockResetDetector()
+    assert not any(old.rise(t) for t in (4.41, 4.41, 4.01, *[4.41] * 13))
+    output = [old.rise(4.15 + k * 0.01) for k in range(3)]
+    assert output == [False, True, True]
+
+
 def test_reordered_stamps_do_not_hide_a_new_time() -> None:
     old = ClockResetDetector()
     late = [

@@ -1,7 +1,8 @@
 """Detection of a clock that was set back, as opposed to late frames.
 
 Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
-times and for PATIENCE_S are the new time, also when frames between them come in another order.
+times and for PATIENCE_S are the new time, also when frames between them come in another order. A frame from
+before that is delivered again is none of them.
 """
 
 from math import inf
@@ -26,6 +27,7 @@ class ClockResetDetector:
     def reset(self) -> None:
         """Forget the old stamps: a newer one has come."""
         self._first, self._newest, self._count = inf, inf, 0
+        self._before = inf  # newest of the old stamps before they went back
 
     @property
     def first(self) -> float:
@@ -35,9 +37,10 @@ class ClockResetDetector:
     def rise(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""
         if t < self._first:
+            self._before = self._newest
             self._first = self._newest = t
             self._count = 1
-        elif t > self._newest:
+        elif t > self._newest and t != self._before:
             self._newest = t
             self._count += 1
         return self._count >= CONFIRM_STAMPS and self._newest - self._first >= PATIENCE_S - ROUNDING
