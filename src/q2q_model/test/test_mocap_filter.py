@@ -1,4 +1,4 @@
-"""The mocap filter on good, bad, late, missing and swapped samples."""
+"""The mocap filter on good, bad and missing samples of positions and attitudes."""
 
 from dataclasses import replace
 

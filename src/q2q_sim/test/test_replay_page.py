@@ -136,12 +136,12 @@ def test_measured_downwash_is_shown_while_a_vehicle_is_under_another():
     record = ForceRecord("made", ("cf1", "cf2"), motion, push, yes, ~yes)
     unknown = np.full_like(pos, np.nan)
     bare = ReplayRun("made", ("cf1", "cf2"), t, pos, unknown, pos, unknown, ~yes, unknown, push, 0.046)
-    seen = with_measured_downwash(bare, record)
+    seen = with_measured_downwash(bare, lambda: record)
     middle = np.argmin(np.abs(pos[:, 1, 0]))
     assert seen.downwash[middle, 0] == pytest.approx([0.0, 0.0, -2.1])  # without the offset of clear air
     assert np.abs(seen.downwash[:, 1]).max() == 0.0
     assert np.abs(seen.downwash[np.abs(pos[:, 1, 0]) > 0.25]).max() < 1e-12  # rounding of a running sum
-    assert with_measured_downwash(seen, record) is seen, "what is recorded is not replaced"
+    assert with_measured_downwash(seen, lambda: record) is seen, "what is recorded is not replaced"
 
 
 def test_four_runs_are_refused(run: ReplayRun):

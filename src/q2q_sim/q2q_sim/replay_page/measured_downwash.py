@@ -1,5 +1,6 @@
 """Downwash of a recorded flight's replay, as its accelerometers measured it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,14 +14,14 @@ SMOOTHED = 15
 NOTE = "Downwash is measured by accelerometers, while a vehicle is under another."
 
 
-def with_measured_downwash(run: ReplayRun, record: ForceRecord | None) -> ReplayRun:
+def with_measured_downwash(run: ReplayRun, measure: Callable[[], ForceRecord | None]) -> ReplayRun:
     """Return a run that records no downwash with the measured one, along z; 0 while in clear air.
 
-    A run that has one, or was measured in clear air only, is returned unchanged.
+    A run that has one, or was measured in clear air only, is returned unchanged. `measure` returns the
+    measured force, and is called only where it is needed.
     """
-    if record is None or "downwash" not in run.missing:
-        return run
-    samples = [one for one in force_samples(record) if one.exposed.any()]
+    record = measure() if "downwash" in run.missing else None
+    samples = [] if record is None else [one for one in force_samples(record) if one.exposed.any()]
     if not samples:
         return run
     downwash = np.zeros_like(run.pos)

@@ -48,9 +48,9 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     if args.end is None and not is_table and BagReader(path).is_cut:
         verdict = with_unknown_end(verdict, part)
     run = replay_run(part, flown.vehicle, name, verdict)
-    if "downwash" not in run.missing:
-        return run
-    return with_measured_downwash(run, force_record(recording, flown.vehicle, flown.vehicle.thrust_lag))
+    return with_measured_downwash(
+        run, lambda: force_record(recording, flown.vehicle, flown.vehicle.thrust_lag)
+    )
 
 
 def _vehicle(path: Path, override: str, *, is_table: bool) -> FlownVehicle:

@@ -143,10 +143,11 @@ class DescentEvasion:
             shift = self._shifts.get(name)
             if shift is None:
                 continue
-            at = evaded[name][0] if name in evaded else tuple(setpoint.pos[row, :2].tolist())
-            target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], at, evaded)
             if name in unmeasured:
                 target, target_vel = shift.resting_place, np.zeros(2)
+            else:
+                at = evaded[name][0] if name in evaded else tuple(setpoint.pos[row, :2].tolist())
+                target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], at, evaded)
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
