@@ -55,8 +55,10 @@ ROOMS = (
             *(
                 f"q2q_model.estimation.{name}"
                 for name in (
-                    "reacquisition",
-                    "marker_swaps",
+                    "association.jump_candidates",
+                    "association.reacquisition",
+                    "association.suspected_swaps",
+                    "association.marker_swaps",
                     "position_gates",
                     "attitudes",
                     "positions",

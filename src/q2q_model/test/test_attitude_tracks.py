@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from q2q_model.estimation.association.reacquisition import Table
 from q2q_model.estimation.attitudes import (
     ATTITUDE,
     UNIT_TOLERANCE,
@@ -11,7 +12,6 @@ from q2q_model.estimation.attitudes import (
     AttitudeTracks,
     follow,
 )
-from q2q_model.estimation.reacquisition import Table
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array
 

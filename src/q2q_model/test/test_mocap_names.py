@@ -137,6 +137,43 @@ def test_names_put_right_again_are_believed_as_soon_as_any_jump() -> None:
         assert list(state.status) == [TRACKED if tick == 176 else LOST] * 2
 
 
+def _flown_past(until: int, missing_from: int) -> MocapFilter:
+    """Return a filter of a hovering cf1, missing from a tick on, and of cf2, which flies past it above."""
+    block = MocapFilter(IDEAL_SENSING, PAIR)
+    for tick in range(until):
+        here = slice(None) if tick < missing_from else slice(1, None)
+        pos = np.stack([HOVER, _passing(tick)])
+        block.update(MocapFrame(time_of(tick), PAIR[here], pos[here], identity_quat((2,))[here]))
+    return block
+
+
+HOVER = np.array([0.0, 0.0, 1.0])
+
+
+def _passing(tick: int) -> Array:
+    """Return where cf2 is at a tick [m], (3,)."""
+    return np.array([0.5, -0.25, 1.5]) + time_of(tick) * np.array([-0.3, 0.5, 0.0])
+
+
+@pytest.mark.parametrize(("moves_as", "found"), [("cf1", 7), ("cf2", COAST_S * 100 + 1)])
+def test_a_marker_that_moves_as_another_vehicle_did_has_to_last(moves_as: str, found: float) -> None:
+    """cf1 is missing for 0.06 s; then a marker of its name appears between the two, and none of cf2."""
+    block, between = _flown_past(56, 50), _passing(56) - [0.49, 0.0, 0.0]
+    for tick in range(56, 100):
+        moved = _passing(tick) - _passing(56) if moves_as == "cf2" else 1e-4 * _passing(tick)
+        state = block.update(_alone(tick, between + moved))
+        assert (state.status[0] == TRACKED) == (tick - 56 >= found - 1)
+
+
+def test_a_marker_that_goes_on_under_the_name_of_a_lost_vehicle_has_to_last() -> None:
+    """cf1 is lost; the marker of cf2 moves by 0.25 m, and 0.2 s later has the name of cf1 for 0.2 s."""
+    block, displaced = _flown_past(250, 50), np.array([0.25, 0.0, 0.0])
+    for tick in range(250, 290):
+        name = "cf2" if tick < 270 else "cf1"
+        frame = MocapFrame(time_of(tick), (name,), (_passing(tick) + displaced)[None], identity_quat((1,)))
+        assert block.update(frame).status[0] == LOST
+
+
 def test_rows_are_matched_by_name_whatever_their_order_and_company():
     block, twin = flown_until(50), flown_until(50)
     pos = truth_at(50)[0]

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation import white_jerk
+from q2q_model.estimation.association.reacquisition import SAME_INSTANT
 from q2q_model.estimation.position_gates import PositionGates, screen
 from q2q_model.estimation.positions import PositionTracks
-from q2q_model.estimation.reacquisition import SAME_INSTANT
 from q2q_model.estimation.steady_gain import CONVERGED
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.estimation.white_jerk import MotionEstimate

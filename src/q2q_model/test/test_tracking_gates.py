@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from q2q_model.estimation.association.marker_swaps import swapped_sources
+from q2q_model.estimation.association.reacquisition import CONFIRM_SAMPLES, Reacquisition
+from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.attitudes import UNIT_TOLERANCE, AttitudeGateParams, AttitudeTracks
-from q2q_model.estimation.marker_swaps import swapped_sources
-from q2q_model.estimation.reacquisition import CONFIRM_SAMPLES, LastSample, Reacquisition, Unmatched
 from q2q_model.flights.outliers import Mask, OutlierThresholds
 from q2q_model.signals.values import Array
 
@@ -19,7 +20,7 @@ LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def resting(pos: Array, time: Array) -> LastSample:
-    return LastSample(pos, np.zeros_like(pos), time)
+    return LastSample(pos, np.zeros_like(pos), time, np.ones(len(pos), dtype=np.bool_))
 
 
 def offered(
@@ -84,6 +85,7 @@ def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_would_be_by_its_la
         pos=np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]),
         vel=np.array([[0.0, 0.0, 0.0], [speed, 0.0, 0.0]]),
         time=np.array([4.0, 3.75]),
+        coasting=np.zeros(2, dtype=np.bool_),
     )
     pos = np.array([[0.75, 0.0, 0.0], [np.nan] * 3])
     absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))

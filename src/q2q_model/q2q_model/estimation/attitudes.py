@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.reacquisition import SAME_INSTANT, Table
+from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
 from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
 from q2q_model.signals.values import Array

@@ -27,12 +27,12 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
 from q2q_model.estimation.attitudes import AttitudeGateParams, AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
-from q2q_model.estimation.reacquisition import GAP_S, SAME_INSTANT
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.estimation.usual_tick import (
     POSE_WIDTH,

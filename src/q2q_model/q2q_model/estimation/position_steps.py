@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
+from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
 from q2q_model.estimation.position_gates import GATE_SIGMAS, PositionGates, screen
-from q2q_model.estimation.reacquisition import SAME_INSTANT, Table
 from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, columns_of
 from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
@@ -92,7 +92,7 @@ class TrackMemory(NamedTuple):
     tracks: Table
     """TRACK, (n,)."""
     candidates: Table
-    """CANDIDATE of q2q_model.estimation.reacquisition, (n,)."""
+    """CANDIDATE of q2q_model.estimation.association.jump_candidates, (n,)."""
     clock: Array
     """Of q2q_model.estimation.steady_gain, (2,)."""
 

@@ -8,11 +8,12 @@ rejects, in this order:
    there, and is not trusted until two more pass, unless that fits the first sample of another vehicle whose
    next one fails too: names are exchanged in one of the two frames, and those that last for as long as a
    vehicle may coast are right.
-2. The sample may belong to another vehicle (q2q_model.estimation.marker_swaps). A track accepts samples of
-   other names at most as often as it has accepted samples of its own name, or BORROWED_MOST times, so a
-   wrong start is corrected.
-3. Rejected samples that stay together are a true jump (q2q_model.estimation.reacquisition): the track
-   restarts there, as it does at a thaw (q2q_model.estimation.position_steps).
+2. The sample may belong to another vehicle (marker_swaps of q2q_model.estimation.association). A track
+   accepts samples of other names at most as often as it has accepted samples of its own name, or
+   BORROWED_MOST times, so a wrong start is corrected.
+3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
+   does at a thaw (q2q_model.estimation.position_steps); later if they may be of another vehicle
+   (suspected_swaps).
 
 Without samples a track coasts for `coast_s`; then it is lost, with its position held and zero velocity.
 """
@@ -22,7 +23,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.estimation.marker_swaps import swapped_sources
+from q2q_model.estimation.association.marker_swaps import swapped_sources
+from q2q_model.estimation.association.reacquisition import Reacquisition
+from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.position_steps import (
     UNUSUAL,
     WHOLE,
@@ -34,7 +37,6 @@ from q2q_model.estimation.position_steps import (
     follow,
     look_ahead,
 )
-from q2q_model.estimation.reacquisition import LastSample, Reacquisition, Unmatched
 from q2q_model.estimation.steady_gain import PERIOD
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, unseen
 from q2q_model.estimation.white_jerk import start
@@ -193,7 +195,7 @@ class PositionTracks:
         if not unmatched.rejected.any():
             return unmatched.rejected
         tracks, params = self._tracks, self._params
-        last = LastSample(tracks.state[:, 0], tracks.state[:, 1], tracks.time)
+        last = LastSample(tracks.state[:, 0], tracks.state[:, 1], tracks.time, ~at.lost)
         ambiguous = self._reacquisition.ambiguous(t, at.samples, last, unmatched)
         ambiguous &= ~tracks.confirmed | _may_borrow(tracks)
         longest = max(params.coast_s, params.reacquire_s)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.reacquisition import Table
+from q2q_model.estimation.association.jump_candidates import Table
 from q2q_model.flights.outliers import Mask
 from q2q_model.signals.values import Array
 

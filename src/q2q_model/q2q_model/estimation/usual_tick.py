@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
+from q2q_model.estimation.association.jump_candidates import Table
 from q2q_model.estimation.attitudes import AttitudeGateParams
 from q2q_model.estimation.attitudes import follow as follow_attitudes
 from q2q_model.estimation.position_steps import UNUSUAL, Offered, TrackMemory
 from q2q_model.estimation.position_steps import follow as follow_positions
-from q2q_model.estimation.reacquisition import Table
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import Mask
 from q2q_model.signals.values import Array

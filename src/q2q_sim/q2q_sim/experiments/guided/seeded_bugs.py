@@ -22,11 +22,12 @@ from q2q_control.failsafe.evasion.evasion_direction import evasion_direction
 from q2q_control.failsafe.guard import Guard
 from q2q_model.bag import BagWriter
 from q2q_model.estimation import mocap_filter, positions
+from q2q_model.estimation.association.marker_swaps import swapped_sources
+from q2q_model.estimation.association.reacquisition import Reacquisition
+from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.clock_resets import ClockResetDetector
-from q2q_model.estimation.marker_swaps import swapped_sources
 from q2q_model.estimation.mocap_filter import MocapFilterParams
 from q2q_model.estimation.positions import PositionTracks, Rows, TrackUpdate
-from q2q_model.estimation.reacquisition import LastSample, Reacquisition, Unmatched
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import Mask
 from q2q_model.signals.layout import Signal

@@ -1,0 +1,1 @@
+"""Association of the samples that the tracks of their own names reject."""

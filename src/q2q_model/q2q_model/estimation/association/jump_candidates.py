@@ -1,0 +1,44 @@
+"""Candidates for a restart: the places where the rejected samples of each track gather, at most one a track.
+
+A sample joins a candidate if the vehicle could have moved there, |r - r_last| <= jump_max + speed_max
+(t - t_last), and t - t_last <= GAP_S.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.flights.outliers import Mask, OutlierThresholds
+from q2q_model.signals.values import Array
+
+Table = NDArray[np.void]
+
+GAP_S = 0.15
+"""Longest time between samples that stay together [s]: motion capture at 10 Hz still works."""
+SAME_INSTANT = 1e-9
+"""Rounding of a time in float64 [s]."""
+CANDIDATE = np.dtype(
+    [
+        ("samples", np.int64),  # 0 is no candidate
+        ("first_time", np.float64),
+        ("last_time", np.float64),
+        ("first_pos", np.float64, 3),
+        ("last_pos", np.float64, 3),
+        ("gap", np.float64),  # longest time between two samples
+        ("ambiguous", np.bool_),
+    ]
+)
+"""Columns of a candidate [s, m]."""
+
+
+def joined(candidates: Table, t: float, away: Array, limits: OutlierThresholds) -> Mask:
+    """Return which samples at t [s] join candidates, from whose last ones they are `away` [m], (..., n)."""
+    since = t - candidates["last_time"]
+    recent = (candidates["samples"] > 0) & (since <= GAP_S + SAME_INSTANT)
+    return np.asarray(recent & (away <= limits.jump_max + limits.speed_max * since))
+
+
+def mean_velocity(candidates: Table) -> Array:
+    """Return the mean velocity of every candidate [m/s], (n, 3); zero for a single sample."""
+    lasted = candidates["last_time"] - candidates["first_time"]
+    moved = candidates["last_pos"] - candidates["first_pos"]
+    return np.asarray(moved / np.where(lasted > 0.0, lasted, np.inf)[:, None])

@@ -1,0 +1,120 @@
+"""Rejected samples that may be of another vehicle with a wrong name.
+
+Suspected is a sample if another vehicle has no accepted one, either, and
+
+    it is nearer to that one than to the vehicle of its name: to where each was last, or would be by its last
+    velocity, less how far it may have strayed from there;
+    or it is nearer to that one without straying, and goes on with rejected samples of that one's name;
+    or the samples gathered before it move as that one did, rather than as the vehicle of its name.
+
+How far a vehicle could have moved says nothing: a marker may have moved, too. But a marker that moved goes on
+moving with its vehicle.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.estimation.association.jump_candidates import Table, joined, mean_velocity
+from q2q_model.flights.outliers import Mask, OutlierThresholds
+from q2q_model.signals.values import Array
+
+Rows = NDArray[np.intp]
+
+FLIES_ON_S = 1.0
+"""Time for which an absent vehicle goes on at its last velocity [s]: then it has braked."""
+STRAYS = 1.1
+"""Speed at which an absent vehicle may stray from there [m/s]: that of a landing without measurements."""
+OTHER_MOTION = 0.2
+"""Difference of velocities that tells one vehicle from another [m/s]: three times the error of a velocity
+from MOVING_SAMPLES with 1 mm of noise at 100 Hz."""
+MOVING_SAMPLES = 3
+"""Least number of samples that show how a candidate moves."""
+
+
+class LastSample(NamedTuple):
+    """State of each track at its last accepted sample."""
+
+    pos: Array
+    """[m], (n, 3)."""
+    vel: Array
+    """[m/s], (n, 3)."""
+    time: Array
+    """[s], (n,)."""
+    coasting: Mask
+    """Not lost since, so that the velocity still tells something, (n,)."""
+
+
+class Unmatched(NamedTuple):
+    """Tracks without an accepted sample at a tick."""
+
+    absent: Mask
+    """Seen before, without a sample now, or with one that is another vehicle's, (n,)."""
+    rejected: Mask
+    """With a rejected sample, (n,)."""
+
+    @property
+    def either(self) -> Mask:
+        """Return the tracks without an accepted sample, (n,)."""
+        return np.asarray(self.absent | self.rejected)
+
+
+class Suspicion(NamedTuple):
+    """What tells of a swap: the samples of a tick, and the tracks and candidates before it."""
+
+    t: float
+    """[s]"""
+    pos: Array
+    """Samples [m], (n, 3)."""
+    last: LastSample
+    candidates: Table
+    """CANDIDATE, (n,)."""
+    limits: OutlierThresholds
+
+
+def suspected_swaps(found: Suspicion, unmatched: Unmatched) -> Mask:
+    """Return which rejected samples may be of another vehicle with a wrong name, (n,)."""
+    mine, others = np.flatnonzero(unmatched.rejected), np.flatnonzero(unmatched.either)  # (r,), (m,)
+    own = np.arange(mine.size), np.searchsorted(others, mine)
+    straight, strayed = _away(found, mine, others)
+    suspected = _less(strayed, own) | (_less(straight, own) & _goes_on(found, mine, others, own))
+    suspected |= _moves_along(found, mine, others, own)
+    swapped = np.zeros(len(found.pos), dtype=np.bool_)
+    swapped[mine] = suspected.any(axis=1)
+    return swapped
+
+
+def _away(found: Suspicion, mine: Rows, others: Rows) -> tuple[Array, Array]:
+    """Return how far samples (r,) are from vehicles (m,) [m], and the same less their straying, (r, m)."""
+    last, since = found.last, found.t - found.last.time
+    flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
+    away = np.minimum(*(_distances(found.pos[mine], place[others]) for place in (last.pos, flown)))
+    return away, away - STRAYS * since[others]
+
+
+def _goes_on(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
+    """Return which samples (r,) join candidates of others (m,) that are nearer than their own, (r, m)."""
+    candidates = found.candidates[others]
+    away = _distances(found.pos[mine], candidates["last_pos"])
+    joins = joined(candidates, found.t, away, found.limits)
+    return joins & _less(np.where(joins, away, np.inf), own)
+
+
+def _moves_along(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
+    """Return which candidates (r,) move as the others (m,) did, rather than as their own vehicles, (r, m)."""
+    candidates, last = found.candidates[mine], found.last
+    vel = np.where(last.coasting[:, None], last.vel, np.nan)
+    differs = _distances(mean_velocity(candidates), vel[others])
+    differs[own] -= OTHER_MOTION
+    return (candidates["samples"] >= MOVING_SAMPLES)[:, None] & _less(differs, own)
+
+
+def _distances(one: Array, other: Array) -> Array:
+    """Return the distances of points (r, 3) to others (m, 3), (r, m)."""
+    return np.asarray(np.linalg.norm(one[:, None] - other, axis=2))
+
+
+def _less(values: Array, own: tuple[Rows, Rows]) -> Mask:
+    """Return which values (r, m) are less than the own one of their row, (r, m)."""
+    return np.asarray(values < values[own][:, None])
