@@ -1,0 +1,138 @@
+"""What goes over the radio while no commands come, and how a vehicle is stopped."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from radio_pilot_bench import HOVER, LANDING_S, NAMES, WELL, Bench
+
+from q2q_control.flight_procedure.steps import Act, Order
+from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.setpoints import (
+    FullState,
+    RpytSetpoint,
+    names_cut,
+)
+from q2q_control.radio.vehicle_record import Phase
+from q2q_model.signals.values import (
+    CommandStatus,
+    SwarmCommand,
+)
+
+
+def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_second() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.rpyt_setpoints()
+    assert bench.silent_until(0.02, seen=True) == []
+    assert set(bench.silent_until(0.04, seen=True)) == {HOVER}  # 40 and 60 ms after the last command
+    assert set(bench.silent_until(0.92, seen=True)) == {HOVER}
+    assert bench.pilot.phases["cf1"] is Phase.FLYING
+    assert bench.silent_until(0.04, seen=True)[-1] == ("land", LANDING_S[0])
+    assert bench.pilot.phases["cf1"] is Phase.LANDING
+    assert any("no command for 1.0 s" in line for line in bench.pilot.log_lines())
+
+
+def test_a_vehicle_is_levelled_from_40_ms_after_its_command_and_not_before() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.rpyt_setpoints()
+    bench.pilot.watch(bench.t + 0.039)
+    assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
+    bench.pilot.watch(bench.t + 0.041)
+    assert bench.links["cf1"].sent[-1] == HOVER
+
+
+def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_stopped() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.rpyt_setpoints()
+    bench.silent_until(1.02, seen=False)
+    sink = RpytSetpoint(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.failsafe.ladder
+    assert set(bench.silent_until(3.9, seen=False)) == {sink}
+    assert bench.silent_until(0.2, seen=False)[-1] == "stop"
+    assert bench.pilot.phases["cf1"] is Phase.READY
+
+
+def test_a_command_that_comes_before_the_landing_flies_on() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.rpyt_setpoints()
+    bench.silent_until(0.9, seen=True)
+    bench.rpyt_setpoints()
+    assert bench.links["cf1"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
+    assert bench.silent_until(0.02, seen=True) == []
+
+
+def test_nothing_is_sent_to_a_vehicle_that_was_never_commanded_since_its_start() -> None:
+    bench = Bench()
+    bench.fly()
+    count = len(bench.links["cf1"].sent)
+    assert bench.silent_until(3.0, seen=False) == []
+    assert len(bench.links["cf1"].sent) == count
+    assert bench.pilot.phases["cf1"] is Phase.FLYING
+
+
+def test_by_full_states_a_silence_is_a_hover_where_it_was_sent_then_a_landing() -> None:
+    bench = Bench(hover=None)
+    bench.fly()
+    x = (1.0, 2.0, 3.0)
+    turned = (0.0, 0.0, 0.6, 0.8)
+    bench.pilot.fly_full_states(NAMES, [FullState(x, x, x, turned, x)] * 2, bench.t)
+    zero = (0.0, 0.0, 0.0)
+    assert set(bench.silent_until(0.96, seen=False)) == {FullState(x, zero, zero, turned, zero)}
+    assert bench.silent_until(0.06, seen=False)[-1] == ("land", LANDING_S[0])
+
+
+def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
+    bench = Bench()
+    bench.fly()
+    zero = np.zeros(2)
+    status = np.array([CommandStatus.CUT, CommandStatus.OK], dtype=np.uint8)
+    names = names_cut(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
+    bench.pilot.cut((*names, "stranger"), bench.t)
+    bench.rpyt_setpoints()
+    assert bench.links["cf1"].sent[-1] == "stop"
+    assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
+    assert bench.pilot.phases["cf1"] is Phase.READY
+
+
+def test_a_stop_is_sent_again_until_the_vehicle_says_it_is_locked() -> None:
+    bench = Bench()
+    bench.fly()
+    link = bench.links["cf1"]
+    bench.pilot.cut(("cf1",), bench.t)
+    bench.look(0.1)
+    assert link.sent[-2:] == ["stop", "stop"]
+    link.now = replace(WELL, locked=True)
+    link.sent.clear()
+    bench.look(0.1)
+    assert link.sent == []
+
+
+def test_a_stop_is_sent_again_for_2_s_and_not_after_a_new_start() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.pilot.stop(bench.t)
+    bench.links["cf1"].sent.clear()
+    bench.look(2.1)
+    assert bench.links["cf1"].sent == []
+    bench.pilot.stop(bench.t)
+    bench.pilot.begin(Order(Act.ARM), bench.t)
+    bench.links["cf1"].sent.clear()
+    bench.look(0.1)
+    assert "stop" not in bench.links["cf1"].sent
+
+
+def test_times_of_silence_out_of_order_are_refused() -> None:
+    with pytest.raises(ValueError, match="must rise"):
+        RadioPilotParams(silent_land_s=6.0)
+
+
+def test_a_vehicle_that_stopped_for_good_is_no_longer_flown() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.links["cf1"].now = replace(WELL, locked=True)
+    bench.pilot.watch(bench.t)
+    assert bench.pilot.phases["cf1"] is Phase.READY
+    assert any("must be restarted" in line for line in bench.pilot.log_lines())

@@ -1,0 +1,43 @@
+"""Swarms of hovering vehicles in the air of a room, and its terms, for tests."""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.room_air import (
+    AbsorptionTerm,
+    JetTerm,
+    RoomAir,
+)
+from q2q_sim.plant.quadcopter import ETA
+from q2q_sim.plant.swarm import Swarm
+
+GAPS = np.array([0.1, 0.2, 0.35, 0.5, 0.8])
+RADII = np.array([0.0, 0.02, 0.05, 0.08, 0.12, 0.2])
+PUSH = 2.5 * np.exp(-0.95 * (GAPS[:, None] - 0.4) - 0.5 * (RADII / 0.054) ** 2)
+PUSH[:, -1] = 0.0
+JET = JetTerm(GAPS, RADII, PUSH, upper_ratio=0.02, travel_speed_mps=7.5, carried=0.0, slope=0.0)
+HOVER = CRAZYFLIE_2_0.hover_thrust
+MASS = CRAZYFLIE_2_0.mass
+SMALL = AbsorptionTerm(share=0.05, width_m=0.05)
+
+
+def swarm_in(air: RoomAir, places: list[tuple[float, float, float]], seed: int = 0) -> Swarm:
+    start = np.array([[*place, 0.0] for place in places])
+    return Swarm(tuple(f"cf{i}" for i in range(len(places))), CRAZYFLIE_2_0, start, air, seed)
+
+
+def hover(swarm: Swarm, steps: int) -> None:
+    n = len(swarm.names)
+    drive = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (n, 1))
+    swarm.step(np.tile([HOVER, 0.0, 0.0, 0.0], (steps, n, 1)), drive)
+
+
+def held(swarm: Swarm, steps: int) -> Array:
+    """Return the push on vehicles that are put back to their start after each step, (steps, n)."""
+    start, pushes = swarm.state.copy(), []
+    for _ in range(steps):
+        pushes.append(swarm.downwash()[:, 2])
+        hover(swarm, 1)
+        swarm.state[:, :ETA] = start[:, :ETA]
+    return np.array(pushes)
