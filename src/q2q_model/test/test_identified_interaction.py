@@ -1,0 +1,123 @@
+"""Tests of what identification says about its models: roles, scores on other flights, choice, remarks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from identification_passes import FLOWN, eta_error, evidence, records
+from made_flights import LOOP, Pass, made_flight
+
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_model.downwash.level_set import peak
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.force.along_flight import Motion, eta_along
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.identification import ProcedureParams, Recording, identify
+from q2q_model.identification.selection.candidates import (
+    best_of,
+    candidates,
+    score_candidates,
+)
+from q2q_model.identification.selection.held_out import score_held_out, score_on
+from q2q_model.signals.values import Array, SwarmState
+
+
+def test_a_model_along_a_flight_is_the_online_predictors_answer():
+    record = records()[1]
+    motion = Motion(record.t, record.pos, record.vel, record.axis)
+    law = replace(MEASURED_LAW, carried=1.0)
+    predictor, whole = InteractionPredictor(law), eta_along(law, motion)
+    answers = [predictor.update(_state(record, k)).acc for k in range(record.t.size)]
+    np.testing.assert_allclose(np.stack(answers), whole, atol=1e-9)
+
+
+def _state(record: AltitudeRecord, k: int) -> SwarmState:
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    zeros: Array = np.zeros(2)
+    return SwarmState(
+        float(record.t[k]), record.names, record.pos[k], record.vel[k], quat, np.zeros((2, 3)), zeros,
+        np.zeros(2, dtype=np.uint8),
+    )  # fmt: skip
+
+
+def test_roles_are_read_from_who_flies_below():
+    assert is_lower(records()[0]) == [True, False]
+
+
+def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():
+    truth, nothing = (score_on(law, evidence(), LOOP) for law in (PAPER_LAW, NoInteraction()))
+    assert truth.r2.lower == pytest.approx(1.0, abs=0.02)  # noise of 5 mm/s^2 on pushes of 0.4 m/s^2
+    assert nothing.r2.lower == pytest.approx(0.0, abs=1e-12)
+    assert truth.mse_m2.lower is not None
+    assert nothing.mse_m2.lower is not None
+    assert truth.mse_m2.lower < 0.05 * nothing.mse_m2.lower
+
+
+def test_held_out_flights_are_scored_by_a_model_that_has_not_seen_them():
+    seen: list[set[str]] = []
+
+    def fit(flights: list[FlightEvidence]) -> NoInteraction:
+        seen.append({one.name for one in flights})
+        return NoInteraction()
+
+    score_held_out(fit, evidence(), LOOP)  # type: ignore[arg-type]
+    names = {one.name for one in FLOWN}
+    assert seen == [names - {one.name} for one in FLOWN]
+
+
+def test_with_one_flight_nothing_is_claimed_about_others():
+    assert score_held_out(lambda _: PAPER_LAW, evidence()[:1], LOOP).r2.lower is None
+
+
+def test_the_plain_jet_is_kept_where_freedom_brings_nothing():
+    flights = evidence()
+    tried = candidates("jet", flights, LOOP)
+    best = best_of(score_candidates(tried, flights, LOOP, lambda _: None)[0])
+    assert best.candidate.name == "jet, straight down, power law"
+
+
+def test_an_unknown_kind_of_model_is_refused():
+    with pytest.raises(ValueError, match="unknown model type 'tree': choose one of auto, jet"):
+        candidates("tree", [], LOOP)
+
+
+def test_identify_goes_from_flights_to_a_model_that_holds():
+    steps: list[str] = []
+    recordings = [Recording(made_flight(one)) for one in FLOWN]
+    found = identify(recordings, ProcedureParams(model_type="jet"), steps.append)
+    assert found.gains.k_p.value == pytest.approx(LOOP.k_p, rel=0.05)
+    assert found.file.gains is not None
+    assert found.file.gains.lag == pytest.approx(LOOP.lag, abs=0.01)
+    assert eta_error(found.file.interaction, FLOWN[2]) < 0.10
+    assert found.zone is not None
+    assert found.zone.d == pytest.approx(0.83 * np.sqrt(0.392 / 0.1) - 0.33, rel=0.1)
+    assert steps[0] == "records"
+    assert steps[-1] == "final fit"
+
+
+def test_flights_without_commands_still_give_a_model_and_a_remark():
+    flights = (Pass(name="calm", law=NoInteraction(), start=0.3), FLOWN[0])
+    blind = [replace(made_flight(one), thrust=np.full((3000, 2), np.nan)) for one in flights]
+    params = ProcedureParams(model_type="envelope_network")
+    found = identify([Recording(one) for one in blind], params, lambda _: None)
+    assert any("gains are from trajectories" in remark for remark in found.remarks)
+    assert not any(one.pushes for one in found.evidence)
+    assert found.file.fit is not None
+    assert found.file.fit.train_mse_m2.lower is not None
+    assert found.file.fit.train_mse_m2.lower < 1.13e-3  # the paper's, section 3.2
+
+
+@pytest.mark.parametrize("apart", [0.0, 2.0])
+def test_where_no_wake_was_flown_the_model_claims_none(apart: float):
+    """Passes in air without downwash, over each other and side by side."""
+    flights = []
+    for number, gap in enumerate((0.4, 0.6)):
+        made = made_flight(Pass(f"calm {number}", gap=gap, seconds=20.0, law=NoInteraction(), noise=4e-3))
+        aside = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
+        moved = {name: getattr(made, name) + aside for name in ("pos", "mocap_pos", "true_pos", "ref_pos")}
+        flights.append(Recording(replace(made, **moved)))
+    found = identify(flights, ProcedureParams(model_type="jet"), lambda _: None)
+    assert peak(found.file.interaction) <= 0.05
+    assert found.chosen.kind == "none"

@@ -1,0 +1,142 @@
+"""The page of the ablation follows its numbers, which are kept and read again."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ablation_numbers import PASSAGE, ROOT, STACK, shipped
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_sim.air.air_names import ROOM
+from q2q_sim.commands.ablation import main
+from q2q_sim.experiments.ablation.ablation_cases import (
+    CASES,
+    JUDGED,
+    PATHS,
+    PLANTS,
+    SHOWN,
+    Case,
+)
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
+from q2q_sim.experiments.ablation.ablation_table import page
+from q2q_sim.experiments.ablation.conclusion import (
+    best_contender,
+    conclusion,
+    missed_targets,
+    ratio,
+    worse_than_ignoring,
+)
+from q2q_sim.experiments.ablation.contender_flight import COLUMNS
+from q2q_sim.experiments.ablation.contenders import CONTENDERS, NAMES, ONBOARD, TWINS
+from q2q_sim.experiments.ablation.learned_models import MOST, LearnedModel
+
+
+def numbers_of(**under: float) -> Numbers:
+    """Return made-up numbers of two models: rms [m] under another by contender, worst 3 times that."""
+    parts = [LearnedModel(f"{k}", Jet(), ResidualProcess(floor=0.1 * k)) for k in (1, 2, 3)]
+    made = Numbers(1, {plant.models: parts for plant in PLANTS}, {ROOM: ["dc21_x"]})
+    for case in CASES:
+        for name in NAMES:
+            rms = under.get(name.replace(" ", "_"), 0.02)
+            count = len(case.paths.scenarios) * (5 if case.paths.draws else 2)
+            rows = [[rms, 0.01, 3.0 * rms]] * count
+            made.flights[key(case, name)] = np.array(rows) * (1.0 + 0.1 * np.arange(count))[:, None]
+    return made
+
+
+def test_draws_are_sorted_by_their_model() -> None:
+    made = numbers_of(ignoring=0.1)
+    cell = made.cell(PASSAGE, "ignoring")
+    assert cell is not None
+    np.testing.assert_allclose(cell[..., 0], [[0.1], [0.11]])  # two models of parts, a draw each
+    six = made.cell(Case("table2"), "ignoring")
+    assert six is not None
+    assert six.shape == (1, 30, 3)  # the model of all flights
+    made.draws = 4
+    assert made.draws_of(PASSAGE) == 4 * MOST
+    assert made.draws_of(Case("table2")) == 5
+
+
+def test_ratios_are_those_of_each_draw() -> None:
+    made = numbers_of(ignoring=0.09)
+    assert ratio(made, PASSAGE, ("ignoring", "MPC"), "worst") == pytest.approx((4.5, 4.5, 4.5))
+
+
+def test_the_conclusion_follows_the_numbers() -> None:
+    made = numbers_of(ignoring=0.09, MPC=0.01, aware=0.1)
+    assert best_contender(made, PASSAGE) == "MPC"
+    assert missed_targets(made, PASSAGE, "MPC") == []
+    assert best_contender(numbers_of(ignoring=0.09, integral=0.011, observer=0.01), PASSAGE) == "observer"
+    assert missed_targets(made, PASSAGE, "integral") == ["gain 4.5", "21 mm rms", "63 mm worst"]
+    assert missed_targets(made, PASSAGE, "ignoring")[0] == "under / clear 9.0"
+    assert worse_than_ignoring(made, STACK) == ["aware"]
+    said = conclusion(made)
+    every = f"{2 * len(JUDGED)} of {2 * len(JUDGED)}"
+    assert f"**MPC** is best in {every} pairs" in said
+    assert "32 to 32 mm in `stack3` (ignoring 284 to 284 mm)" in said
+    assert "aware 1.11 (1.11 to 1.11) times ignoring's" in said
+    assert "MPC 0.50 (0.50 to 0.50) times aware + observer's" in said
+    assert f"in {2 * len(JUDGED)} of {2 * len(JUDGED)}; worse than ignoring" in said
+    assert "aware in table6_room, air room" in said
+    assert "no controller is worse than ignoring" in conclusion(numbers_of(ignoring=0.09))
+    assert len(said.splitlines()) == 3
+    del made.flights[key(PASSAGE, "MPC")]
+    assert f"in {2 * len(JUDGED) - 1} of {2 * len(JUDGED) - 1} pairs" in conclusion(made)
+    assert conclusion(Numbers(2)) == ""
+
+
+def test_contenders_that_differ_by_one_part_are_all_flown() -> None:
+    assert {name for pair in TWINS for name in pair} <= set(NAMES)
+    assert set(NAMES) == set(CONTENDERS) | set(ONBOARD)
+    assert [name for name, one in CONTENDERS.items() if not one.aware] == ["ignoring", "integral", "observer"]
+
+
+def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:
+    made = numbers_of(ignoring=0.09)
+    del made.flights[key(PASSAGE, "on board")]
+    text = page(made, "the command", "images/a.png")
+    assert "the command" in text
+    assert "1 flights were not flown" in text
+    assert text.count("\n| MPC + correction |") == len(PATHS) + len(PLANTS) * len(SHOWN)
+    assert text.count("\n| on board |") == len(PATHS) + len(PLANTS) * len(SHOWN) - 1
+    assert "| on board | - |" in text
+    assert "0.30 + 0.10 eta" in text
+
+
+def test_numbers_are_kept_and_read_again(tmp_path: Path) -> None:
+    file, made = tmp_path / "numbers.json", numbers_of(ignoring=0.123456789)
+    made.save(file)
+    again = read(file, 1)
+    assert (again.models, again.airs) == (made.models, made.airs)
+    cell = again.cell(PASSAGE, "ignoring")
+    assert cell is not None
+    assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=5e-3)  # three digits
+    with pytest.raises(ValueError, match="holds 1 seeds, not 3"):
+        read(file, 3)
+    file.write_text("{}")
+    with pytest.raises(ValueError, match="is not an ablation"):
+        read(file, 1)
+
+
+def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out = tmp_path / "numbers.json", tmp_path / "page.md"
+    made = numbers_of(ignoring=0.09)
+    del made.flights[key(STACK, "on board")]
+    made.save(file)
+    asked = ["--seeds", "1", "--json", str(file), "--out", str(out), "--table-only"]
+    assert main(asked) == 0
+    written = out.read_text()
+    assert "1 flights were not flown" in written
+    assert "--table-only" not in written
+    assert (tmp_path / "images" / "page.png").stat().st_size > 10_000
+    assert main([*asked, "--airs", "rom"]) == 1
+    assert "--airs rom: choose some of bent," in capsys.readouterr().err
+
+
+def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
+    shown = (ROOT / "docs" / "ablation.md").read_text(encoding="utf-8")
+    command = shown.split("`")[1]
+    assert page(shipped(), command, "images/ablation.png") == shown
