@@ -263,8 +263,13 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
         json.loads(line)["seed"] for line in whole
     ]
     monkeypatch.setattr(guided_campaign, "fly_attacked", fly)
-    assert campaign.main(["--case", case]) == 1
-    assert "tilt: cf1 at 1.00 s: 0.5, allowed is 0.36" in capsys.readouterr().out
+    assert campaign.main(["--case", case, "--out", str(tmp_path)]) == 1
+    page = tmp_path / f"{Path(case).stem}.html"
+    said = capsys.readouterr().out
+    assert "tilt: cf1 at 1.00 s: 0.5, allowed is 0.36" in said
+    assert f"replay: {page}" in said
+    assert "cf1, tilt" in page.read_text()
+    assert "cf1, tilt" in Path(case).with_suffix(".html").read_text()
 
 
 def test_a_bug_counts_as_found_only_by_a_run_that_the_sound_stack_keeps(

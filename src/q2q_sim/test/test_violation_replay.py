@@ -25,7 +25,7 @@ def test_a_violation_is_told_and_marked(tmp_path: Path):
     closed_loop.fly(scenario, options)
     write_replay(tmp_path / "7.html", scenario, topics, [TILTED])
     page = (tmp_path / "7.html").read_text()
-    assert '"name":"seed 7"' in page
+    assert '"name":"table6"' in page
     assert str(TILTED) in page
     assert '"events":[{"t":1.0,"words":"cf1, tilt"}]' in page
 

@@ -5,8 +5,8 @@ a violation prints its seed and keeps its bag, its scenario and a replay page. T
 policy is violated.
 
 With --guided, an optimiser searches for the faults that leave the policies the least margin; what it finds is
-shrunk to the fewest faults and kept as a case file, which --case flies again. The same search is measured on
-seeded bugs, beside random faults.
+shrunk to the fewest faults and kept as a case file, which --case flies again, and a replay page. The same
+search is measured on seeded bugs, beside random faults.
 """
 
 import argparse

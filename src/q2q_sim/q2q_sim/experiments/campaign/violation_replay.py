@@ -22,7 +22,7 @@ def write_replay(
     """Write the replay of a run with its violations marked; nothing if it ended before it can be replayed."""
     try:
         flight = flight_from_signals(file.stem, topics).flight
-        run = replay_run(flight, scenario.vehicle, f"seed {file.stem}")
+        run = replay_run(flight, scenario.vehicle, scenario.name)
         marked = tuple(
             ReplayEvent(one.t, f"{one.who}, {one.policy}") for one in violations if np.isfinite(one.t)
         )

@@ -1,14 +1,18 @@
-"""Record of an attack, and the case file of what it found."""
+"""Record of an attack, and the case file and replay page of what it found."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
+from q2q_sim.experiments.campaign.campaign_flight import flown_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.campaign.run_outcome import CRASH
+from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.experiments.guided.attack import attack
 from q2q_sim.experiments.guided.attack_case import case_of, shrunk, write_case
 from q2q_sim.experiments.guided.attacked_flight import fly_attacked
+from q2q_sim.monitors.policies import Violation
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class AttackRecord:
 
 
 def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> AttackRecord:
-    """Fly an attack; shrink the violation that it finds and write it as a case file in `kept`."""
+    """Fly an attack; shrink the violation that it finds, and write case file and replay page in `kept`."""
     began = perf_counter()
     found = attack(seed, length, fly_attacked, air)
     case, policies = "", tuple(sorted(found.policies))
@@ -44,13 +48,19 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
             return bool(fly_attacked(run).policies & found.policies)
 
         small = shrunk(found.violated, still)
-        policies = tuple(sorted(fly_attacked(small).policies))
-        path = kept / f"case_{seed}.yaml"
+        outcome, path = fly_attacked(small), kept / f"case_{seed}.yaml"
+        policies = tuple(sorted(outcome.policies))
         write_case(case_of(small, policies), path)
+        write_case_page(small, outcome.violations, path.with_suffix(".html"))
         case = str(path)
     seconds = perf_counter() - began
     weak, untold = found.overpowered, found.unforeseen
     return AttackRecord(seed, length, found.runs, policies, case, seconds, air, weak, untold)
+
+
+def write_case_page(run: Run, violations: Sequence[Violation], file: Path) -> None:
+    """Fly a run once more and write its replay page; nothing if it ended before it can be replayed."""
+    write_replay(file, run.scenario, flown_pure(run).topics, violations)
 
 
 def died(seed: int, _: BaseException) -> AttackRecord:

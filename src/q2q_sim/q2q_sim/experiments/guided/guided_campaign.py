@@ -21,7 +21,7 @@ from q2q_sim.experiments.campaign.engine import ParallelRuns, spread
 from q2q_sim.experiments.campaign.finished_work import mend, read
 from q2q_sim.experiments.guided.attack import LENGTH
 from q2q_sim.experiments.guided.attack_case import read_case
-from q2q_sim.experiments.guided.attack_record import AttackRecord, attack_and_keep, died
+from q2q_sim.experiments.guided.attack_record import AttackRecord, attack_and_keep, died, write_case_page
 from q2q_sim.experiments.guided.attacked_flight import fly_attacked
 from q2q_sim.experiments.guided.bug_score import BugScore, score, unscored
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
@@ -47,7 +47,7 @@ def run(args: Namespace) -> int:
 
 
 def fly_case(args: Namespace) -> int:
-    """Fly a case file again and print what it violates; return 1 if it violates anything.
+    """Fly a case file again, print what it violates, write its replay page; return 1 if it violates anything.
 
     Raises:
         ValueError: the file is not a case.
@@ -55,6 +55,11 @@ def fly_case(args: Namespace) -> int:
     case = read_case(args.case)
     flight = fly_attacked(case.run)
     print("\n".join(map(str, flight.violations)) or f"{args.case}: no violation")
+    args.out.mkdir(parents=True, exist_ok=True)
+    page = args.out / f"{args.case.stem}.html"
+    write_case_page(case.run, flight.violations, page)
+    if page.is_file():
+        print(f"replay: {page}")
     return int(bool(flight.violations))
 
 
