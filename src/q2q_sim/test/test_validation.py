@@ -1,6 +1,6 @@
 """A recorded flight is flown again by its own law, and its air is told from another one."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,17 +8,14 @@ import pytest
 from q2q_model.geometry.rotations import identity_quat, rotate
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord, scored_rows
-from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.room_air import RoomAir, RotorDragTerm, VehicleTerm
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
+from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
-from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
-from q2q_sim.experiments.validation.estimate_noise import coloured, noise_density
 from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redrawn
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
@@ -210,56 +207,6 @@ def test_a_draw_has_the_recorded_headroom_of_each_vehicle_and_no_second_drag(fli
     assert not swarm.downwash().any()  # redrawn_flight adds the drag that the flight shows
 
 
-def test_a_sine_has_half_its_squared_amplitude_in_its_band():
-    t = DT * np.arange(2048)
-    power = band_power(0.03 * np.sin(2.0 * np.pi * 1.1 * t), DT)
-    band = int(np.searchsorted(EDGES, 1.1)) - 1
-    np.testing.assert_allclose(power[:, band], 0.03**2 / 2.0, rtol=0.01)
-    assert np.delete(power, band, axis=1).max() < 1e-2 * power[:, band].min()
-
-
-def test_white_noise_fills_the_bands_by_their_width():
-    noise = np.random.default_rng(0).standard_normal(200_000)
-    power = band_power(noise, DT).mean(axis=0)
-    np.testing.assert_allclose(power[2:], np.diff(EDGES)[2:] * 2.0 * DT, rtol=0.05)
-
-
-def test_the_share_of_a_segment_is_that_of_its_rows():
-    rows = np.zeros(1024, dtype=bool)
-    rows[:256] = True
-    np.testing.assert_allclose(segment_share(rows, DT), [0.5, 0.0, 0.0])
-
-
-def test_noise_without_an_accelerometer_is_read_above_the_motion():
-    t = DT * np.arange(8192)[:, None, None]
-    noise = 3e-4 * np.random.default_rng(0).standard_normal((8192, 1, 3))
-    _, density = noise_density(np.sin(t) + noise, np.full(noise.shape, np.nan), 2, DT)
-    np.testing.assert_allclose(density, 3e-4**2 * 2.0 * DT, rtol=0.1)
-
-
-def test_motion_that_the_accelerometer_shows_is_no_noise():
-    rng = np.random.default_rng(0)
-    noise = 1e-4 * rng.standard_normal((8192, 1, 3))
-    at = np.fft.rfftfreq(8192, DT)[:, None, None]
-    moved = np.fft.rfft(rng.standard_normal(noise.shape), axis=0) * ((at > 4.0) & (at < 10.0))
-    for order in (1, 2):
-        values = np.fft.irfft(moved / (2j * np.pi * np.maximum(at, 1.0)) ** order, axis=0)
-        assert values.std() > 2e-4
-        _, density = noise_density(values + noise, np.fft.irfft(moved, axis=0), order, DT)
-        np.testing.assert_allclose(density[30:].mean(axis=0), 1e-4**2 * 2.0 * DT, rtol=0.1)
-
-
-def test_drawn_noise_has_the_density_that_was_read():
-    rng = np.random.default_rng(0)
-    slow = lagged(rng.standard_normal((20_000, 3)), DT * np.arange(20_000), 0.03)[:, None]
-    frequency, density = noise_density(slow, np.zeros(slow.shape), 2, DT)
-    drawn = coloured(rng.standard_normal(slow.shape), frequency, density, DT)
-    _, again = noise_density(drawn, np.zeros(slow.shape), 2, DT)
-    read = frequency > 3.2
-    np.testing.assert_allclose(again[read].mean(), density[read].mean(), rtol=0.1)
-    np.testing.assert_allclose(again[-10:].mean(), density[-10:].mean(), rtol=0.2)
-
-
 def test_the_drag_of_the_rotors_is_read_from_the_accelerometer(flight: TrackedFlight):
     tilt = 0.2 * np.sin(flight.t)[:, None]
     still = np.zeros_like(tilt)
@@ -276,41 +223,6 @@ def test_the_drag_of_the_rotors_is_read_from_the_accelerometer(flight: TrackedFl
     )
     assert read_drag(moving) == pytest.approx(0.4, rel=1e-6)
     assert read_drag(flight) == 0.0  # it has no accelerometer
-
-
-def test_drag_slows_a_vehicle_across_its_thrust_alone():
-    level = identity_quat((1,))
-    np.testing.assert_allclose(
-        drag_acceleration(0.4, np.array([[1.0, -2.0, 3.0]]), level), [[-0.4, 0.8, 0.0]], atol=1e-12
-    )
-
-
-def test_draws_of_one_process_hold_a_further_one_at_95_percent():
-    rng = np.random.default_rng(0)
-    drawn, rows = rng.standard_normal((20, 4000)), np.ones(4000, dtype=bool)
-    found = comparison([error_sums(rng.standard_normal(4000), drawn, rows, DT, 0.5)])
-    assert found.coverage95 == pytest.approx(0.95, abs=0.01)
-    assert found.z_rms_ratio == pytest.approx(1.0, abs=0.03)
-    assert found.spectrum_db == pytest.approx(0.0, abs=1.5)
-
-
-def test_pooled_numbers_are_those_of_the_joined_rows():
-    rng = np.random.default_rng(2)
-    whole, drawn = rng.standard_normal(2000), rng.standard_normal((5, 2000))
-    first = np.arange(2000) < 700
-    split = [error_sums(whole, drawn, rows, DT, 2.0) for rows in (first, ~first)]
-    together = error_sums(whole, drawn, np.ones(2000, dtype=bool), DT, 2.0)
-    assert asdict(comparison(split)) == pytest.approx(asdict(comparison([together])))
-
-
-def test_intervals_over_equal_flights_have_no_width():
-    rng = np.random.default_rng(3)
-    one = error_sums(
-        rng.standard_normal(900), rng.standard_normal((5, 900)), np.ones(900, dtype=bool), DT, 0.5
-    )
-    low, high = flight_intervals([[one]] * 4)["z_rms_ratio"]
-    assert low == pytest.approx(high)
-    assert flight_intervals([[one]] * 2) == {}
 
 
 def test_the_replay_shows_the_recording_beside_its_first_draw(own: ValidatedFlight):

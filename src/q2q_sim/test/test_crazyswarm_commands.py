@@ -1,0 +1,178 @@
+"""Commands of Crazyswarm2: packets decode to the numbers given, messages refuse what ROS would garble."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_sim.crtp.packets.packet import Packet, datagram_of, packet_of
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.experiments.licence.client_commands import CommandKind, asked_by
+from q2q_sim.experiments.licence.crazyswarm import server_packets
+from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
+    check_ellipsoid_collisions,
+    poisson_disk_sample,
+)
+from q2q_sim.experiments.licence.crazyswarm.message_fields import real, three, whole
+from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
+from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
+from q2q_sim.experiments.licence.licence_room import runs
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.firmware.controllers.columns import MOTOR
+
+MM = 1e-3
+"""Resolution of full states [m], [m/s], [m/s^2], [rad/s]."""
+QUAT_PART = 7.1e-4
+"""Largest error of a part of a quaternion in 32 bits (geometry.quaternion32)."""
+
+
+def requested(packet: Packet) -> Setpoint:
+    """Return the setpoint that a firmware makes of a packet."""
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fleet.vehicles[0].handle(datagram_of(packet))
+    assert pilot.fleet.vehicles[0].refusals.count == 0
+    return pilot.firmware().requested
+
+
+def test_a_full_state_reaches_the_firmware_with_the_numbers_given():
+    state = FullStateArguments(
+        (1.234, -0.567, 0.891), (0.5, -1.5, 0.25), (2.5, -3.25, 9.0), 0.6, (0.1, -0.2, 1.5)
+    )
+    one = requested(server_packets.full_state(state))
+    assert one.pos == pytest.approx(state.pos, abs=MM)
+    assert one.vel == pytest.approx(state.vel, abs=MM)
+    assert one.acc == pytest.approx(state.acc, abs=MM)
+    assert np.radians(one.rate_deg) == pytest.approx(state.omega, abs=MM)
+    assert (one.x, one.y, one.z, one.quat) == (Mode.ABS,) * 4
+    about_x = (math.sin(0.3), 0.0, 0.0, math.cos(0.3))  # rowan.from_euler(0, 0, 0.6)
+    assert one.attitude_quat == pytest.approx(about_x, abs=QUAT_PART)
+
+
+def test_positions_and_hover_setpoints_reach_the_firmware_with_their_units_and_signs():
+    one = requested(server_packets.position((0.1, -0.2, 0.3), 45.0))
+    assert one.pos == pytest.approx((0.1, -0.2, 0.3))
+    assert one.attitude_deg[2] == pytest.approx(45.0)
+    hover = requested(server_packets.hover(0.1, -0.2, 0.5, 0.7))
+    assert hover.vel == pytest.approx((0.1, -0.2, 0.0))
+    assert hover.pos[2] == pytest.approx(0.7)
+    assert hover.rate_deg[2] == pytest.approx(math.degrees(0.5))  # left, as the caller means
+    assert hover.velocity_body
+
+
+def wave() -> UavTrajectory:
+    """Return a trajectory of two smooth pieces in all axes."""
+    one = UavTrajectory()
+    generator = np.random.default_rng(1)
+    one.polynomials = [
+        Polynomial4D(duration, *(generator.normal(size=8) / 2.0 ** np.arange(8) for _ in range(4)))
+        for duration in (1.0, 1.5)
+    ]
+    one.duration = 2.5
+    return one
+
+
+def test_an_uploaded_trajectory_is_flown_as_it_is_evaluated():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    trajectory = wave()
+    pieces = [
+        (one.duration, np.stack([np.asarray(axis.p) for axis in (one.px, one.py, one.pz, one.pyaw)]))
+        for one in trajectory.polynomials
+    ]
+    vehicle, begin = pilot.fleet.vehicles[0], pilot.firmware().seconds
+    for packet in server_packets.upload(3, 2, pieces):
+        vehicle.handle(datagram_of(packet))
+    (answer,) = vehicle.handle(
+        datagram_of(server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
+    )
+    assert packet_of(answer).data[3] == 0
+    for t in (0.0, 0.4, 0.99, 1.3, 2.4):
+        goal, state = pilot.firmware().planner.goal(begin + t), trajectory.eval(t)
+        assert goal is not None
+        single = 1e-4  # coefficients have 24 bits
+        assert goal.pos == pytest.approx(state.pos, abs=single)
+        assert goal.vel == pytest.approx(state.vel, abs=single)
+        assert goal.acc == pytest.approx(state.acc, abs=10.0 * single)
+
+
+def test_the_states_of_a_trajectory_are_derivatives_of_each_other():
+    trajectory, step = wave(), 1e-5
+    for t in (0.3, 0.8, 1.7):
+        before, now, after = (trajectory.eval(t + k * step) for k in (-1, 0, 1))
+        assert now.vel == pytest.approx((after.pos - before.pos) / (2.0 * step), rel=1e-6, abs=1e-6)
+        assert now.acc == pytest.approx((after.vel - before.vel) / (2.0 * step), rel=1e-6, abs=1e-6)
+
+
+def test_body_rates_have_the_closed_form_of_a_small_jerk():
+    jerk, yaw_rate = 0.6, 0.4
+    along_x = np.array([0.0, 0.0, 0.0, jerk / 6.0, 0.0, 0.0, 0.0, 0.0])
+    turning = np.array([0.0, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    omega = Polynomial4D(1.0, along_x, np.zeros(8), np.zeros(8), turning).eval(0.0).omega
+    assert omega == pytest.approx([0.0, jerk / GRAVITY, yaw_rate])  # nose down for a jerk forward
+    omega = Polynomial4D(1.0, np.zeros(8), along_x, np.zeros(8), turning).eval(0.0).omega
+    assert omega == pytest.approx([-jerk / GRAVITY, 0.0, yaw_rate])  # roll left for one to the left
+
+
+def test_a_file_is_read_row_by_row(tmp_path: Path):
+    rows = np.arange(66.0).reshape(2, 33)
+    file = tmp_path / "path.csv"
+    np.savetxt(file, rows, delimiter=",", header="duration,x^0")
+    one = UavTrajectory()
+    one.loadcsv(file)
+    assert (one.n_pieces(), one.duration) == (2, 33.0)
+    assert list(one.polynomials[1].py.p) == list(range(42, 50))
+    with pytest.raises(ValueError, match=r"0 to 33\.0 s is allowed"):
+        one.eval(33.1)
+
+
+def test_fields_of_messages_refuse_what_ros_would_garble():
+    assert real(np.float64(1.5), "z") == 1.5
+    assert three(np.array([1.0, 2.0, 3.0]), "goal") == (1.0, 2.0, 3.0)
+    for wrong in (1, np.float32(1.0), np.int64(1)):
+        with pytest.raises(TypeError, match="a ROS message needs a float"):
+            real(wrong, "takeoff: targetHeight")
+    with pytest.raises(TypeError, match="an int from 0 to 255"):
+        whole(256, "groupMask", 255)
+
+
+def test_ellipsoids_touch_at_two_radii_and_sampled_points_keep_their_distance():
+    radii = np.array([0.12, 0.12, 0.3])
+    above = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.5, 0.0, 0.0]])
+    assert check_ellipsoid_collisions(above, radii).tolist() == [True, True, False]
+    points = poisson_disk_sample(6, 2, 0.4)
+    apart = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    assert apart[np.triu_indices(6, 1)].min() >= 0.4
+
+
+def test_a_command_for_another_group_asks_nothing_of_a_vehicle():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    for mask, kind in ((0, CommandKind.PLAN), (1, CommandKind.PLAN), (2, CommandKind.OTHER)):
+        pilot.firmware().parameters.set("hlCommander.groupmask", 1)
+        packet = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 1.0, mask)
+        asked = asked_by(packet, [], pilot.firmware())
+        assert asked is not None
+        assert asked.kind == kind
+    assert asked.words == "takeoff for another group"
+
+
+def test_old_take_offs_are_told_with_their_height_which_may_leave_the_room():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    asked = asked_by(server_packets.vertical(server_packets.TAKE_OFF, 60.0, 2.0, 0), [], pilot.firmware())
+    assert asked is not None
+    assert asked.pos is not None
+    assert (asked.words, asked.pos[2], asked.yaw_rad) == ("takeoff to 60.00 m in 2.0 s", 60.0, 0.0)
+
+
+def test_motors_count_as_running_while_a_controller_of_the_height_may_run_them():
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    pilot.fly(2.0, pilot.hold(Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, pos=(0.0, 0.0, 1.0))))
+    one = pilot.firmware()
+    one.rows.memory[MOTOR : MOTOR + 4] = 0.0
+    assert runs(one)
+    one.supervisor.stop()
+    pilot.fly(0.1)
+    one.rows.memory[MOTOR : MOTOR + 4] = 0.0
+    assert not runs(one)
