@@ -13,7 +13,8 @@ from mcap_ros2.writer import Writer as ReferenceWriter
 
 from q2q_model.bag import BagReader, BagWriter
 from q2q_model.bag.storage.definitions import definition_of
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import MocapFrame
 from row import Row

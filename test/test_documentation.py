@@ -21,7 +21,7 @@ from fresh_checkout import ROOT
 
 from q2q_control.ros.dry_run import FLAG
 from q2q_model.commands.command_line import CommandLine
-from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.tunable import tunable_of
 from q2q_sim.commands.docs import OUT
 from q2q_sim.processes.processes import find_executable

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight_table import flight_table, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState, TrackStatus, index_of

@@ -8,7 +8,8 @@ from mcap_ros2.reader import read_ros2_messages
 from numpy.typing import NDArray
 
 from q2q_model.bag import BagReader, read_facts, read_flight
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.outliers import find_outliers

@@ -17,7 +17,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     _tilted,
     reckon,
 )
-from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 

@@ -18,7 +18,8 @@ from mocap_frames import (
     truth_at,
 )
 
-from q2q_model.estimation.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply
 from q2q_model.signals.values import MocapFrame
 

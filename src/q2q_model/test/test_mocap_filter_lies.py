@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Array, MocapFrame, Names, TrackStatus
 
 PAIR: Names = ("cf1", "cf2")

@@ -15,7 +15,8 @@ from mocap_frames import (
     truth_at,
 )
 
-from q2q_model.estimation.mocap_filter import IDEAL_SENSING, MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, MocapFrame, SwarmState
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.node.rehearsal import LOST_S, TICKS, rehearsal
 from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
 

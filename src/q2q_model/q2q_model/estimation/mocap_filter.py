@@ -22,18 +22,18 @@ This file is about frames:
   more than GAP_S do not count for that.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
-from q2q_model.estimation.attitudes import AttitudeGateParams, AttitudeTracks
+from q2q_model.estimation.attitudes import AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
-from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.estimation.usual_tick import (
     POSE_WIDTH,
     QUAT_AT,
@@ -43,72 +43,11 @@ from q2q_model.estimation.usual_tick import (
     usual_tick,
     with_more,
 )
-from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
-from q2q_model.tunable import check_bounds, tunable
 
-_LIMITS = OutlierThresholds()
 _TRACKED, _COASTING, _LOST = (
     np.uint8(one) for one in (TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.LOST)
 )
-
-
-@dataclass(frozen=True, slots=True)
-class MocapFilterParams:
-    """Parameters of the mocap filter."""
-
-    pos_max: float = tunable(_LIMITS.pos_max, "largest believable |x|, |y|, |z|", unit="m", low=0.1)
-    speed_max: float = tunable(_LIMITS.speed_max, "largest believable speed", unit="m/s", low=0.1, high=100.0)
-    jump_max: float = tunable(
-        _LIMITS.jump_max,
-        "largest believable deviation from the predicted position",
-        unit="m",
-        low=1e-4,
-        high=10.0,
-    )
-    # VICON: 0.15 mm static, under 2 mm dynamic (Merriaux et al., Sensors 2017)
-    position_noise: float = tunable(
-        1e-3,
-        "standard deviation of a sample; 0 passes positions through unfiltered",
-        unit="m",
-        low=0.0,
-        high=0.1,
-    )
-    # on real flights (nanobench) the velocity error changes by 10 % from 4 to 16
-    jerk_noise: float = tunable(8.0, "root power density of the jerk", unit="m/s^2.5", low=1e-3, high=1e4)
-    # rooms report dropouts of 0.1 to 0.3 s
-    coast_s: float = tunable(
-        0.35, "time without samples after which a coasting vehicle is lost", unit="s", low=0.0, high=10.0
-    )
-    reacquire_s: float = tunable(
-        0.06,
-        "time for which rejected samples must stay together to be a true jump",
-        unit="s",
-        low=0.0,
-        high=10.0,
-    )
-    turn_max: float = tunable(
-        0.35, "believable turn in addition to turn_rate_max", unit="rad", low=0.01, high=3.2
-    )
-    # the Crazyflie's gyroscope saturates at 2000 deg/s; in flight it stays below a third of that
-    turn_rate_max: float = tunable(12.0, "largest believable body rate", unit="rad/s", low=0.1, high=100.0)
-    rate_filter_s: float = tunable(
-        0.02, "time constant of the body rate's low-pass filter; 0 is none", unit="s", low=0.0, high=1.0
-    )
-    attitude_reacquire_s: float = tunable(
-        0.3, "time for which a rejected attitude must last to be accepted", unit="s", low=0.0, high=10.0
-    )
-    clock_jump_s: float = tunable(
-        1.0, "a stamp older by more than this resets the filter", unit="s", low=0.0, high=1e6
-    )
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
-
-
-IDEAL_SENSING = MocapFilterParams(position_noise=0.0, rate_filter_s=0.0)
-"""For noise-free simulated mocap: positions pass through, velocities are accurate to 4e-5 m/s."""
 
 
 class MocapFilter:
@@ -132,7 +71,7 @@ class MocapFilter:
         """Forget every track, and adopted names."""
         self._names: Names = self._given
         count = len(self._names)
-        self._gates = _track_params(self._params), _attitude_params(self._params)
+        self._gates = track_params(self._params), attitude_params(self._params)
         self._positions = PositionTracks(self._gates[0], count)
         self._attitudes = AttitudeTracks(self._gates[1], count)
         self._last: SwarmState | None = None
@@ -293,12 +232,3 @@ def _check_shapes(frame: MocapFrame) -> None:
             f"frame at t = {frame.t} has {count} names, pos {frame.pos.shape}, quat {frame.quat.shape}; "
             f"allowed are ({count}, 3) and ({count}, 4)"
         )
-
-
-def _track_params(params: MocapFilterParams) -> TrackParams:
-    return TrackParams(*(getattr(params, name) for name in TrackParams._fields))
-
-
-def _attitude_params(params: MocapFilterParams) -> AttitudeGateParams:
-    turn = params.turn_max, params.turn_rate_max
-    return AttitudeGateParams(*turn, params.rate_filter_s, params.attitude_reacquire_s, params.coast_s)

@@ -4,7 +4,8 @@ from dataclasses import asdict, dataclass
 
 from rclpy.node import Node
 
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring

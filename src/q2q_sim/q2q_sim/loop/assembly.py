@@ -20,7 +20,8 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import peak
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.files.model_file import ModelFile
 from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import SwarmImu

@@ -28,7 +28,7 @@ from typing import Annotated, Literal, TypeVar
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
 from q2q_model.documents.plain_values import from_plain
-from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan

@@ -22,7 +22,8 @@ from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.source_strength import SourceTerms, strengths
-from q2q_model.estimation.mocap_filter import MocapFilter, MocapFilterParams
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.force.recorded_force import lagged

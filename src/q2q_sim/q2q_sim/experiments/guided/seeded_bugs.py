@@ -26,7 +26,7 @@ from q2q_model.estimation.association.marker_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.clock_resets import ClockResetDetector
-from q2q_model.estimation.mocap_filter import MocapFilterParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams, track_params
 from q2q_model.estimation.positions import PositionTracks, Rows, TrackUpdate
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import Mask
@@ -46,7 +46,6 @@ from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
 
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch
-_track_params = mocap_filter._track_params
 _update_positions, _with_fallback = PositionTracks.update, Guard._with_fallback
 _answer = safe_replanner._answer
 _write_signal = BagWriter.write_signal
@@ -75,11 +74,11 @@ class SeededBug:
 
 
 def _open_gate(params: MocapFilterParams) -> TrackParams:
-    return _track_params(replace(params, jump_max=10.0 * params.jump_max))
+    return track_params(replace(params, jump_max=10.0 * params.jump_max))
 
 
 def _long_coast(params: MocapFilterParams) -> TrackParams:
-    return _track_params(replace(params, coast_s=10.0 * params.coast_s))
+    return track_params(replace(params, coast_s=10.0 * params.coast_s))
 
 
 def _never_ambiguous(_: Reacquisition, __: float, pos: Array, ___: LastSample, ____: Unmatched) -> Mask:
@@ -173,8 +172,8 @@ def _nan_as_zero(self: BagWriter, topic: str, stamp_ns: int, signal: Signal) -> 
 
 
 SEEDED_BUGS: Sequence[SeededBug] = (
-    SeededBug("open_gate", mocap_filter, "_track_params", _open_gate),
-    SeededBug("long_coast", mocap_filter, "_track_params", _long_coast),
+    SeededBug("open_gate", mocap_filter, "track_params", _open_gate),
+    SeededBug("long_coast", mocap_filter, "track_params", _long_coast),
     SeededBug("never_ambiguous", Reacquisition, "ambiguous", _never_ambiguous),
     SeededBug("repeats_accepted", PositionTracks, "update", _repeats_accepted),
     SeededBug("swap_without_gate", positions, "swapped_sources", _swap_without_gate),

@@ -1,0 +1,79 @@
+"""Parameters of the mocap filter."""
+
+from dataclasses import dataclass
+
+from q2q_model.estimation.attitudes import AttitudeGateParams
+from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.tunable import check_bounds, tunable
+
+_LIMITS = OutlierThresholds()
+
+
+@dataclass(frozen=True, slots=True)
+class MocapFilterParams:
+    """Parameters of the mocap filter."""
+
+    pos_max: float = tunable(_LIMITS.pos_max, "largest believable |x|, |y|, |z|", unit="m", low=0.1)
+    speed_max: float = tunable(_LIMITS.speed_max, "largest believable speed", unit="m/s", low=0.1, high=100.0)
+    jump_max: float = tunable(
+        _LIMITS.jump_max,
+        "largest believable deviation from the predicted position",
+        unit="m",
+        low=1e-4,
+        high=10.0,
+    )
+    # VICON: 0.15 mm static, under 2 mm dynamic (Merriaux et al., Sensors 2017)
+    position_noise: float = tunable(
+        1e-3,
+        "standard deviation of a sample; 0 passes positions through unfiltered",
+        unit="m",
+        low=0.0,
+        high=0.1,
+    )
+    # on real flights (nanobench) the velocity error changes by 10 % from 4 to 16
+    jerk_noise: float = tunable(8.0, "root power density of the jerk", unit="m/s^2.5", low=1e-3, high=1e4)
+    # rooms report dropouts of 0.1 to 0.3 s
+    coast_s: float = tunable(
+        0.35, "time without samples after which a coasting vehicle is lost", unit="s", low=0.0, high=10.0
+    )
+    reacquire_s: float = tunable(
+        0.06,
+        "time for which rejected samples must stay together to be a true jump",
+        unit="s",
+        low=0.0,
+        high=10.0,
+    )
+    turn_max: float = tunable(
+        0.35, "believable turn in addition to turn_rate_max", unit="rad", low=0.01, high=3.2
+    )
+    # the Crazyflie's gyroscope saturates at 2000 deg/s; in flight it stays below a third of that
+    turn_rate_max: float = tunable(12.0, "largest believable body rate", unit="rad/s", low=0.1, high=100.0)
+    rate_filter_s: float = tunable(
+        0.02, "time constant of the body rate's low-pass filter; 0 is none", unit="s", low=0.0, high=1.0
+    )
+    attitude_reacquire_s: float = tunable(
+        0.3, "time for which a rejected attitude must last to be accepted", unit="s", low=0.0, high=10.0
+    )
+    clock_jump_s: float = tunable(
+        1.0, "a stamp older by more than this resets the filter", unit="s", low=0.0, high=1e6
+    )
+
+    def __post_init__(self) -> None:
+        """Check the bounds."""
+        check_bounds(self)
+
+
+IDEAL_SENSING = MocapFilterParams(position_noise=0.0, rate_filter_s=0.0)
+"""For noise-free simulated mocap: positions pass through, velocities are accurate to 4e-5 m/s."""
+
+
+def track_params(params: MocapFilterParams) -> TrackParams:
+    """Return the parameters of the position tracks."""
+    return TrackParams(*(getattr(params, name) for name in TrackParams._fields))
+
+
+def attitude_params(params: MocapFilterParams) -> AttitudeGateParams:
+    """Return the parameters of the attitude tracks."""
+    turn = params.turn_max, params.turn_rate_max
+    return AttitudeGateParams(*turn, params.rate_filter_s, params.attitude_reacquire_s, params.coast_s)
