@@ -1,87 +1,32 @@
-"""Each policy sees its own breach, and that a flight without one keeps them all."""
+"""Policies of where vehicles fly: each sees its own breach, and a flight without one keeps them all."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from changed_flights import AROUND, SCENARIO, Change, broken, changed, only, received, with_row
 
 from q2q_model.bag import BagWriter
-from q2q_model.files.find_model import find_model
 from q2q_model.signals.values import (
     CommandStatus,
     Interference,
-    MocapFrame,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
-    TrackStatus,
 )
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.commands import policies as tool
 from q2q_sim.experiments.campaign import campaign_flight
 from q2q_sim.experiments.campaign.random_run import GAINS, drawn
 from q2q_sim.faults.faults import Fault
-from q2q_sim.link.radio import RadioParams
-from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.policies import (
     POLICIES,
     Circumstances,
-    RecordedSignal,
     evidence_in_lockstep,
     evidence_of,
     judge,
 )
-from q2q_sim.scenarios import library
-from q2q_sim.sensors.vicon import ViconParams
-
-SCENARIO = replace(library.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())
-AROUND = Circumstances(vehicle=SCENARIO.vehicle)
-Change = Callable[[RecordedSignal], RecordedSignal]
-
-
-@cache
-def received() -> tuple[RecordedSignal, ...]:
-    """Return what a flight of three vehicles without faults says."""
-    found: list[RecordedSignal] = []
-    options = FlightOptions(
-        model=find_model(SCENARIO.model).interaction,
-        on_signal=lambda topic, stamp_ns, signal: found.append(
-            RecordedSignal(topic, stamp_ns * 1e-9, signal)
-        ),
-    )
-    fly(SCENARIO, options)
-    return tuple(found)
-
-
-def broken(change: Change, around: Circumstances = AROUND) -> set[str]:
-    return {one.policy for one in judge(evidence_of(map(change, received())), around)}
-
-
-def changed(kind: type, since: float, until: float, **columns: Callable[[np.ndarray], np.ndarray]) -> Change:
-    """Return a change of signals of a kind from a time to another."""
-
-    def change(one: RecordedSignal) -> RecordedSignal:
-        if not isinstance(one.signal, kind) or not since <= one.signal.t < until:
-            return one
-        new = {key: edit(getattr(one.signal, key).copy()) for key, edit in columns.items()}
-        return replace(one, signal=replace(one.signal, **new))
-
-    return change
-
-
-def only(topic: str, change: Change) -> Change:
-    return lambda one: change(one) if one.topic == topic else one
-
-
-def with_row(row: int, value: float | np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    def edit(column: np.ndarray) -> np.ndarray:
-        column[row] = value
-        return column
-
-    return edit
 
 
 def test_a_flight_without_faults_keeps_every_policy() -> None:
@@ -162,87 +107,6 @@ def test_tilt_counts_roll_and_pitch_together() -> None:
     both = changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27), pitch=with_row(0, 0.27))
     assert broken(both) == {"tilt"}
     assert broken(changed(SwarmCommand, 3.0, 3.01, roll=with_row(0, 0.27))) == set()
-
-
-def test_a_command_on_an_old_state_breaks_the_age_unless_it_says_so() -> None:
-    old = changed(SwarmState, 3.0, 3.05, age=with_row(1, 0.06))
-    assert broken(old) == {"age"}
-    says = changed(SwarmCommand, 3.0, 3.05, status=with_row(1, CommandStatus.DEGRADED))
-    assert broken(lambda one: says(old(one))) == set()
-
-
-def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> None:
-    def gone(ticks: int) -> Change:
-        # NaN: seen as nowhere
-        return changed(MocapFrame, 3.0, 3.0 + ticks * 0.01 - 0.005, pos=with_row(0, np.nan))
-
-    def gone_and_marked(one: RecordedSignal) -> RecordedSignal:
-        late = changed(SwarmCommand, 3.06, 3.5, status=with_row(0, CommandStatus.HOLD))
-        return late(gone(7)(one))
-
-    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-    assert "action" not in broken(lambda one: unmarked(gone(6)(one)))  # 0.06 s after it was last seen
-    assert "action" in broken(lambda one: unmarked(gone(7)(one)))
-    assert "action" not in broken(gone_and_marked)
-
-
-def test_who_is_unseen_after_a_clock_jump_is_so_since_its_stamps_are_over() -> None:
-    gone = changed(MocapFrame, 3.0, 3.5, pos=with_row(0, np.nan))
-    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-
-    def after(jump: Fault) -> bool:
-        around = replace(AROUND, faults=(jump,))
-        return "action" in broken(lambda one: unmarked(gone(one)), around)
-
-    assert not after(Fault("clock_jump", 2.9, 0.15, size=0.40))  # stamps up to 3.45
-    assert after(Fault("clock_jump", 2.9, 0.15, size=0.30))  # up to 3.35: 0.15 s before it is seen again
-
-
-def test_who_is_missing_is_not_judged_while_two_may_be_taken_for_each_other() -> None:
-    gone = changed(MocapFrame, 3.0, 3.1, pos=with_row(0, np.nan))
-    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-
-    def under(fault: Fault) -> bool:
-        around = replace(AROUND, faults=(fault,))
-        return "action" in broken(lambda one: unmarked(gone(one)), around)
-
-    names = received()[0].signal.names[:2]
-    assert not under(Fault("swap", 2.0, 0.15, vehicles=names))  # over 0.95 s before the last frame without it
-    assert under(Fault("swap", 1.8, 0.15, vehicles=names))  # 1.15 s before
-    assert under(Fault("jump", 2.0, 0.15, vehicles=names, size=0.1))  # another place, but its own name
-
-
-def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
-    # a clock ahead shows stamps to come; set right again, it shows the same stamps without the vehicle
-    blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in received()]
-    ahead = [one for one in received() if one.topic == "mocap" and 3.0 <= one.signal.t < 3.195]
-    unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-    assert "action" in {one.policy for one in judge(evidence_of(map(unmarked, blind)), AROUND)}
-    assert "action" not in {one.policy for one in judge(evidence_of(map(unmarked, [*ahead, *blind])), AROUND)}
-
-
-def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
-    def told_late(one: RecordedSignal) -> RecordedSignal:
-        return replace(one, at=one.at + 100.0)
-
-    silent = [one for one in received() if not (one.topic == "command" and 3.0 <= one.signal.t < 3.065)]
-    assert {one.policy for one in judge(evidence_of(silent), AROUND)} == set()
-    (found,) = judge(evidence_of(map(told_late, silent)), AROUND)
-    assert found.policy == "silence"
-    assert found.value == pytest.approx(0.08, abs=1e-6)
-
-
-def test_a_false_state_breaks_the_belief_unless_it_is_coasting_or_a_sensor_lies_steadily() -> None:
-    false = only("state", changed(SwarmState, 3.0, 3.05, pos=lambda pos: pos + np.array([0.0, 0.0, 0.12])))
-    assert broken(false) == {"belief"}
-    coasting = only(
-        "state", changed(SwarmState, 3.0, 3.05, status=lambda _: np.full(3, TrackStatus.COASTING))
-    )
-    assert broken(lambda one: coasting(false(one))) == set()
-    lie = replace(AROUND, faults=(Fault("jump", 2.8, 0.3, SCENARIO.names, 0.12),))
-    assert broken(false, lie) == set()
-    outlier = replace(AROUND, faults=(Fault("outlier", 2.8, 0.3, SCENARIO.names, 0.12),))
-    assert "belief" in broken(false, outlier)
 
 
 def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_time() -> None:
