@@ -82,6 +82,18 @@ def test_what_was_balanced_is_balanced_without_measurements(push: np.ndarray, of
     np.testing.assert_allclose(found[:, 6:9], found[:, :3], atol=0.04)
 
 
+@pytest.mark.parametrize("since", [0.1, 0.3, 0.6])
+def test_a_first_balance_is_the_slope_of_all_velocities_so_far_and_a_prior(since: float) -> None:
+    """A level vehicle drifts ever faster: the fit of its slope, shrunk to 0 as if it were known for LAG_S."""
+    slope, track = np.array([0.3, -0.2, 0.0]), np.zeros((1, WIDTH))
+    level = Command(np.array([HOVER]), np.zeros(1), np.zeros(1))
+    for k in range(round(since / TICK) + 1):
+        sight = Sight(np.zeros((1, 3)), (slope * k * TICK)[None], LEVEL, np.zeros(1, dtype=np.uint8))
+        reckon(track, level, np.zeros((1, 3)), (TICK if k else 0.0, HOVER), sight)
+    learned = since**3 / (since**3 + LAG_S**3)
+    np.testing.assert_allclose(track[0, BALANCE : BALANCE + 3], -learned * slope, rtol=0.15, atol=1e-12)
+
+
 def test_an_acceleration_that_is_wanted_is_no_balance() -> None:
     """To and fro, up and down: the vehicle does what it is told to."""
     plant = LostVehicle(np.zeros(3), 0.0, np.zeros(3))

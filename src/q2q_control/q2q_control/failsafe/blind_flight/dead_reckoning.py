@@ -11,9 +11,16 @@ attitude_law). Its second-order lag has the mean and the variance of their impul
 
 While a vehicle is measured, p and v are its position and velocity, and a Luenberger observer with two poles
 at -w, whose velocity is o, learns b. A weak battery, a wind, the tilt that a weak rotor costs, and a downwash
-that is not predicted appear in b; an acceleration that the controller wants does not. Without measurements
-the motion is integrated, with the balance of the last one. Thrust that b_z takes away is taken for weak:
-horizontally u counts by 1 / (1 + b_z / g).
+that is not predicted appear in b; an acceleration that the controller wants does not. A time k after the
+first measurement the gains are those of a growing memory, where these are larger: b is the slope of a line
+through all velocities so far (E. Brookner, Tracking and Kalman Filtering Made Easy, 1998, chapter 1), and
+that b is 0 counts as much as those of the time L. With h between measurements:
+
+    s = k^3 / (k^3 + L^3)             o += max(1 - e^(-2 w h), (1 + 3 s) h / k) (v - o)
+                                      b -= max((1 - e^(-w h))^2 / h, 6 s h / k^2) (v - o)
+
+Without measurements the motion is integrated, with the balance of the last one. Thrust that b_z takes away is
+taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -27,6 +34,7 @@ horizontally u counts by 1 / (1 + b_z / g).
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust, mean [s] |
 | W^2 | TILT_SQUARE | squared natural frequency of a tilt behind its command [1/s^2] |
 | w | OBSERVER | bandwidth of the observer [rad/s] |
+| k | KNOWN | time for which the vehicle has been measured since the first time [s] |
 """
 
 import math
@@ -59,9 +67,9 @@ RESTART = 2.0
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK = 0, 3, 6, 9, 12, 13, 14, 17
+POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN = 0, 3, 6, 9, 12, 13, 14, 17, 19
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
-WIDTH = 19
+WIDTH = 20
 UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
@@ -140,17 +148,25 @@ def _tilted(lacking: float, jerk: float, elapsed: float) -> tuple[float, float, 
 @compiled
 def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
     """Correct a track (WIDTH,) by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
+    one[KNOWN] += elapsed * one[SEEN]
     for k in range(3):
         error = vel[k] - one[OBSERVED + k]
         one[POS + k], one[VEL + k] = pos[k], vel[k]
         if one[SEEN] == 0.0 or not abs(error) < RESTART:
             one[OBSERVED + k] = vel[k]
         elif elapsed > 0.0:
-            bandwidth, most = OBSERVER[k // 2], BALANCE_MAX[k // 2]
-            fast = math.exp(-bandwidth * elapsed)
-            one[OBSERVED + k] += (1.0 - fast * fast) * error
-            balance = one[BALANCE + k] - (1.0 - fast) ** 2 / elapsed * error
+            observed, learned = _gains(OBSERVER[k // 2], elapsed, one[KNOWN])
+            balance, most = one[BALANCE + k] - learned * error, BALANCE_MAX[k // 2]
+            one[OBSERVED + k] += observed * error
             one[BALANCE + k] = min(max(balance, -most), most)
+
+
+@compiled
+def _gains(bandwidth: float, elapsed: float, known: float) -> tuple[float, float]:
+    """Return the gains of the observed velocity [-] and of the balance [1/s], `known` [s] after the first."""
+    fast, sure = math.exp(-bandwidth * elapsed), known**3 / (known**3 + LAG_S**3)
+    observed = max(1.0 - fast * fast, (1.0 + 3.0 * sure) * elapsed / known)
+    return observed, max((1.0 - fast) ** 2 / elapsed, 6.0 * sure * elapsed / known**2)
 
 
 @compiled
