@@ -175,6 +175,19 @@ def test_a_marker_that_goes_on_under_the_name_of_a_lost_vehicle_has_to_last() ->
         assert block.update(frame).status[0] == LOST
 
 
+def test_labels_exchanged_while_a_lost_vehicle_comes_back_with_a_displaced_marker_are_not_believed() -> None:
+    """cf2 is lost; it appears 0.5 m aside, and 0.04 s later both labels are exchanged for 0.1 s."""
+    block, displaced = MocapFilter(IDEAL_SENSING, PAIR), np.array([0.5, 0.0, 0.0])
+    for tick in range(129):
+        pos = np.stack([HOVER + 1e-4 * tick, _passing(tick)])[:: -1 if tick >= 119 else 1].copy()
+        pos[1] += displaced * (tick >= 115)
+        here = slice(0, 1) if 50 <= tick < 115 else slice(None)
+        state = block.update(MocapFrame(time_of(tick), PAIR[here], pos[here], identity_quat((2,))[here]))
+        if tick >= 115:
+            assert list(state.status) == [TRACKED if tick < 119 else COASTING, LOST]
+            np.testing.assert_allclose(state.pos[0], HOVER + 1e-4 * tick, atol=1e-6)
+
+
 def test_rows_are_matched_by_name_whatever_their_order_and_company():
     block, twin = flown_until(50), flown_until(50)
     pos = truth_at(50)[0]

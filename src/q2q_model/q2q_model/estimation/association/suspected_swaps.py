@@ -4,6 +4,7 @@ Suspected is a sample if another vehicle has no accepted one, either, and
 
     it is nearer to that one than to the vehicle of its name: to where each was last, or would be by its last
     velocity, less how far it may have strayed from there;
+    or both have rejected samples, which are nearer to the vehicles with names exchanged, by their sum;
     or it is nearer to that one without straying, and goes on with rejected samples of that one's name;
     or the samples gathered before it move as that one did, rather than as the vehicle of its name.
 
@@ -80,8 +81,9 @@ def suspected_swaps(found: Suspicion, unmatched: Unmatched) -> Mask:
     straight, strayed = _away(found, mine, others)
     suspected = _less(strayed, own) | (_less(straight, own) & _goes_on(found, mine, others, own))
     suspected |= _moves_along(found, mine, others, own)
+    exchanged = _nearer_exchanged(straight[:, own[1]]).any(axis=1)
     swapped = np.zeros(len(found.pos), dtype=np.bool_)
-    swapped[mine] = suspected.any(axis=1)
+    swapped[mine] = suspected.any(axis=1) | exchanged
     return swapped
 
 
@@ -91,6 +93,12 @@ def _away(found: Suspicion, mine: Rows, others: Rows) -> tuple[Array, Array]:
     flown = last.pos + np.minimum(since, FLIES_ON_S)[:, None] * last.vel
     away = np.minimum(*(_distances(found.pos[mine], place[others]) for place in (last.pos, flown)))
     return away, away - STRAYS * since[others]
+
+
+def _nearer_exchanged(away: Array) -> Mask:
+    """Return which two samples are nearer to each other's vehicles, (r, r), by their distances, (r, r)."""
+    kept = np.diag(away)
+    return np.asarray(away + away.T < kept[:, None] + kept)
 
 
 def _goes_on(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows]) -> Mask:
