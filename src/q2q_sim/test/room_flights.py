@@ -6,8 +6,16 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.room_air import (
     AbsorptionTerm,
+    EdgeTorqueTerm,
+    GroundTerm,
     JetTerm,
+    MeanderTerm,
+    RateLoadTerm,
+    ResidualTerm,
     RoomAir,
+    RotorDragTerm,
+    VehicleTerm,
+    WindTerm,
 )
 from q2q_sim.plant.quadcopter import ETA
 from q2q_sim.plant.swarm import Swarm
@@ -20,6 +28,19 @@ JET = JetTerm(GAPS, RADII, PUSH, upper_ratio=0.02, travel_speed_mps=7.5, carried
 HOVER = CRAZYFLIE_2_0.hover_thrust
 MASS = CRAZYFLIE_2_0.mass
 SMALL = AbsorptionTerm(share=0.05, width_m=0.05)
+WHOLE = RoomAir(
+    jet=JET,
+    absorption=AbsorptionTerm(0.3, 0.06),
+    meander=MeanderTerm(0.04, 0.3),
+    residual=ResidualTerm(0.28, 0.1, 0.08),
+    edge_torque=EdgeTorqueTerm(2e-3, 0.06),
+    ground=GroundTerm(0.5, 0.023),
+    wind=WindTerm((0.1, 0.0, 0.0), 0.05, 1.0),
+    vehicle=VehicleTerm(0.1, 0.1, 0.06, 1.5, 0.1, 0.001),
+    rotor_drag=RotorDragTerm(0.44),
+    rate_load=RateLoadTerm(0.05),
+)
+"""Every term."""
 
 
 def swarm_in(air: RoomAir, places: list[tuple[float, float, float]], seed: int = 0) -> Swarm:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_room_air import WHOLE
+from room_flights import WHOLE
 
 from q2q_model.files.sealed_json import checksum
 from q2q_sim.air.air_file import decode, encode, load, save

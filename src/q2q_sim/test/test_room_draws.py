@@ -5,20 +5,14 @@ import math
 import numpy as np
 import pytest
 from room_air_twin import deviation
-from room_flights import JET, held, hover, swarm_in
+from room_flights import JET, WHOLE, held, hover, swarm_in
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.room_air import (
     TERMS,
-    AbsorptionTerm,
-    EdgeTorqueTerm,
-    GroundTerm,
-    MeanderTerm,
-    RateLoadTerm,
     ResidualTerm,
     RoomAir,
-    RotorDragTerm,
     VehicleTerm,
     WindTerm,
     without,
@@ -75,20 +69,6 @@ def test_wind_and_offsets_have_their_sizes() -> None:
     np.testing.assert_allclose(pushes[..., :2].std(axis=(0, 1)), 0.05, rtol=0.08)
     assert ambient.offset.std() == pytest.approx(0.1, rel=0.08)
     assert np.abs(ambient.push(np.zeros((2000, 3))).mean(axis=0)[2] - 0.1) < 0.01  # offsets are no air
-
-
-WHOLE = RoomAir(
-    jet=JET,
-    absorption=AbsorptionTerm(0.3, 0.06),
-    meander=MeanderTerm(0.04, 0.3),
-    residual=ResidualTerm(0.28, 0.1, 0.08),
-    edge_torque=EdgeTorqueTerm(2e-3, 0.06),
-    ground=GroundTerm(0.5, 0.023),
-    wind=WindTerm((0.1, 0.0, 0.0), 0.05, 1.0),
-    vehicle=VehicleTerm(0.1, 0.1, 0.06, 1.5, 0.1, 0.001),
-    rotor_drag=RotorDragTerm(0.44),
-    rate_load=RateLoadTerm(0.05),
-)
 
 
 def _flown(air: RoomAir, seed: int, pieces: tuple[int, ...]) -> Array:
