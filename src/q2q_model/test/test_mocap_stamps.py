@@ -79,6 +79,15 @@ def test_any_recent_pose_under_a_new_stamp_is_no_sample(back: int) -> None:
     assert list(block.update(frame_at(52)).status) == [TRACKED, TRACKED]
 
 
+def test_a_pose_of_a_frame_that_came_too_late_is_no_sample_under_a_new_stamp() -> None:
+    block = flown_until(48)
+    block.update(frame_at(49))
+    assert list(block.update(frame_at(48)).status) == [COASTING, COASTING]
+    state = block.update(frame_at(50, truth_at(48)[0]))
+    assert list(state.status) == [COASTING, COASTING]
+    np.testing.assert_allclose(state.pos, truth_at(50)[0], atol=1e-3)
+
+
 def test_recent_poses_of_vehicles_that_are_adopted_later_are_remembered() -> None:
     block = MocapFilter(IDEAL_SENSING, ())
     for tick in range(50):

@@ -95,11 +95,20 @@ class MocapFilter:
                 self._set_back(self._last.t, behind)
             elif not behind < -SAME_INSTANT:
                 self._counts["repeated_frames" if abs(behind) <= SAME_INSTANT else "stale_frames"] += 1
-                return _as_of(frame.t, self._last) if behind > SAME_INSTANT else self._last
+                return self._as_of(frame, self._last) if behind > SAME_INSTANT else self._last
         elif not np.isfinite(frame.t):
             raise ValueError(f"frame.t = {frame.t}: a first frame needs a time [s]")
         self._last = self._step(frame)
         return self._last
+
+    def _as_of(self, frame: MocapFrame, last: SwarmState) -> SwarmState:
+        """Return the last state as the answer to an older frame: no vehicle was measured there then.
+
+        The frame's poses are remembered, as they may come again under new stamps.
+        """
+        if frame.names == self._frame_names:
+            remember_poses(self._by_track(frame), self._recent)
+        return replace(last, t=frame.t, status=np.where(last.status == _TRACKED, _COASTING, last.status))
 
     def _is_set_back(self, t: float, behind: float) -> bool:
         if behind <= SAME_INSTANT:
@@ -218,11 +227,6 @@ class MocapFilter:
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())
         counts["not_finite"] += int((self._track_of_row >= 0).sum() - present.sum())
-
-
-def _as_of(t: float, state: SwarmState) -> SwarmState:
-    """Return a state as the answer to an older frame, of t [s]: no vehicle was measured there then."""
-    return replace(state, t=t, status=np.where(state.status == _TRACKED, _COASTING, state.status))
 
 
 def _check_shapes(frame: MocapFrame) -> None:
