@@ -62,7 +62,7 @@ class Unmatched(NamedTuple):
 
 
 class Suspicion(NamedTuple):
-    """What tells of a swap: the samples of a tick, and the tracks and candidates before it."""
+    """Samples of a tick, and tracks and candidates before it, from which a swap is told."""
 
     t: float
     """[s]"""
