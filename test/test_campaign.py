@@ -55,7 +55,7 @@ ONCE_BROKEN = (
     1517,
     1978,
 )
-"""Seeds that a policy was violated in, each by a cause of its own: docs/reliability.md has them."""
+"""Seeds that a policy was violated in, each by a cause of its own: docs/findings.md has them."""
 BROKEN = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
 
 
