@@ -20,7 +20,6 @@ from q2q_model.commands.command_line import CommandLine, output_file, output_fol
 from row import Row
 
 HERE = Path(__file__).parent
-NOT_AREAS = ("area_process", "bench", "beside", "neural_trajectory", "roofline", "row", "tick_profile")
 DRAWN = "growth"
 """Area whose `run` takes a folder for its figures."""
 EXAMPLE = """  scripts/bench simulation
@@ -29,7 +28,7 @@ EXAMPLE = """  scripts/bench simulation
 
 def areas() -> list[str]:
     """Return the names of the areas."""
-    return sorted(path.stem for path in HERE.glob("*.py") if path.stem not in NOT_AREAS)
+    return sorted(path.stem for path in HERE.glob("*.py") if "\ndef run(" in path.read_text())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

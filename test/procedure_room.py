@@ -5,12 +5,12 @@ are the room's. Motion capture, filter, trajectory and controller are the road's
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from types import ModuleType
 from typing import TypeVar
 
 import numpy as np
 import pytest
+from room_node import RoomNode, Servers
 from std_srvs.srv import Trigger
 
 from q2q_control.flight_procedure.steps import Call
@@ -27,143 +27,12 @@ from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import Wire
 from q2q_sim.loop.assembly import Options, blocks_of
 from q2q_sim.loop.room import TICK_S, Room
-from q2q_sim.ros.stand_in import StandInNode
 from q2q_sim.scenarios.scenario import Scenario
 
 BOOT_TICKS = 60
 """The firmware boots within these, and arms itself."""
 ECHO = b"\xfc\x00"
 """Keeps a client known to a vehicle."""
-
-
-Servers = dict[str, Callable[[object], object]]
-"""What stands behind each service that the node calls."""
-
-
-@dataclass
-class Future:
-    """An answer that is there."""
-
-    answer: object
-
-    def done(self) -> bool:
-        """Return True: it is there."""
-        return True
-
-    def result(self) -> object:
-        """Return the answer."""
-        return self.answer
-
-    def exception(self) -> None:
-        """Return None: nothing went wrong."""
-        return
-
-
-@dataclass
-class Client:
-    """Client of a service; what stands behind it answers at once, or nobody does."""
-
-    srv_name: str
-    serve: Callable[[object], object] | None
-
-    def service_is_ready(self) -> bool:
-        """Return whether somebody serves it."""
-        return self.serve is not None
-
-    def call_async(self, request: object) -> Future:
-        """Return the answer to a request."""
-        assert self.serve is not None
-        return Future(self.serve(request))
-
-
-@dataclass
-class Service:
-    """Service of the node, with the answers it has sent."""
-
-    ask: Callable[[Trigger.Request, Trigger.Response], Trigger.Response]
-    sent: list[Reply] = field(default_factory=list)
-
-    def send_response(self, response: Trigger.Response, _: object) -> None:
-        """Keep an answer."""
-        self.sent.append(Reply(response.success, response.message))
-
-    def call(self) -> None:
-        """Ask, as a client does."""
-        self.send_response(self.ask(Trigger.Request(), Trigger.Response()), None)
-
-
-@dataclass
-class Publisher:
-    """Publisher that hands every message on."""
-
-    take: Callable[[object], None]
-    topic_name: str = ""
-
-    def publish(self, message: object) -> None:
-        """Hand a message on."""
-        self.take(message)
-
-    def get_subscription_count(self) -> int:
-        """Return one reader."""
-        return 1
-
-
-class RoomNode(StandInNode):
-    """A node whose topics and services are those of the room."""
-
-    def __init__(self, name: str, given: dict[str, object], servers: Servers) -> None:
-        super().__init__(name, given)
-        self._servers = servers
-        self.services: dict[str, Service] = {}
-        self.timers: list[tuple[float, Callable[[], None]]] = []
-        self.takers: dict[str, Callable[[object], None]] = {}
-        self.published: dict[str, list[object]] = {}
-        self.forward: dict[str, Callable[[object], None]] = {}
-        self.lines: list[str] = []
-
-    def create_service(self, kind: type, name: str, ask: Callable[..., Trigger.Response]) -> Service:
-        """Return a service that tests can call."""
-        super().create_service(kind, name, ask)
-        made = Service(ask)
-        made.send_response = made.send_response  # an attribute of its own, as rclpy's may be replaced
-        return self.services.setdefault(name.removeprefix("~/"), made)
-
-    def create_client(self, kind: type, name: str) -> Client:
-        """Return a client of the server of that name, or of nobody."""
-        super().create_client(kind, name)
-        return Client(name, self._servers.get(name))
-
-    def create_publisher(self, kind: type, topic: str, qos: object) -> Publisher:
-        """Return a publisher whose messages are kept, or forwarded."""
-        super().create_publisher(kind, topic, qos)
-        kept = self.published.setdefault(topic, [])
-
-        def take(message: object) -> None:
-            self.forward.get(topic, kept.append)(message)
-
-        return Publisher(take, topic)
-
-    def create_subscription(
-        self, kind: type, topic: str, receive: Callable[..., None], qos: object, **_: object
-    ) -> object:
-        """Keep who takes a topic."""
-        self.takers[topic] = receive
-        return super().create_subscription(kind, topic, receive, qos)
-
-    def create_timer(self, period: float, act: Callable[[], None], **_: object) -> None:
-        """Keep a timer for the room to call."""
-        self.timers.append((period, act))
-
-    def get_logger(self) -> "RoomNode":
-        """Return the node itself, which keeps the lines."""
-        return self
-
-    def info(self, line: str, **_: object) -> None:
-        """Keep a line."""
-        self.lines.append(line)
-
-    warning = error = info
-
 
 Made = TypeVar("Made")
 

@@ -4,48 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from traffic_bench import ON, PARAMS, held, setpoint, state
 
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe.committed_motion import (
     LONGEST_GAP,
     SNAP_POS,
     SNAP_VEL,
-    CommittedMotion,
     near_reference,
     propagated,
     reference_rows,
 )
 from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
-from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
-
-PARAMS = SafeReplannerParams(
-    eps=0.25, d=1.0, margin=0.02, acc_max=3.0, hold=0.02, approach=2.0, tracking=0.05, drift=0.2,
-    speed_max=2.0, forget=2.0,
-)  # fmt: skip
-NOBODY = KnownStates((), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
-OFF, ON = np.zeros(2, np.bool_), np.ones(2, np.bool_)
-
-
-def state(t: float, names: Names, x: list[float], age: float = 0.0, speed: float = 1.0) -> SwarmState:
-    """Return vehicles at x [m] that fly along y."""
-    n, zero = len(names), np.zeros((len(names), 3))
-    pos, vel = zero.copy(), zero.copy()
-    pos[:, 0], vel[:, 1] = x, speed
-    return SwarmState(t, names, pos, vel, np.zeros((n, 4)), zero, np.full(n, age), np.zeros(n, np.uint8))
-
-
-def setpoint(t: float, names: Names, pos: Array, vel: Array | None = None) -> SwarmSetpoint:
-    n, zero = len(names), np.zeros((len(names), 3))
-    vel = zero if vel is None else vel
-    return SwarmSetpoint(t, names, pos, vel, zero, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
-
-
-def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> CommittedMotion:
-    """Return two vehicles' motion from t = 1 s on, off their references."""
-    acc = np.zeros((2, 3)) if acc is None else acc
-    return CommittedMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF, np.zeros((2, 3)))
 
 
 def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> None:
@@ -227,77 +198,3 @@ def test_an_external_vehicle_that_keeps_the_law_certainly_brakes_from_its_hold_o
     rest = 1.0 / 3.0  # of 1 m/s
     slack = PARAMS.tracking - 1.5 * 0.02**2 - 3.0 * 0.02 * rest - SNAP_POS - SNAP_VEL * rest
     np.testing.assert_allclose(growth, [[slack, 0.0]] * 3, rtol=1e-12)
-
-
-def meet(apart: float, vel: Array, growth: Array | None = None, params: SafeReplannerParams = PARAMS) -> bool:
-    """Return whether two vehicles so far apart in y [m] could matter to each other."""
-    pos = np.array([[0.0, 0.0, 0.0], [0.0, apart, 0.0]])
-    doubt = np.zeros((2, 2)) if growth is None else growth
-    reference = reference_rows(setpoint(1.0, ("a", "b"), pos + 1.0))
-    _, traffic = traffic_at(held(pos, vel), reference, doubt, NOBODY, params)
-    assert traffic.meets.tolist() == [len(traffic.pairs.i) == 1] * 2
-    return bool(traffic.meets[0])
-
-
-def test_vehicles_matter_to_each_other_up_to_where_their_ways_to_rest_overlap() -> None:
-    """At 3 and 2 m/s side by side they do not close in, so that it is their ways that count."""
-    vel = np.array([[3.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
-    way = {v: (v + 0.06) * (0.02 + 0.5 * (v + 0.06) / 3.0) for v in (3.0, 2.0)}  # 0.06 m/s more in a hold
-    far = PARAMS.eps + way[3.0] + way[2.0]
-    assert meet(far - 1e-9, vel)
-    assert not meet(far + 1e-9, vel)
-    growth = np.array([[0.0, 0.1], [0.0, 0.3]])  # goes on until all rest, the fastest 0.6 m/s late
-    rest = 0.02 + (3.06 + 0.6) / 3.0
-    assert meet(far + 0.4 * rest - 1e-9, vel, growth)
-    assert not meet(far + 0.4 * rest + 1e-9, vel, growth)
-
-
-@pytest.mark.parametrize("jerk", [0.75, 60.0])
-def test_ways_to_rest_are_longer_by_the_ramps_of_a_bounded_jerk(jerk: float) -> None:
-    """From one full acceleration to the other and back, 4 acc_max / jerk, after two holds."""
-    vel = np.array([[3.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
-    late = 2 * 0.02 + 4.0 * 3.0 / jerk
-    way = {v: (v + 3.0 * late) * (late + 0.5 * (v + 3.0 * late) / 3.0) for v in (3.0, 2.0)}
-    far, smooth = PARAMS.eps + way[3.0] + way[2.0], replace(PARAMS, jerk_max=jerk)
-    assert meet(far - 1e-6, vel, params=smooth)
-    assert not meet(far + 1e-6, vel, params=smooth)
-
-
-def test_zones_that_have_grown_count_in_the_ways_and_in_the_distance() -> None:
-    vel, growth = np.tile([3.0, 0.0, 0.0], (2, 1)), np.array([[0.5, 0.0], [0.25, 0.0]])
-    way = 3.06 * (0.02 + 0.5 * 3.06 / 3.0)
-    far = PARAMS.eps + 2.0 * way + 2.0 * 0.75
-    assert meet(far - 1e-9, vel, growth)
-    assert not meet(far + 1e-9, vel, growth)
-
-
-def test_who_stands_matters_where_a_push_of_both_could_be_asked() -> None:
-    """pole^2 h against twice acc_max, with poles of 2/s."""
-    far = PARAMS.eps + 2.0 * 3.0 / 4.0
-    assert meet(far - 1e-9, np.zeros((2, 3)))
-    assert not meet(far + 1e-9, np.zeros((2, 3)))
-
-
-def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) -> CommittedMotion:
-    """Return two vehicles so far apart in x [m] once they are put on their references, or not."""
-    pos = np.array([[0.0, 0.0, 0.0], [apart, 0.0, 0.0]])
-    motion = replace(held(pos, np.zeros((2, 3))), on_reference=np.full(2, on), pushed=np.full(2, pushed))
-    there = setpoint(1.0, ("a", "b"), pos + reference, np.full((2, 3), SNAP_VEL / 2.0))
-    return traffic_at(motion, reference_rows(there), np.zeros((2, 2)), NOBODY, PARAMS)[0]
-
-
-def test_who_meets_nobody_stays_on_its_reference_however_that_jumps() -> None:
-    jump = np.array([0.0, 0.0, 3.0])
-    for apart, on, stays in ((30.0, True, True), (30.0, False, False), (0.5, True, False)):
-        motion = placed(jump, apart, on=on)
-        assert motion.on_reference.tolist() == [stays] * 2
-        assert motion.pos[:, 2].tolist() == [3.0 if stays else 0.0] * 2
-        assert motion.vel[:, 2].tolist() == [SNAP_VEL / 2.0 if stays else 0.0] * 2
-
-
-def test_who_is_near_its_reference_is_put_onto_it_whomever_it_meets() -> None:
-    step = np.array([0.0, 0.0, SNAP_POS / 2.0])
-    for apart, pushed, put in ((30.0, False, True), (0.5, False, True), (0.5, True, False)):
-        motion = placed(step, apart, on=False, pushed=pushed)
-        assert motion.on_reference.tolist() == [put] * 2
-        assert motion.pos[:, 2].tolist() == [step[2] if put else 0.0] * 2

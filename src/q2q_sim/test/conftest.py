@@ -1,12 +1,17 @@
 """Pilots of simulated vehicles that speak CRTP; tests of this folder may import its other modules."""
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from q2q_sim.crtp.pilot import Pilot
+
+if TYPE_CHECKING:
+    from crtp_stage import Stage
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -17,3 +22,19 @@ def grounded() -> Pilot:
     pilot = Pilot(np.zeros((1, 4)))
     pilot.fly(0.5)
     return pilot
+
+
+@pytest.fixture(scope="session")
+def toc_cache(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Return a folder for the tables that cflib fetches from a vehicle once."""
+    return str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture
+def stage(
+    monkeypatch: pytest.MonkeyPatch, toc_cache: str, request: pytest.FixtureRequest
+) -> "Iterator[Stage]":
+    """Return a room for cflib's examples; the parameter is the number of vehicles and their positioning."""
+    from crtp_stage import staged
+
+    yield from staged(monkeypatch, toc_cache, *getattr(request, "param", (1, "deck")))
