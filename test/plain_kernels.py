@@ -48,9 +48,8 @@ def record() -> list[Call]:
         for attribute, value in list(vars(module).items()) if name.startswith("q2q_") else ():
             if id(value) in recorders:
                 setattr(module, attribute, recorders[id(value)])
-    for share in calls():
-        for call in share:
-            call()
+    for call in calls():
+        call()
     return list(kept.values())
 
 

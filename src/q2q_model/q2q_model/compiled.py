@@ -32,8 +32,6 @@ class Kernel:
     name: str
     """Module and qualified name."""
     function: FunctionType
-    inlined: bool
-    """Inlined into its callers, without machine code of its own."""
     cache: "_CompleteCache"
     made: Dispatcher | FunctionType
     """Dispatcher; the plain function if numba is disabled."""
@@ -49,6 +47,9 @@ are atomic operations and took half the time of the physics. It refuses a functi
 HOT: dict[str, object] = {**BORROWING, "error_model": "numpy", "forceinline": True}
 """Options of functions within such a loop that cost time: no call, which would copy every number and array of
 their named tuples, and no test of divisors."""
+
+FAST_HOT: dict[str, object] = {**FAST, **HOT}
+"""Options of such functions whose loops may add in any order."""
 
 KERNELS: list[Kernel] = []
 """Kernels of all modules imported so far."""
@@ -81,14 +82,14 @@ def _compiled(function: Callable[..., object], options: dict[str, object]) -> ob
     cache = made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
     source = getattr(made, "py_func", made)  # with numba disabled, `made` is the function itself
     name = f"{function.__module__}.{function.__qualname__}"
-    KERNELS.append(Kernel(name, source, options.get("inline") == "always", cache, made))
+    KERNELS.append(Kernel(name, source, cache, made))
     return made
 
 
 def entries() -> list[Kernel]:
     """Return the kernels that Python calls: those called by other kernels are part of the callers' code."""
     parts = {called for kernel in KERNELS for called in _called_by(kernel.function)}
-    return [one for one in KERNELS if not one.inlined and one.function not in parts]
+    return [one for one in KERNELS if one.function not in parts]
 
 
 def uncached() -> list[str]:

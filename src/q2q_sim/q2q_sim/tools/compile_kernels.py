@@ -11,11 +11,13 @@ from time import monotonic
 
 from q2q_model.compiled import KERNELS, uncached
 from q2q_sim.processes.worker_pool import worker_pool
+from q2q_sim.tools.kernel_calls import calls
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
 """Parts of the packages without kernels that import ROS or torch."""
-SHARES = 2
+WORKERS = 2
+"""Processes; a kernel that both call at once is compiled by both."""
 
 
 def main() -> int:
@@ -26,8 +28,8 @@ def main() -> int:
         return 0
     began = monotonic()
     print(f"compiling {len(missing)} of {len(KERNELS)} kernels for this processor", flush=True)
-    with worker_pool(SHARES) as pool:
-        list(pool.map(call_share, range(SHARES)))
+    with worker_pool(WORKERS) as pool:
+        list(pool.map(make_call, range(len(calls()))))
     left = uncached()
     for name in left:
         print(
@@ -45,12 +47,9 @@ def import_kernels() -> None:
         importlib.import_module(name)
 
 
-def call_share(share: int) -> None:
-    """Call every kernel of one half."""
-    from q2q_sim.tools.kernel_calls import calls
-
-    for call in calls()[share]:
-        call()
+def make_call(number: int) -> None:
+    """Make one of the calls of kernels."""
+    calls()[number]()
 
 
 def _modules() -> Iterator[str]:

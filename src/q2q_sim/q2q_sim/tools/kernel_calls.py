@@ -1,10 +1,10 @@
 """Calls of every compiled function, with which set-up fills the cache.
 
-Compilation takes minutes, the calls almost nothing: flights last a few ticks. The two lists are for two
-processes and share few kernels. `q2q_model.compiled.uncached` names kernels that neither calls.
+Compilation takes minutes, the calls almost nothing: flights last a few ticks. `q2q_model.compiled.uncached`
+names kernels that none of them calls.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -55,11 +55,10 @@ MANY = tuple(f"cf{k}" for k in range(1, 11))
 CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 
-def calls() -> tuple[Sequence[Call], Sequence[Call]]:
-    """Return the functions that call every kernel, in two lists of about equal time."""
-    flights = (_estimators, _room, _in_a_rooms_air, _replanned, _many, _firmware, _nearness)
-    solvers = (_mpc, _explicit, _identification)
-    return flights, solvers
+def calls() -> tuple[Call, ...]:
+    """Return the functions that call every kernel, those that compile for longest first."""
+    long = (_mpc, _replanned, _in_a_rooms_air, _explicit, _firmware)
+    return *long, _room, _estimators, _nearness, _identification, _many
 
 
 def _flown(scenario: str, controller: str = "pid", replan: str = "none") -> None:

@@ -87,8 +87,7 @@ def predict_downwash(
     n, stages = tracks.axis.shape[:2]
     terms = SourceTerms(absorption=source_terms(model).absorption)  # loading is in the tracks' weight
     felt = others.own if others is not None and terms == PAIRS_ALONE else n
-    near = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]), felt)
-    i, j = np.ascontiguousarray(near[0]), np.ascontiguousarray(near[1])  # one layout, one kernel
+    i, j = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]), felt)
     if i.size == 0:
         return no_downwash(tracks)
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
@@ -150,7 +149,7 @@ def _near_pairs(reach: Reach, path: Array, felt: int) -> Pairs:
 @lru_cache(maxsize=ALL_PAIRS)
 def _all_pairs(felt: int, n: int) -> Pairs:
     i, j = np.nonzero(~np.eye(felt, n, dtype=np.bool_))
-    return i, j
+    return i.copy(), j.copy()  # columns of one array: one layout, one kernel
 
 
 def _widened(model: InteractionModel, places: Array, motion: PairMotion, spread: Array) -> Array:

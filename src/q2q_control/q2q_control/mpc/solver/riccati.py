@@ -24,7 +24,7 @@ from q2q_control.mpc.problem.lq_problem import LqProblem, LqSolution
 from q2q_control.mpc.solver.active_set import Modes, input_range, update_active_set
 from q2q_control.mpc.solver.stage import last_cost, stage_cost, stage_policy, stage_product, stage_quadratics
 from q2q_control.mpc.solver.workspace import Workspace, workspace
-from q2q_model.compiled import BORROWING, FAST, compiled
+from q2q_model.compiled import BORROWING, FAST, FAST_HOT, compiled
 
 PATIENCE = 3
 """Recursions without fewer wrong guesses before inputs are updated one by one."""
@@ -72,7 +72,7 @@ def _recursion(problem: LqProblem, pattern: Modes, work: Workspace, last: int) -
         _roll_out(problem, work, n)
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def _backward(problem: LqProblem, pattern: Modes, work: Workspace, last_n: tuple[int, int]) -> None:
     """Write policy and quadratic forms of the stages from `last` to the first one."""
     last, n = last_n
@@ -85,7 +85,7 @@ def _backward(problem: LqProblem, pattern: Modes, work: Workspace, last_n: tuple
         stage_cost(problem, k, work, n)
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def _roll_out(problem: LqProblem, work: Workspace, n: int) -> None:
     """Write states and inputs under the policy."""
     for i in range(3 * n):
@@ -113,7 +113,7 @@ def _roll_out_clipped(problem: LqProblem, work: Workspace) -> None:
         next_state(problem, k, work, n)
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def next_state(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write the state after stage k."""
     before, after, drift = work.states[k], work.states[k + 1], problem.drift[k]

@@ -7,7 +7,7 @@ and E the positions:
     P_k = A_k' (P A_k) + Q + K' Qux + Qux' K + K' Quu K             upper triangle, then mirrored
     p_k = A_k' (P c + p) - Q x* + K' (Qu + Quu k) + Qux' k
 
-All functions are inlined, with `n` chains as an argument: for a constant `n` the compiler unrolls all loops.
+All functions are inlined, with `n` chains as an argument: for a constant `n` LLVM unrolls all loops.
 """
 
 import numpy as np
@@ -15,11 +15,11 @@ import numpy as np
 from q2q_control.mpc.problem.lq_problem import LqProblem
 from q2q_control.mpc.solver.active_set import FREE, HIGH, LOW, RISING, Modes
 from q2q_control.mpc.solver.workspace import Workspace
-from q2q_model.compiled import FAST, compiled
+from q2q_model.compiled import FAST_HOT, compiled
 from q2q_model.signals.values import Array
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def last_cost(problem: LqProblem, work: Workspace, n: int) -> None:
     """Write P, p of the horizon's end."""
     stages = work.inputs.shape[0]
@@ -33,7 +33,7 @@ def last_cost(problem: LqProblem, work: Workspace, n: int) -> None:
                 vector[3 * c + i] -= problem.terminal[c, i, j] * problem.target[stages, 3 * c + j]
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def stage_product(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write P A and P c + p of stage k, with P, p of the stage after it."""
     P, p, product = work.cost_matrix[k + 1], work.cost_vector[k + 1], work.product
@@ -54,7 +54,7 @@ def stage_product(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
                 product[i, 3 * d] += pushed * slope[c, d]
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def stage_quadratics(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write Quu, Qux, Qu of stage k."""
     P, product, ahead, gains = work.cost_matrix[k + 1], work.product, work.ahead, problem.input_gain
@@ -74,7 +74,7 @@ def stage_quadratics(problem: LqProblem, k: int, work: Workspace, n: int) -> Non
         qu[c] = b0 * ahead[p] + b1 * ahead[v] + b2 * ahead[a] - effort * problem.input_target[k, c]
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def stage_policy(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: int) -> None:
     """Write the policy of stage k: bounds of the active inputs, and the free inputs' response to them."""
     policy, quu = work.policy[k], work.quu[k]
@@ -89,7 +89,7 @@ def stage_policy(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: i
         _substitute(work.factor, policy, i, n)
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def _write_bounds(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: int) -> None:
     """Write the policy of active inputs, and -Qux and -Qu of free ones."""
     policy, qux, qu = work.policy[k], work.qux[k], work.qu[k]
@@ -107,7 +107,7 @@ def _write_bounds(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: 
             policy[c, 3 * n] = problem.step[c] if modes[c] == RISING else -problem.step[c]
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def _factorise(matrix: Array, modes: Modes, factor: Array, n: int) -> None:
     """Write the Cholesky factor of the free rows of `matrix`, elsewhere that of the identity.
 
@@ -123,7 +123,7 @@ def _factorise(matrix: Array, modes: Modes, factor: Array, n: int) -> None:
             factor[a, b] = 1.0 / np.sqrt(total) if a == b else total * factor[b, b]
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def _substitute(factor: Array, right: Array, i: int, n: int) -> None:
     """Overwrite column i of `right` by the solution of factor factor' x = right."""
     for a in range(n):
@@ -139,7 +139,7 @@ def _substitute(factor: Array, right: Array, i: int, n: int) -> None:
         right[a, i] = total * factor[a, a]
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def stage_cost(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write P, p of stage k."""
     P, p, product, ahead = work.cost_matrix[k], work.cost_vector[k], work.product, work.ahead
@@ -169,7 +169,7 @@ def stage_cost(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     _add_policy_cost(k, work, n)
 
 
-@compiled(**FAST, inline="always")
+@compiled(**FAST_HOT)
 def _add_policy_cost(k: int, work: Workspace, n: int) -> None:
     """Add what the inputs of stage k cost to P, p; mirror P."""
     P, p, policy = work.cost_matrix[k], work.cost_vector[k], work.policy[k]

@@ -85,7 +85,7 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
     """Return the motion of a swarm that starts on its reference."""
     n = len(setpoint.names)
     on, off = np.ones(n, np.bool_), np.zeros(n, np.bool_)
-    start = setpoint.t, setpoint.names, setpoint.pos, setpoint.vel, setpoint.acc
+    start = setpoint.t, setpoint.names, *reference_rows(setpoint)
     return CommittedMotion(*start, np.zeros(n), on, off, np.zeros((n, 3)))
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from time import perf_counter
 
@@ -9,6 +10,7 @@ import numpy as np
 import yaml
 
 from q2q_model.bag import BagWriter
+from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_sim.experiments.campaign.random_run import Run, drawn
@@ -92,8 +94,14 @@ def flight_options(run: Run) -> FlightOptions:
         controller=options.controller,
         replan=options.replan,
         seed=run.seed,
-        model=find_model(run.scenario.model).interaction,
+        model=_model(run.scenario.model),
     )
+
+
+@cache
+def _model(name: str) -> InteractionModel:
+    """Return an interaction model, read once: its file takes as long as 30 ticks."""
+    return find_model(name).interaction
 
 
 def circumstances_of(run: Run) -> Circumstances:
