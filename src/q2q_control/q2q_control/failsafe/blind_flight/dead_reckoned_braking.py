@@ -32,6 +32,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     reckon,
 )
 from q2q_control.failsafe.blind_flight.fading_downwash import FadingDownwash, Places
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -44,7 +45,7 @@ from q2q_model.signals.values import (
     index_of,
 )
 
-LONGEST_STEP = 0.35
+LONGEST_STEP = MocapFilterParams().coast_s
 """Longest time between ticks for which the last command is integrated [s]: that for which the filter coasts.
 A longer gap, or jump of the clock, counts as this."""
 LOST = np.uint8(TrackStatus.LOST)

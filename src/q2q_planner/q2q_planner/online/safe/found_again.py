@@ -11,13 +11,14 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_model.compiled import compiled
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Array, Names
 from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask
 from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
-BLIND_S = 0.35
-"""Age of a measurement beyond which a controller does not fly a vehicle [s]: the mocap filter's coast_s."""
+BLIND_S = MocapFilterParams().coast_s
+"""Age of a measurement beyond which a controller does not fly a vehicle [s]."""
 FRESH_S = 0.01
 """Age of a measurement that is of this tick or the last one [s]."""
 
