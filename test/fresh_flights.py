@@ -1,4 +1,4 @@
-"""Fly what users fly in one process; print which kernels it compiled and which it never called: for a test.
+"""Fly what users fly in one process; print which kernels it compiled, never called, or has twice: for a test.
 
 Closed loop with every controller and replanner, of a single vehicle and of two through every fault of the
 room, also with blocks that get messages as those of nodes do, the passage of table6 with its active bounds,
@@ -23,7 +23,7 @@ from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
-from q2q_model.compiled import COMPILED, idle
+from q2q_model.compiled import COMPILED, idle, twice_compiled
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
@@ -60,12 +60,12 @@ RecordedSignal = list[dict[str, Signal]]
 
 
 def main() -> None:
-    """Fly and identify; print what was compiled, and what is idle."""
+    """Fly and identify; print what was compiled, what is idle, and what is there for several types."""
     import_kernels()
     flights()
     recordings, _ = read_recordings([ROOT / "bags" / "table2_1"])
     identify(recordings, ProcedureParams(), lambda _: None)
-    print(json.dumps({"compiled": COMPILED, "idle": idle()}))
+    print(json.dumps({"compiled": COMPILED, "idle": idle(), "twice": twice_compiled()}))
 
 
 def flights() -> None:

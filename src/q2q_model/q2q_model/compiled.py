@@ -109,6 +109,11 @@ def idle() -> list[str]:
     return [kernel.name for kernel in KERNELS if kernel.function not in called]
 
 
+def twice_compiled() -> list[str]:
+    """Return the names of the kernels that this process has called with several types or array layouts."""
+    return [one.name for one in KERNELS if isinstance(one.made, Dispatcher) and len(one.made.overloads) > 1]
+
+
 class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
     """Index of a function's compiled code that processes may fill at once.
 
