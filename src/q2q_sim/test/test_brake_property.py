@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
-from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from q2q_sim.experiments.guided.attack_case import with_faults
@@ -43,7 +43,8 @@ def level_flight(speed: float, deceleration: float) -> RunTicks:
         flat = np.zeros(2)
         commands.append(SwarmCommand(k * TICK_S, names, flat, flat, pitch, flat, level.astype(np.uint8)))
     t = np.array([k * TICK_S for k in range(END)])
-    return RunTicks(t, t, names, tuple(states), tuple(states), (), tuple(commands))
+    calm = Interference(0.0, names, still, still, np.zeros(2, np.uint8))
+    return RunTicks(t, t, names, tuple(states), tuple(states), (), tuple(commands), (calm,) * END)
 
 
 @pytest.mark.parametrize(("speed", "due"), [(0.5, 0.5 / BRAKING_S), (3.0, BRAKING_MAX)])
@@ -103,3 +104,22 @@ def test_braking_is_judged_unless_a_fault_hides_the_motion(fault: Fault, judged:
     found = brake(with_faults(two_vehicles(), (fault,)), level_flight(1.0, 0.0))
     assert bool(found.violations) == judged
     assert math.isfinite(found.margin) == judged
+
+
+@pytest.mark.parametrize(
+    ("mode", "begin", "end", "judged"),
+    [
+        ("ignoring", LAST - 50, LAST + 1, True),
+        ("ignoring", LAST - 50, LAST + 2, False),
+        ("ignoring", BLIND, END, False),
+        ("aware", BLIND, END, True),
+    ],
+)
+def test_braking_is_judged_unless_an_ignored_downwash_has_pushed(
+    mode: str, begin: int, end: int, judged: bool
+) -> None:
+    run, ticks = two_vehicles(), level_flight(1.0, 0.0)
+    push = replace(ticks.pushes[0], acc=np.array([[0.0, 0.0, -0.2], [0.0, 0.0, 0.0]]))
+    pushes = tuple(push if begin <= k < end else calm for k, calm in enumerate(ticks.pushes))
+    flown = replace(run, options=replace(run.options, mode=mode))
+    assert bool(brake(flown, replace(ticks, pushes=pushes)).violations) == judged

@@ -53,7 +53,7 @@ def encounter(distance: float, away: float, aside: float = 0.0, height: float = 
         computed = np.full(2, CommandStatus.OK, np.uint8)
         commands.append(SwarmCommand(k * TICK_S, names, flat, roll, pitch, flat, computed))
     t = np.array([k * TICK_S for k in range(END)])
-    return RunTicks(t, t, names, tuple(states), tuple(states), tuple(setpoints), tuple(commands))
+    return RunTicks(t, t, names, tuple(states), tuple(states), tuple(setpoints), tuple(commands), ())
 
 
 @pytest.mark.parametrize(

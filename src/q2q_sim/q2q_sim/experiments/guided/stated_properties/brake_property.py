@@ -39,6 +39,7 @@ from q2q_sim.experiments.guided.stated_properties.deception import (
     last_measured,
     outdated,
     unbalanced,
+    untold,
 )
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
@@ -101,4 +102,5 @@ def _judged(run: Run, ticks: RunTicks) -> Mask:
     """Return where a vehicle is blind and nothing hides its motion from dead reckoning, (T, n)."""
     faults = run.scenario.faults
     hidden = deceived(ticks, faults) | outdated(ticks, faults) | unbalanced(ticks, faults)
+    hidden |= untold(ticks, aware=run.options.aware)
     return np.asarray(is_blind(ticks.command_status) & ~hidden)

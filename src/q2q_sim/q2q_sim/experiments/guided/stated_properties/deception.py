@@ -1,11 +1,12 @@
-"""What faults hide from dead reckoning: ticks at which no guard can know a motion without measurements.
+"""What hides from dead reckoning: ticks at which no guard can know a motion without measurements.
 
-| faults | a motion is not known |
+| fault | a motion is not known |
 |---|---|
 | jump, swap | if it was last measured during one, or less than RECOVERY_S after its end |
 | clock_jump, radio_loss | if one acted since its last measurement, or less than RECOVERY_S before it |
 | late, stale | if it was last measured with the velocity of an earlier frame |
 | weak_rotor | from the change of a rotor on, unless measured for LEARNT_S since then |
+| none, but the controller ignores the downwash | from a push of PUSH after its last measurement on |
 
 Jumps of the clock may add up: each counts as longer by the sum of their sizes on both ends.
 """
@@ -18,6 +19,7 @@ from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies.blindness import RECOVERY_S
+from q2q_sim.monitors.policies.unforeseen import PUSH
 
 OF_SENSORS = ("jump", "swap")
 """Faults that mislead the last measurement."""
@@ -69,6 +71,15 @@ def unbalanced(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
             for change in (fault.start, fault.start + fault.duration):
                 mask |= _rows(ticks, fault) & (t >= change) & (seen < change + LEARNT_S)
     return mask
+
+
+def untold(ticks: RunTicks, *, aware: bool) -> Mask:
+    """Return where a downwash that the controller ignores has pushed since the last measurement, (T, n)."""
+    if aware:
+        return np.zeros((len(ticks.t), len(ticks.names)), dtype=np.bool_)
+    pushed = np.linalg.norm(over_ticks(ticks.pushes, "acc"), axis=2) > PUSH
+    last = np.maximum.accumulate(np.where(pushed, np.arange(len(pushed))[:, None], -1), axis=0)
+    return np.asarray(last > last_measured(ticks))
 
 
 def _rows(ticks: RunTicks, fault: Fault) -> Mask:

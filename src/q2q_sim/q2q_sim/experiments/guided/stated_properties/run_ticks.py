@@ -12,6 +12,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import joined
 from q2q_model.signals.values import (
     Array,
+    Interference,
     Names,
     Status,
     SwarmCommand,
@@ -35,6 +36,8 @@ class RunTicks:
     setpoints: tuple[SwarmSetpoint, ...]
     """After the replanner."""
     commands: tuple[SwarmCommand, ...]
+    pushes: tuple[Interference, ...]
+    """True downwash."""
 
     @property
     def command_status(self) -> Status:
@@ -74,4 +77,5 @@ def run_ticks(topics: Mapping[str, Sequence[Signal]]) -> RunTicks:
         states=tuple(one for one in topics["state"] if isinstance(one, SwarmState)),
         setpoints=tuple(one for one in topics["reference_safe"] if isinstance(one, SwarmSetpoint)),
         commands=commands,
+        pushes=tuple(one for one in topics["truth_interference"] if isinstance(one, Interference)),
     )
