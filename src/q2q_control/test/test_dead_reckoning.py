@@ -155,3 +155,24 @@ def test_a_tilt_follows_by_its_equations_of_any_step() -> None:
         left, jerk, more = _tilted(left, jerk, 0.01)
         gained += more
     np.testing.assert_allclose((left, jerk, gained), one, rtol=1e-9)
+
+
+@pytest.mark.parametrize("jump", [0.0, 0.14, 0.3])
+def test_a_jump_of_the_clock_while_a_vehicle_turns_its_tilt_is_taken_for_no_balance(jump: float) -> None:
+    """The last command counts for the whole jump, for want of better knowledge, and passed in a tick."""
+    plant, block = LostVehicle(np.zeros(3), 0.0, np.zeros(3)), DeadReckonedBraking(HOVER)
+    for k in range(150):
+        now = k * TICK + (jump if k >= 60 else 0.0)
+        state = state_at(now, plant.vel[:2])
+        state.pos[0], state.vel[0] = plant.pos, plant.vel
+        lean = 0.25 if k < 50 else -0.25
+        block.advance(state, None, now)
+        block.record_nominal(state, level_at(now, CommandStatus.OK, roll=lean))
+        plant.tick(level_at(now, CommandStatus.OK, roll=lean))
+    for k in range(150, 250):  # lost, and told to be level: what it balances moves what is reckoned
+        now = k * TICK + jump
+        block.advance(state_at(now, np.zeros(2), age=now), None, now)
+        block.record_nominal(state_at(now, np.zeros(2)), level_at(now, CommandStatus.OK))
+        plant.tick(level_at(now, CommandStatus.OK))
+    reckoned = block.predicted(state_at(now, np.zeros(2), age=now)).vel[0]
+    np.testing.assert_allclose(reckoned, plant.vel, atol=0.06)

@@ -52,12 +52,13 @@ def test_it_is_unforeseen_by_a_controller_that_ignores_it_from_a_push_on_while_b
         ((0.99, 0.0, 1.5), displaced("cf2"), True),  # 0.6 m, from which it is evaded, and 0.4 m of drift
         ((1.01, 0.0, 1.5), displaced("cf2"), False),
         ((0.3, 0.0, 0.5), displaced("cf2"), False),
-        ((0.3, 0.0, 1.5), displaced("cf1"), False),
+        ((0.3, 0.0, 1.5), displaced("cf1"), True),
+        ((0.3, 0.0, 0.5), displaced("cf1"), False),
         ((0.3, 0.0, 1.5), displaced("cf2", start=5.0), False),
     ],
-    ids=["above", "far above", "too far", "below", "its own", "later"],
+    ids=["above", "far above", "too far", "below", "its own", "its own above", "later"],
 )
-def test_it_is_unforeseen_below_a_displaced_marker(
+def test_it_is_unforeseen_below_another_if_the_marker_of_either_is_displaced(
     cf2: tuple[float, float, float], around: Circumstances, found: bool
 ) -> None:
     assert unforeseen(flight(cf2=cf2), around)[LOST, 0].all() == found

@@ -19,7 +19,8 @@ that b is 0 counts as much as those of the time L. With h between measurements:
     s = k^3 / (k^3 + L^3)             o += max(1 - e^(-2 w h), (1 + 3 s) h / k) (v - o)
                                       b -= max((1 - e^(-w h))^2 / h, 6 s h / k^2) (v - o)
 
-Without measurements the motion is integrated, with the balance of the last one. Thrust that b_z takes away is
+For 2 L after a gap of GAP_S or more nothing is learned: what was in effect meanwhile is not known. Without
+measurements the motion is integrated, with the balance of the last one. Thrust that b_z takes away is
 taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 
 | symbol | name | meaning [unit] |
@@ -35,6 +36,7 @@ taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 | W^2 | TILT_SQUARE | squared natural frequency of a tilt behind its command [1/s^2] |
 | w | OBSERVER | bandwidth of the observer [rad/s] |
 | k | KNOWN | time for which the vehicle has been measured since the first time [s] |
+| - | UNSETTLED | time until the tilt no longer depends on what was commanded before a gap [s] |
 """
 
 import math
@@ -67,9 +69,12 @@ RESTART = 2.0
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN = 0, 3, 6, 9, 12, 13, 14, 17, 19
+GAP_S = 0.05
+"""Longest time between ticks for which the command in effect is known [s]: a longer one may be a jump of the
+clock, in which it was not in effect for as long."""
+POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
-WIDTH = 20
+WIDTH = 21
 UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
@@ -114,6 +119,7 @@ def reckon(track: Array, asked: Command, push: Array, times: tuple[float, float]
 def _propagate(one: Array, command: tuple[float, float, float], push: Array, elapsed: float) -> None:
     """Propagate a track (WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
+    one[UNSETTLED] = 2.0 * LAG_S if elapsed > GAP_S else max(one[UNSETTLED] - elapsed, 0.0)
     level = GRAVITY * share / (1.0 + one[BALANCE + 2] / GRAVITY)  # a weak rotor or battery gives less
     ahead, aside = level * math.sin(pitch) * math.cos(roll), -level * math.sin(roll)
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
@@ -152,7 +158,7 @@ def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
     for k in range(3):
         error = vel[k] - one[OBSERVED + k]
         one[POS + k], one[VEL + k] = pos[k], vel[k]
-        if one[SEEN] == 0.0 or not abs(error) < RESTART:
+        if one[SEEN] == 0.0 or one[UNSETTLED] > 0.0 or not abs(error) < RESTART:
             one[OBSERVED + k] = vel[k]
         elif elapsed > 0.0:
             observed, learned = _gains(OBSERVER[k // 2], elapsed, one[KNOWN])

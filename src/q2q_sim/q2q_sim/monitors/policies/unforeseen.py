@@ -3,7 +3,7 @@
 A vehicle flown blind knows of the push on it by prediction only. There is none if
 
     its controller ignores the downwash, and |eta| > PUSH
-    a vehicle above it, nearer than where it evades one, has a displaced marker
+    it is below another, nearer than where it evades one, and the marker of either is displaced
 
 Both are conditions under which no command is known to keep it: such runs are counted, and their vehicles
 judged again `settle` later (helpless_lately), as those are that no command carries.
@@ -26,7 +26,7 @@ def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
     if not flown_blind.any():
         return flown_blind
     pos, displaced = evidence.true_pos, misplaced(evidence, circumstances.faults) > 0.0
-    untold = beneath(pos, pos, displaced)
+    untold = beneath(pos, pos, displaced) | (displaced & beneath(pos, pos, np.ones_like(displaced)))
     if not circumstances.aware:
         untold |= np.linalg.norm(evidence.true_downwash, axis=2) > PUSH
     return flown_blind & untold
