@@ -6,7 +6,7 @@ place, so that all cross each other's way in its middle. Zones are the paper's I
 """
 
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from time import process_time
 from types import FrameType
@@ -15,6 +15,7 @@ import numpy as np
 import osqp
 from scipy import sparse
 
+from least_time import least_time
 from neural_trajectory import NeuralPlan, plan_neural
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
@@ -59,7 +60,7 @@ def run() -> list[Row]:
 
 def _section_4_1(longest: float) -> list[Row]:
     """Return our plan beside that of networks and SLSQP, both around the paper's zone."""
-    ours = _best(lambda: avoid(SECTION_4_1, ZONE), 3)
+    ours = least_time(lambda: avoid(SECTION_4_1, ZONE), 1, repeats=3)
     found = avoid(SECTION_4_1, ZONE)
     neural = plan_neural(SECTION_4_1, ZONE, longest)
     speed = "the paper's networks by SLSQP, " + ("converged" if neural.converged else "not converged")
@@ -89,7 +90,7 @@ def _minimum_snap() -> list[Row]:
         points = generator.uniform([-1.0, -1.0, 0.5], [1.0, 1.0, 2.5], (count, 3))
         times = np.concatenate([[0.0], np.cumsum(generator.uniform(1.0, 3.0, count - 1))])
         vehicle = _vehicle("cf1", times, points)
-        ours = _best(lambda vehicle=vehicle: minimum_snap(vehicle, "free"), 5)
+        ours = least_time(lambda vehicle=vehicle: minimum_snap(vehicle, "free"), 1)
         theirs, cost = _by_osqp(times, points)
         name = f"minimum snap, {count} waypoints, free derivatives"
         rows.append(Row(name, 1e3 * ours, "ms", "OSQP over coefficients, set up and solved", theirs / ours))
@@ -221,15 +222,3 @@ def _room(count: int) -> tuple[VehicleWaypoints, ...]:
 def _vehicle(name: str, times: Array, points: Array) -> VehicleWaypoints:
     stops = zip(times, points.tolist(), strict=True)
     return VehicleWaypoints(name, tuple(Waypoint(float(t), (x, y, z)) for t, (x, y, z) in stops))
-
-
-def _best(task: Callable[[], object], count: int) -> float:
-    """Return the least processor time of one call [s]."""
-    taken: Sequence[float] = [_seconds(task) for _ in range(count)]
-    return min(taken)
-
-
-def _seconds(task: Callable[[], object]) -> float:
-    start = process_time()
-    task()
-    return process_time() - start

@@ -34,7 +34,7 @@ Mask = NDArray[np.bool_]
 def last_measured(ticks: RunTicks) -> NDArray[np.intp]:
     """Return the tick in which each vehicle was last measured, (T, n)."""
     measured = over_ticks(ticks.states, "age") <= 0.0
-    return np.maximum.accumulate(np.where(measured, np.arange(len(measured))[:, None], 0), axis=0)
+    return _last(measured, otherwise=0)
 
 
 def deceived(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
@@ -78,8 +78,12 @@ def untold(ticks: RunTicks, *, aware: bool) -> Mask:
     if aware:
         return np.zeros((len(ticks.t), len(ticks.names)), dtype=np.bool_)
     pushed = np.linalg.norm(over_ticks(ticks.pushes, "acc"), axis=2) > PUSH
-    last = np.maximum.accumulate(np.where(pushed, np.arange(len(pushed))[:, None], -1), axis=0)
-    return np.asarray(last > last_measured(ticks))
+    return np.asarray(_last(pushed, otherwise=-1) > last_measured(ticks))
+
+
+def _last(when: Mask, otherwise: int) -> NDArray[np.intp]:
+    """Return the last tick, up to each, at which a mask (T, n) is true, `otherwise` before the first."""
+    return np.maximum.accumulate(np.where(when, np.arange(len(when))[:, None], otherwise), axis=0)
 
 
 def _rows(ticks: RunTicks, fault: Fault) -> Mask:
