@@ -1,7 +1,7 @@
 """Time pure runs of a campaign: flown by closed_loop and judged, in processor time of one core.
 
-Runs are those of successive seeds, by controller and replanner, in one process, after one run of each kind
-that loads its code. Beside them is real time: the length of the same flights.
+Runs are those of successive seeds, by controller and replanner, in a process like those of campaigns, after
+one run of each kind that loads its code. Beside them is real time: the length of the same flights.
 """
 
 from collections.abc import Iterator
@@ -9,6 +9,7 @@ from itertools import count, islice
 from time import process_time
 
 from q2q_sim.experiments.campaign.campaign_flight import flown_pure
+from q2q_sim.experiments.campaign.engine import leave_imports_out
 from q2q_sim.experiments.campaign.random_run import Run, drawn
 from row import Row
 
@@ -21,6 +22,7 @@ FIRST_SEED = 100_000
 def run() -> list[Row]:
     """Return runs a second and the time of a run, of each controller and replanner."""
     rows = []
+    leave_imports_out()
     for (controller, replan), runs in RUNS.items():
         first, *timed = islice(_runs(controller, replan), runs + 1)
         flown_pure(first)

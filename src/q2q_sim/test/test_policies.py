@@ -140,6 +140,16 @@ def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_s
     assert "return" in {one.policy for one in campaign_flight.flown_pure(mutant).violations}
 
 
+@pytest.mark.parametrize(("sags", "judged"), [((0.15,), True), ((0.15, 0.1), False), ((0.09, 0.09), True)])
+def test_batteries_that_leave_too_little_thrust_to_come_back_excuse(
+    sags: tuple[float, ...], judged: bool
+) -> None:
+    """Attack 377: 1 % of thrust to spare. Of the 1.32 times its weight, 0.81 stop a landing in time."""
+    away = only("truth", changed(SwarmState, 7.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
+    sagging = tuple(Fault("battery_sag", 1.0, 1.0, (), size) for size in sags)
+    assert ("return" in broken(away, replace(AROUND, faults=sagging))) == judged
+
+
 def test_a_violation_tells_who_when_and_how_much() -> None:
     change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
     (found,) = judge(evidence_of(map(change, received())), AROUND)

@@ -18,8 +18,8 @@
 | return | `settle` after the last fault all are within `back`, but for less than `passing` | truth |
 
 A vehicle that no command carries (overpowered), or none is known to (unforeseen), is not judged by zone,
-room, floor and return until `settle` after it, in the second case nor by separation. The commands of the
-first have status SATURATED, the second is flown blind.
+room, floor and return until `settle` after it, in the second case, in which it is flown blind, nor by
+separation.
 """
 
 from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_in_lockstep, evidence_of

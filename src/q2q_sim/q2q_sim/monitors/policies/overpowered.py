@@ -1,9 +1,10 @@
-"""Vehicles that no command carries: pushed down by more than the largest one holds.
+"""Vehicles that no command carries: pushed down by more than the largest one holds, or too weak to come back.
 
-    m (g - eta_z) > k U1_max          k: share of the thrust that battery and rotors still give
+    m (g - eta_z) > k U1_max                         k: share of the thrust that battery and rotors still give
+    m (g + 2 SINKING / settle) > k U1_max,  k < 1    found as it sinks, it has half of `settle` to stop
 
 Battery sags and weak rotors are known only where faults are injected. A rotor that gives less costs its share
-of the four. Where the downwash is unknown, no vehicle counts.
+of the four. Where the downwash is unknown, no vehicle is pushed.
 """
 
 import numpy as np
@@ -16,13 +17,16 @@ from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances
 
 ROTORS = 4
+SINKING = 1.1
+"""Largest velocity at which a vehicle lands blind [m/s] (q2q_control.failsafe.ladder)."""
 
 
 def overpowered(evidence: Evidence, circumstances: Circumstances) -> Mask:
     """Return which vehicles no command carries at each tick, (T, n)."""
-    vehicle = circumstances.vehicle
-    needed = vehicle.mass * (GRAVITY - evidence.true_downwash[..., 2])
-    return np.asarray(needed > thrust_left(evidence, circumstances.faults) * vehicle.rpyt_thrust_max)
+    vehicle, left = circumstances.vehicle, thrust_left(evidence, circumstances.faults)
+    most = left * vehicle.rpyt_thrust_max / vehicle.mass
+    pushed = GRAVITY - evidence.true_downwash[..., 2] > most
+    return np.asarray(pushed | (left < 1.0) & (GRAVITY + 2.0 * SINKING / circumstances.limits.settle > most))
 
 
 def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
