@@ -71,9 +71,9 @@ class MocapFilter:
         """Forget every track, and adopted names."""
         self._names: Names = self._given
         count = len(self._names)
-        self._gates = track_params(self._params), attitude_params(self._params)
-        self._positions = PositionTracks(self._gates[0], count)
-        self._attitudes = AttitudeTracks(self._gates[1], count)
+        gates = track_params(self._params), attitude_params(self._params)
+        self._gates = tuple(gates[0]), tuple(gates[1])
+        self._positions, self._attitudes = PositionTracks(gates[0], count), AttitudeTracks(gates[1], count)
         self._last: SwarmState | None = None
         self._old = ClockResetDetector()
         self._frame_names: Names | None = None
@@ -129,22 +129,22 @@ class MocapFilter:
 
     def _find_memory(self) -> None:
         """Find the tracks' memory, which moves when they grow."""
-        self._memory = self._positions.memory, self._attitudes.table
+        self._memory = (*self._positions.memory, self._attitudes.table)
         self._all_tracked = np.full(len(self._names), _TRACKED)
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         poses, t = self._by_track(frame), frame.t
         if self._last is not None and t - self._last.t > GAP_S:
             self._attitudes.forget_rejected(t)
-        pos, vel, ang_vel_body = np.empty((3, len(poses), 3))
-        quat, age = np.empty((len(poses), 4)), np.zeros(len(poses))
+        n = len(poses)
+        pos, vel, ang_vel_body = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
+        quat, age = np.empty((n, 4)), np.zeros(n)
         out = pos, vel, quat, ang_vel_body
         outcome, turned = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
             self._count_nominal()
-            state = SwarmState(t, self._names, *out, age, self._all_tracked.copy())
-        else:
-            state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
+            return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
+        state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
         remember_poses(poses, self._recent)
         return state
 
