@@ -76,13 +76,13 @@ class InteractionPredictor:
         if is_repeated(self._last, state.t, state.names):
             return self._last
         states = np.concatenate((state.pos, state.vel, state.quat), axis=1, dtype=np.float64)  # (n, 10)
-        acc, std = np.empty((2, *state.pos.shape))
-        sums = InteractionSums(acc, std, np.empty(len(state.names), dtype=np.uint8))
+        acc, std = np.empty(state.pos.shape), np.empty(state.pos.shape)
+        status = np.empty(len(state.names), dtype=np.uint8)
         if self._present is None:
-            self._sum(state, states, sums)
+            self._sum(state, states, InteractionSums(acc, std, status))
         else:
-            write_present(states, np.not_equal(state.status, _TRACKED), self._bounds, self._present, sums)
-        self._last = Interference(t=state.t, names=state.names, acc=acc, std=std, status=sums.status)
+            write_present(states, state.status.copy(), self._bounds, self._present, (acc, std, status))
+        self._last = Interference(state.t, state.names, acc, std, status)
         return self._last
 
     def _sum(self, state: SwarmState, states: Array, sums: InteractionSums) -> None:
