@@ -10,7 +10,6 @@ missing from a tick; q2q_control.failsafe.ladder covers missing ticks.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,8 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, CommandStatus, Names, Status, SwarmCommand, index_of
 
 Flags = NDArray[np.bool_]
+Last = tuple[Array, Array]
+"""Last computed commands: thrust [N], roll, pitch [rad], yaw rate [rad/s], (n, 4), and stamps [s], (n,)."""
 
 _OK, _SATURATED = int(CommandStatus.OK), int(CommandStatus.SATURATED)
 _HOLD, _LEVEL = int(CommandStatus.HOLD), int(CommandStatus.LEVEL)
@@ -61,26 +62,17 @@ class LastCommands:
         complete((tick.t, tick.usable), (values, saturated), last, rule, (out, status))
         return SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
 
-    def memory(self, names: Names) -> "Last":
+    def memory(self, names: Names) -> Last:
         """Return the last computed commands of vehicles, written in place by `complete`."""
         if names != self._names:
             self._reorder(names)
-        return Last(self._values, self._stamps)
+        return self._values, self._stamps
 
     def _reorder(self, names: Names) -> None:
         rows = index_of(names, self._names)
         values = np.vstack([self._values, np.zeros((1, 4))])  # row -1 is a vehicle never seen
         stamps = np.append(self._stamps, -np.inf)
         self._names, self._values, self._stamps = names, values[rows], stamps[rows]
-
-
-class Last(NamedTuple):
-    """Last computed commands."""
-
-    values: Array
-    """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (n, 4)."""
-    stamps: Array
-    """[s], (n,)."""
 
 
 @compiled
@@ -101,15 +93,15 @@ def complete(
         out: Written: commands, (4, n), and status, (n,).
     """
     (t, usable), (values, saturated), (commands, status) = tick, computed, out
-    hold_time, hover_thrust = rule
+    (last_values, stamps), (hold_time, hover_thrust) = last, rule
     for i in range(usable.size):
         if usable[i]:
-            last.values[i], last.stamps[i] = values[i], t
+            last_values[i], stamps[i] = values[i], t
             status[i] = _SATURATED if saturated[i] else _OK
-        elif t - last.stamps[i] > hold_time:
+        elif t - stamps[i] > hold_time:
             commands[:, i], commands[0, i] = 0.0, hover_thrust
             status[i] = _LEVEL
             continue
         else:
             status[i] = _HOLD
-        commands[:, i] = last.values[i]
+        commands[:, i] = last_values[i]

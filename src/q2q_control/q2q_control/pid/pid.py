@@ -29,7 +29,7 @@ import numpy as np
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
 from q2q_control.inputs.downwash_trust import DownwashTrust
-from q2q_control.pid.pid_kernel import PidGains, PidTick, pid_commands
+from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
 from q2q_control.pid.thrust_vector import ThrustLimits
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
@@ -99,8 +99,9 @@ class Pid:
 
     def configure(self, params: PidParams) -> None:
         """Use other parameters from the next stamp on; memory is kept."""
-        self._law = pid_gains(params), pid_limits(params, self._vehicle)
-        hover = min(self._vehicle.hover_thrust, self._law[1].thrust_max)
+        limits = pid_limits(params, self._vehicle)
+        self._law: Law = (*pid_gains(params),), (*limits,)
+        hover = min(self._vehicle.hover_thrust, limits.thrust_max)
         self._rows.rule = HoldThenLevel(params.hold_time, hover)
 
     def reset(self) -> None:
@@ -129,11 +130,10 @@ class Pid:
         if tick.names != self._names:
             self._reorder(tick.names)
         out, status = np.empty((4, len(tick.names))), np.empty(len(tick.names), dtype=np.uint8)
-        now = PidTick(tick.t, max(dt, 0.0), tick.table, tick.usable)
+        now = tick.t, max(dt, 0.0), tick.table, tick.usable
         memory = self._integral, self._rows.memory(tick.names)
         pid_commands(now, self._law, memory, self._rows.rule.numbers, (out, status))
-        thrust, roll, pitch, yaw_rate = out
-        self._last = SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
+        self._last = SwarmCommand(tick.t, tick.names, out[0], out[1], out[2], out[3], status)
         return self._last
 
     def _reorder(self, names: Names) -> None:

@@ -28,6 +28,12 @@ class PidGains(NamedTuple):
     """[m/s^2]"""
 
 
+PidTick = tuple[float, float, Array, Flags]
+"""Time, and time since the last tick [s], table, and which of its rows are usable, (n,)."""
+Law = tuple[tuple[Array, Array, Array, Array], tuple[float, float, float, bool, float, float]]
+"""PidGains and ThrustLimits."""
+
+
 @compiled
 def pid_rows(
     table: Array, integral: Array, gains: PidGains, limits: ThrustLimits, dt: float
@@ -50,22 +56,10 @@ def pid_rows(
     return values, saturated
 
 
-class PidTick(NamedTuple):
-    """Inputs of a tick."""
-
-    t: float
-    """[s]"""
-    dt: float
-    """Time since the last tick [s]."""
-    table: Array
-    usable: Flags
-    """Rows of the table that are usable, (n,)."""
-
-
 @compiled
 def pid_commands(
     tick: PidTick,
-    law: tuple[PidGains, ThrustLimits],
+    law: Law,
     memory: tuple[Array, Last],
     rule: tuple[float, float],
     out: tuple[Array, Status],
@@ -74,13 +68,13 @@ def pid_commands(
 
     Args:
         tick: Inputs.
-        law: Gains and limits.
+        law: Gains and limits, as plain tuples: numba takes named ones in three times the time.
         memory: Integrals, (n, 3), and last computed commands; both advance.
         rule: As that of q2q_control.failsafe.last_commands.complete.
         out: As there.
     """
     t, dt, table, usable = tick
-    computed = pid_rows(table, memory[0], law[0], law[1], dt)
+    computed = pid_rows(table, memory[0], PidGains(*law[0]), ThrustLimits(*law[1]), dt)
     complete((t, usable), computed, memory[1], rule, out)
 
 
