@@ -36,11 +36,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadReckonedBraking, is_blind
-from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
-from q2q_control.failsafe.nominal_tick import SOUND, Given, Memory, note_nominal
+from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
 from q2q_control.inputs.controller import Controller
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.signals.values import (
@@ -125,7 +124,7 @@ class Guard:
             absent = InFallback(self._blind(state, last), cut)
             setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
         self._braking.advance(state, interference, setpoint.t)
-        flown = self._braking.predicted(state) if (state.status != TRACKED).any() else state
+        flown = self._braking.predicted(state) if np.count_nonzero(state.status) else state  # TRACKED is 0
         command = self._controller.update(flown, setpoint, interference)
         known = command.t - state.t + self._lateness(command.t)
         age = state.age if state.names == command.names else _ages(state, command.names)
@@ -183,8 +182,8 @@ class Guard:
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
         times = command.t, known, self._params.degraded_s
         track = state.status if state.names == command.names else _track(state, command.names)
-        given = Given(age.copy(), track.copy(), values, command.status)
-        return note_nominal(times, given, Memory(self._down, self._measured_at))
+        given = age.copy(), track.copy(), values, command.status
+        return note_nominal(times, given, (self._down, self._measured_at))
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command, or soon will, by the state."""

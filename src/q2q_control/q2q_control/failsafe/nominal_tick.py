@@ -1,7 +1,6 @@
 """Nominal tick of the guard, compiled: every vehicle is measured, commanded and on. Nearly every tick is."""
 
 from math import isfinite
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,38 +11,23 @@ from q2q_model.signals.values import Array, CommandStatus, Status
 
 SOUND = int(CommandStatus.SATURATED)
 """Highest status of a command computed from a usable state."""
-
-
-class Given(NamedTuple):
-    """Tick as the guard gets it."""
-
-    age: Array
-    """Of each measurement in the state [s], (n,)."""
-    track: Status
-    """TrackStatus, (n,)."""
-    values: Array
-    """Thrust, roll, pitch and yaw rate of the command, which must be finite, (4 n,)."""
-    status: Status
-    """CommandStatus, (n,)."""
-
-
-class Memory(NamedTuple):
-    """What the guard keeps of each vehicle."""
-
-    down: NDArray[np.bool_]
-    """Motors cut, (n,)."""
-    measured_at: Array
-    """`b` of q2q_control.failsafe.guard [s], (n,)."""
+Given = tuple[Array, Status, Array, Status]
+"""Ages of the measurements in a state [s], (n,), and their TrackStatus, (n,); thrust, roll, pitch and yaw
+rate of a command, which must be finite, (4 n,), and its CommandStatus, (n,)."""
 
 
 @compiled
-def note_nominal(times: tuple[float, float, float], given: Given, memory: Memory) -> bool:
+def note_nominal(
+    times: tuple[float, float, float],
+    given: Given,
+    memory: tuple[NDArray[np.bool_], Array],
+) -> bool:
     """Return whether a tick is nominal; if it is, write when each vehicle was measured.
 
     Args:
         times: Tick, time since the state's, and largest nominal age of a measurement [s].
-        given: Ages, tracks and command.
-        memory: Of the guard.
+        given: State and command of the tick.
+        memory: Motors cut, (n,), and `b` of q2q_control.failsafe.guard [s], (n,).
     """
     (t, known, most), (age, track, values, status) = times, given
     down, measured_at = memory
