@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from reckoned_flights import HOVER, LEVEL, TICK, LostVehicle, flown, level_at, state_at, ticked
 
-from q2q_control.disturbance.thrust_acceleration import Command
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
     BALANCE,
@@ -13,7 +12,6 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     TILT_SQUARE,
     VEL,
     WIDTH,
-    Sight,
     _tilted,
     reckon,
 )
@@ -28,10 +26,8 @@ def test_a_weak_vehicle_gains_as_much_by_its_tilt_as_its_thrust_holds() -> None:
         track = np.zeros((1, WIDTH))
         track[0, BALANCE + 2] = weak
         share = (1.0 + weak / GRAVITY) / np.cos(0.2)
-        asked = Command(np.array([share * HOVER]), np.zeros(1), np.array([0.2]))
-        unseen = Sight(
-            np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.array([TrackStatus.LOST], dtype=np.uint8)
-        )
+        asked = (np.array([share * HOVER]), np.zeros(1), np.array([0.2]))
+        unseen = (np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.array([TrackStatus.LOST], dtype=np.uint8))
         for _ in range(300):
             before = track[0, VEL]
             reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), unseen)
@@ -86,9 +82,9 @@ def test_what_was_balanced_is_balanced_without_measurements(push: np.ndarray, of
 def test_a_first_balance_is_the_slope_of_all_velocities_so_far_and_a_prior(since: float) -> None:
     """A level vehicle drifts ever faster: the fit of its slope, shrunk to 0 as if it were known for LAG_S."""
     slope, track = np.array([0.3, -0.2, 0.0]), np.zeros((1, WIDTH))
-    level = Command(np.array([HOVER]), np.zeros(1), np.zeros(1))
+    level = (np.array([HOVER]), np.zeros(1), np.zeros(1))
     for k in range(round(since / TICK) + 1):
-        sight = Sight(np.zeros((1, 3)), (slope * k * TICK)[None], LEVEL, np.zeros(1, dtype=np.uint8))
+        sight = (np.zeros((1, 3)), (slope * k * TICK)[None], LEVEL, np.zeros(1, dtype=np.uint8))
         reckon(track, level, np.zeros((1, 3)), (TICK if k else 0.0, HOVER), sight)
     learned = since**3 / (since**3 + LAG_S**3)
     np.testing.assert_allclose(track[0, BALANCE : BALANCE + 3], -learned * slope, rtol=0.15, atol=1e-12)
@@ -108,10 +104,10 @@ def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
     """A vehicle that does not move with its motors off, or at twice its weight: it is held."""
     track, sight = (
         np.zeros((1, WIDTH)),
-        Sight(np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.zeros(1, np.uint8)),
+        (np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.zeros(1, np.uint8)),
     )
     for _ in range(300):
-        asked = Command(np.full(1, share * HOVER), np.zeros(1), np.zeros(1))
+        asked = (np.full(1, share * HOVER), np.zeros(1), np.zeros(1))
         reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), sight)
     assert track[0, BALANCE + 2] == np.sign(share - 1.0) * BALANCE_MAX[1]
     np.testing.assert_array_equal(track[0, BALANCE : BALANCE + 2], 0.0)
@@ -120,10 +116,10 @@ def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
 @pytest.mark.parametrize("speed", [3.0, 1e300, np.inf, np.nan])
 def test_a_velocity_that_jumps_is_no_balance(speed: float) -> None:
     """A track that restarts, or a state that means nothing, for 0.1 s."""
-    track, level = np.zeros((1, WIDTH)), Command(np.full(1, HOVER), np.zeros(1), np.zeros(1))
+    track, level = np.zeros((1, WIDTH)), (np.full(1, HOVER), np.zeros(1), np.zeros(1))
     for k in range(100):
         vel = np.full((1, 3), speed if 50 <= k < 60 else 0.0)
-        sight = Sight(np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))
+        sight = (np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))
         reckon(track, level, np.zeros((1, 3)), (TICK, HOVER), sight)
     np.testing.assert_array_equal(track[0, VEL : VEL + 3], 0.0)
     np.testing.assert_array_equal(track[0, BALANCE : BALANCE + 3], 0.0)

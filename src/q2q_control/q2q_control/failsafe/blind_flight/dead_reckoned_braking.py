@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.disturbance.thrust_acceleration import Command
 from q2q_control.failsafe.blind_flight.braking_law import (
     ReckonedMotions,
     braking_thrust,
@@ -28,6 +27,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     TRACKED,
     UNKNOWN,
     VEL,
+    Asked,
     Sight,
     reckon,
 )
@@ -73,7 +73,7 @@ class DeadReckonedBraking:
         """Forget all vehicles."""
         self._names: Names = ()
         self._track = np.zeros((0, len(UNKNOWN)))
-        self._asked = Command(np.zeros(0), np.zeros(0), np.zeros(0))
+        self._asked: Asked = np.zeros(0), np.zeros(0), np.zeros(0)
         self._eta = self._push = np.zeros((0, 3))
         self._fading = FadingDownwash()
         self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
@@ -102,7 +102,7 @@ class DeadReckonedBraking:
             self._eta, self._predicted = _eta(interference, names), interference is not None
         self._push = self._eta
         if self._blind or unmeasured:
-            self._fade(state, sight.status)
+            self._fade(state, sight[-1])
 
     def reckoned(self, names: Names) -> dict[str, Reckoned]:
         """Return the dead-reckoned horizontal motions of those of the named vehicles that are known."""
@@ -152,7 +152,7 @@ class DeadReckonedBraking:
         return ReckonedMotions(self._track, self._push)
 
     def _record(self, command: SwarmCommand) -> None:
-        self._asked = Command(command.thrust, command.roll, command.pitch)
+        self._asked = command.thrust, command.roll, command.pitch
         self._t = command.t
 
     def _match(self, state: SwarmState | None, names: Names) -> None:
@@ -164,7 +164,7 @@ class DeadReckonedBraking:
         self._push, self._eta = (np.vstack((one, np.zeros(3)))[rows] for one in (self._push, self._eta))
         self._names = names
         new = np.flatnonzero(rows < 0)
-        hover = Command(np.full(new.size, self._hover_thrust), np.zeros(new.size), np.zeros(new.size))
+        hover = np.full(new.size, self._hover_thrust), np.zeros(new.size), np.zeros(new.size)
         begun, seen = self._track[new], _sight(state, tuple(names[row] for row in new))
         reckon(begun, hover, self._push[new], (0.0, self._hover_thrust), seen)
         self._track[new] = begun
@@ -191,15 +191,15 @@ def is_blind(status: Status) -> NDArray[np.bool_]:
 def _sight(state: SwarmState | None, names: Names) -> Sight:
     """Return what a state shows of the vehicles."""
     if state is not None and state.names == names:
-        return Sight(state.pos, state.vel, state.quat, state.status)
+        return state.pos, state.vel, state.quat, state.status
     if state is None:
         n = len(names)
-        return Sight(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST))
+        return np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST)
     rows = index_of(names, state.names)
     none = np.zeros((1, 4))
     pos, vel = (np.vstack((part, none[:, :3]))[rows] for part in (state.pos, state.vel))
     quat = np.vstack((state.quat, none))[rows]
-    return Sight(pos, vel, quat, np.append(state.status, LOST)[rows])
+    return pos, vel, quat, np.append(state.status, LOST)[rows]
 
 
 def _measured_others(state: SwarmState, names: Names) -> Places:

@@ -40,12 +40,10 @@ taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams
-from q2q_control.disturbance.thrust_acceleration import Command
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Status, TrackStatus
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
@@ -79,21 +77,15 @@ UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
 
-class Sight(NamedTuple):
-    """What a state shows of the vehicles."""
-
-    pos: Array
-    """[m], world, (n, 3)."""
-    vel: Array
-    """[m/s], world, (n, 3)."""
-    quat: Array
-    """xyzw, (n, 4)."""
-    status: Status
-    """TrackStatus, (n,)."""
+Asked = tuple[Array, Array, Array]
+"""Thrust [N], roll and pitch [rad] of a command, (n,) each."""
+Sight = tuple[Array, Array, Array, Status]
+"""What a state shows of the vehicles: position [m] and velocity [m/s], world, (n, 3) each, orientation xyzw,
+(n, 4), and TrackStatus, (n,)."""
 
 
 @compiled
-def reckon(track: Array, asked: Command, push: Array, times: tuple[float, float], sight: Sight) -> int:
+def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], sight: Sight) -> int:
     """Advance tracks (n, WIDTH) in place to a tick; return how many vehicles are not measured.
 
     Args:
@@ -103,15 +95,16 @@ def reckon(track: Array, asked: Command, push: Array, times: tuple[float, float]
         times: Time since the last tick [s], and thrust of the weight [N].
         sight: At the tick.
     """
-    (elapsed, hover_thrust), unmeasured = times, 0
+    (elapsed, hover_thrust), (thrust, roll, pitch), unmeasured = times, asked, 0
+    pos, vel, quat, status = sight
     for i in range(track.shape[0]):
-        one, command = track[i], (asked.thrust[i] / hover_thrust, asked.roll[i], asked.pitch[i])
+        one, command = track[i], (thrust[i] / hover_thrust, roll[i], pitch[i])
         _propagate(one, command, push[i], elapsed)
-        if sight.status[i] == TRACKED:
-            _correct(one, sight.pos[i], sight.vel[i], elapsed)
-            one[YAW] = _yaw(sight.quat[i])
-        one[SEEN] = 1.0 if sight.status[i] == TRACKED else 0.0
-        unmeasured += sight.status[i] != TRACKED
+        if status[i] == TRACKED:
+            _correct(one, pos[i], vel[i], elapsed)
+            one[YAW] = _yaw(quat[i])
+        one[SEEN] = 1.0 if status[i] == TRACKED else 0.0
+        unmeasured += status[i] != TRACKED
     return unmeasured
 
 
