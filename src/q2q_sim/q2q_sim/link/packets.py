@@ -11,7 +11,6 @@
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,8 +34,15 @@ Nanoseconds = NDArray[np.int64]
 Rows = NDArray[np.intp]
 Flying = tuple[Nanoseconds, Array]
 """when, what."""
-Sent = tuple[Rows, Nanoseconds, Flags, Nanoseconds]
-"""Vehicle of each command; next_ns; lost packets, (n,); delay beyond the latency [ns], (n,)."""
+Counted = tuple[Nanoseconds, Array, int]
+"""when, what, and the number of packets in the air."""
+Asked = tuple[Array, float, float]
+"""Commands of a tick, (4, k); largest thrust, and thrust at PWM_FULL, of which 0 rounds nothing [N]."""
+Sent = tuple[Rows, Nanoseconds, Flags]
+"""Vehicle of each command; next_ns; jammed vehicles, which lose their packets, (n,)."""
+Chance = tuple[Array, float, Array, float]
+"""Random numbers from 0 to 1 and the share of packets lost, (n,); others and the largest delay beyond the
+latency [ns], (n,)."""
 Onboard = tuple[Nanoseconds, Flags, Array]
 """received_ns, locked, applied."""
 
@@ -59,43 +65,38 @@ def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
             out[c, k] = np.float64(np.float32(values[c, k] * DEGREES)) * RADIANS
 
 
-class AskedPackets(NamedTuple):
-    """Commands of a tick."""
-
-    values: Array
-    """(4, k)"""
-    thrust_max: float
-    """Largest thrust [N]."""
-    full_pwm_thrust: float
-    """Thrust at PWM_FULL [N]; 0 rounds nothing."""
-
-
 @compiled
-def put(flying: Flying, count: int, commands: AskedPackets, sent: Sent, clock: tuple[int, int, int]) -> int:
+def put(
+    flying: Counted,
+    commands: Asked,
+    sent: Sent,
+    chance: Chance,
+    clock: tuple[int, int, int],
+) -> int:
     """Send packets; return how many are in the air then.
 
     Args:
-        flying: packets in the air.
-        count: number of them.
+        flying: packets in the air, and their number.
         commands: commands of the tick.
         sent: state of the transmitter.
+        chance: what is lost and late at random.
         clock: now, gap between packets of a vehicle, latency [ns].
     """
-    when, what = flying
+    when, what, count = flying
     values, thrust_max, full_pwm_thrust = commands
     if full_pwm_thrust > 0.0:
         exact, values = values, np.empty_like(values)
         round_packets(exact, full_pwm_thrust, values)
-    rows, next_ns, lost, late_ns = sent
+    (rows, next_ns, jammed), (drawn, loss, later, jitter_ns) = sent, chance
     now_ns, gap_ns, latency_ns = clock
     for k in range(rows.size):
         row = rows[k]
         if next_ns[row] > now_ns:
             continue
         next_ns[row] = max(next_ns[row], now_ns - gap_ns) + gap_ns
-        if lost[row]:
+        if jammed[row] or drawn[row] < loss:
             continue
-        when[count, 0], when[count, 1] = now_ns + latency_ns + late_ns[row], row
+        when[count, 0], when[count, 1] = now_ns + latency_ns + int(np.rint(later[row] * jitter_ns)), row
         what[count, 0] = min(max(values[0, k], 0.0), thrust_max)
         for c in range(1, 4):
             what[count, c] = values[c, k]

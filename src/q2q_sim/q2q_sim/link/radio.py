@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from q2q_model.signals.values import Array, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.link.packets import AskedPackets, deliver, put
+from q2q_sim.link.packets import deliver, put
 from q2q_sim.random_streams import DrawnAhead, stream
 from q2q_sim.sensors.episodes import Mask
 
@@ -56,44 +56,33 @@ class Radio:
         self._jitter = DrawnAhead(stream(seed, "radio jitter").random, (n,))
         self._gap_ns, self._latency_ns = round(1e9 / params.rate), round(1e9 * params.latency)
         self._next_ns = np.zeros(n, dtype=np.int64)
-        self._in_time = np.zeros(n, dtype=np.int64)
         self._flying = np.zeros((n, 2), dtype=np.int64), np.zeros((n, 4))  # packets in the air; they grow
         self._count = 0  # of them
         locked, applied = np.full(n, not params.unlocked), np.zeros((n, 4))
         applied[:, 0] = np.where(locked, 0.0, at_start)
         self._onboard = np.zeros(n, dtype=np.int64), locked, applied
-        sent = np.zeros(0, dtype=np.intp), self._next_ns, locked, self._in_time
-        nothing = AskedPackets(np.zeros((4, 0)), *self._scale)
-        put(self._flying, 0, nothing, sent, (0, 0, 0))  # loads the kernel before the first tick
+        sent, nothing = (np.zeros(0, dtype=np.intp), self._next_ns, locked), (np.zeros((4, 0)), *self._scale)
+        never = np.zeros(n), 0.0, np.zeros(n), 0.0
+        put((*self._flying, 0), nothing, sent, never, (0, 0, 0))  # loads the kernel before the first tick
 
     def send(self, now_ns: int, rows: Rows, values: Array, jammed: Mask) -> None:
         """Send the commands of the tick at now_ns, `command_values` (4, k); column k is for vehicle rows[k].
 
         Packets to `jammed` vehicles (n,) are lost in addition to random losses.
         """
-        asked = AskedPackets(values, *self._scale)
         while self._count + len(rows) > len(self._flying[0]):
             when, what = self._flying
             self._flying = np.vstack([when, np.zeros_like(when)]), np.vstack([what, np.zeros_like(what)])
-        sent = rows, self._next_ns, self._lost(jammed), self._late_ns()
-        self._count = put(self._flying, self._count, asked, sent, (now_ns, self._gap_ns, self._latency_ns))
+        flying, asked = (*self._flying, self._count), (values, *self._scale)
+        sent, clock = (rows, self._next_ns, jammed), (now_ns, self._gap_ns, self._latency_ns)
+        chance = self._loss.next(), self._params.loss, self._jitter.next(), self._params.jitter * 1e9
+        self._count = put(flying, asked, sent, chance, clock)
 
     def applied(self, now_ns: int, step_ns: int, steps: int) -> Array:
         """Return the setpoint of each vehicle in each physics step of the tick, (steps, n, 4)."""
         out = np.empty((steps, len(self._next_ns), 4))
         self._count = deliver(self._flying, self._count, self._onboard, (now_ns, step_ns), out)
         return out
-
-    def _lost(self, jammed: Mask) -> Mask:
-        """Return which vehicles lose their packet of this tick, (n,)."""
-        return jammed | (self._loss.next() < self._params.loss) if self._params.loss > 0.0 else jammed
-
-    def _late_ns(self) -> NDArray[np.int64]:
-        """Return the delay of the packets of this tick beyond the latency [ns], (n,)."""
-        if self._params.jitter == 0.0:
-            return self._in_time
-        late = self._jitter.next() * (self._params.jitter * 1e9)
-        return np.rint(late).astype(np.int64)
 
 
 def command_values(command: SwarmCommand) -> Array:
