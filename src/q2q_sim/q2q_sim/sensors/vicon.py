@@ -108,8 +108,7 @@ class Vicon:
         """Return the frame of a tick; call once a tick."""
         self.injected = np.zeros(len(truth.names), dtype=np.uint8)
         pos, quat = self._noisy(truth)
-        happening = ((name, episodes.step()) for name, episodes in self._happens)
-        self._now = {name: found for name, found in happening if found is not None}
+        self._now = {name: now for name, one in self._happens if (now := one.step()) is not None}
         if not self._now:
             self._last = pos, quat
             return MocapFrame(t=truth.t, names=truth.names, pos=pos, quat=quat)
