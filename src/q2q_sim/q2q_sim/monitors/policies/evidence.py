@@ -1,29 +1,26 @@
 """Evidence for the policies: the signals of a flight in arrays, tick by tick.
 
-Rows are ticks, with the stamps of `truth` if recorded, else of the first topic of the data flow that is. A
-signal belongs to the tick with its stamp; of several, the last counts. Missing values are NaN.
+Rows are ticks, with the stamps of `truth` if recorded, else of the first topic of the data flow that is
+(q2q_sim.monitors.policies.signal_tables).
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from operator import attrgetter
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Array, MocapFrame, Names, index_of
+from q2q_model.signals.values import Array, MocapFrame, Names
+from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
 from q2q_sim.monitors.proximity import near_sample
-
-Rows = NDArray[np.intp]
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
 """Topics that give ticks and names, in order of preference."""
+USED = (*NAMING, "truth_interference")
+"""Topics that the evidence is of."""
 SIGHT_M = 0.1
 """A sample within this distance observes the vehicle, whatever its name [m]: the paper's eps."""
-SAME_TICK = 1e-4
-"""Stamps closer than this are the same tick [s]: a hundredth of a tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +88,7 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
         signals.setdefault(one.topic, []).append(one.signal)
         if one.topic == "command":
             commanded_at.append(one.at)
-    return _evidence(signals, np.array(commanded_at))
+    return _evidence(_topics(signals), np.array(commanded_at))
 
 
 def evidence_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> Evidence:
@@ -100,26 +97,31 @@ def evidence_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> Evidence:
     Raises:
         ValueError: no signal names vehicles and ticks.
     """
-    return _evidence(signals, _stamps(signals.get("command", [])))
+    topics = _topics(signals)
+    return _evidence(topics, topics["command"].stamps)
 
 
-def _evidence(signals: Mapping[str, Sequence[Signal]], commanded_at: Array) -> Evidence:
-    """Return the evidence from signals by topic and the times of recording of the commands [s], (K,)."""
-    naming = next((signals[topic] for topic in NAMING if signals.get(topic)), None)
+def _topics(signals: Mapping[str, Sequence[Signal]]) -> dict[str, Topic]:
+    """Return the topics of a flight; those of the evidence that it lacks are empty."""
+    return {topic: Topic(signals.get(topic, ())) for topic in dict.fromkeys((*signals, *USED))}
+
+
+def _evidence(topics: Mapping[str, Topic], commanded_at: Array) -> Evidence:
+    """Return the evidence from topics and the times of recording of the commands [s], (K,)."""
+    naming = next((topics[topic] for topic in NAMING if topics[topic].signals), None)
     if naming is None:
         raise ValueError(f"no ticks: a flight needs one of {', '.join(NAMING)}")
-    names = tuple(dict.fromkeys(name for signal in naming for name in signal.names))
-    grid = _Grid(np.unique(_stamps(naming)), names)
-    states, commands = _Table(grid, signals.get("state", [])), _Table(grid, signals.get("command", []))
-    command_stamps = _stamps(signals.get("command", []))
-    true_pos = _Table(grid, signals.get("truth", [])).column("pos", 3)
-    sent = _Table(grid, signals.get("reference_safe") or signals.get("reference", []))
+    names = tuple(dict.fromkeys(name for some in naming.by_names for name in some))
+    grid = TickGrid(np.unique(naming.stamps), names)
+    states, commands = Table(grid, topics["state"]), Table(grid, topics["command"])
+    true_pos = Table(grid, topics["truth"]).column("pos", 3)
+    sent = topics["reference_safe"] if topics["reference_safe"].signals else topics["reference"]
     return Evidence(
         t=grid.t,
         names=names,
         true_pos=true_pos,
-        sent_pos=sent.column("pos", 3),
-        seen=_seen(grid, signals.get("mocap", []), true_pos),
+        sent_pos=Table(grid, sent).column("pos", 3),
+        seen=_seen(grid, topics["mocap"], true_pos),
         state_pos=states.column("pos", 3),
         state_age=states.column("age", 1),
         state_status=states.column("status", 1),
@@ -128,85 +130,23 @@ def _evidence(signals: Mapping[str, Sequence[Signal]], commanded_at: Array) -> E
         pitch=commands.column("pitch", 1),
         command_status=commands.column("status", 1),
         commanded_at=commanded_at,
-        live=bool((np.abs(commanded_at - command_stamps) > SAME_TICK).any()),
-        not_finite=tuple(filter(None, (_first_not_finite(topic, found) for topic, found in signals.items()))),
-        true_downwash=_Table(grid, signals.get("truth_interference", [])).column("acc", 3),
+        live=bool((np.abs(commanded_at - topics["command"].stamps) > SAME_TICK).any()),
+        not_finite=tuple(filter(None, (_first_not_finite(*named) for named in topics.items()))),
+        true_downwash=Table(grid, topics["truth_interference"]).column("acc", 3),
     )
 
 
-def _stamps(signals: Sequence[Signal]) -> Array:
-    return np.array([one.t for one in signals], dtype=np.float64)
-
-
-def _seen(grid: "_Grid", frames: Sequence[Signal], true_pos: Array) -> NDArray[np.bool_]:
+def _seen(grid: TickGrid, frames: Topic, true_pos: Array) -> NDArray[np.bool_]:
     """Return which vehicles were observed, (T, n), also under each other's names.
 
     After a clock jump several frames may have the same stamp; each of them counts.
     """
     seen = np.zeros(true_pos.shape[:2], dtype=np.bool_)
-    while (table := _Table(grid, frames)).last:
+    while (table := Table(grid, frames)).last.any():
         samples = table.column("pos", 3)
         seen |= np.isfinite(samples).all(axis=2) | near_sample(true_pos, samples, SIGHT_M)
-        frames = [frame for k, frame in enumerate(frames) if k not in table.last]
+        frames = Topic([frames.signals[k] for k in np.flatnonzero(~table.last).tolist()])
     return seen
-
-
-class _Grid(NamedTuple):
-    """Ticks of the rows and vehicles of the columns."""
-
-    t: Array
-    names: Names
-
-
-class _Group(NamedTuple):
-    """Signals with the same names in the same order."""
-
-    signals: list[Signal]
-    place: tuple[Rows, ...]
-    """Their rows and columns, for an array of the grid."""
-    known: NDArray[np.bool_]
-    """Which of their vehicles are in the grid."""
-
-
-class _Table:
-    """Signals of a topic in the rows and columns of a grid."""
-
-    def __init__(self, grid: _Grid, signals: Sequence[Signal]) -> None:
-        self._shape = len(grid.t), len(grid.names)
-        rows = _last_of_rows(grid.t, signals)
-        self.last = rows.keys()
-        """The last signal of each row that has one."""
-        self._groups: list[_Group] = []
-        for names, some in _by_names(signals, rows).items():
-            at = index_of(names, grid.names)
-            place = np.ix_(np.array([rows[k] for k in some]), at[at >= 0])
-            self._groups.append(_Group([signals[k] for k in some], place, at >= 0))
-
-    def column(self, attribute: str, width: int) -> Array:
-        """Return one attribute, (T, n) or (T, n, width); NaN where missing."""
-        made = np.full((*self._shape, width) if width > 1 else self._shape, np.nan)
-        for signals, place, known in self._groups:
-            rows = list(map(attrgetter(attribute), signals))
-            values = np.concatenate(rows).reshape(len(rows), *rows[0].shape)
-            made[place] = values[:, known]
-        return made
-
-
-def _last_of_rows(t: Array, signals: Sequence[Signal]) -> dict[int, int]:
-    """Return the row of each signal that is the last of its row."""
-    stamps = _stamps(signals)
-    rows = np.clip(np.searchsorted(t, stamps - SAME_TICK), 0, len(t) - 1)
-    mine = np.abs(t[rows] - stamps) <= SAME_TICK
-    last = dict(zip(rows[mine].tolist(), np.flatnonzero(mine).tolist(), strict=True))
-    return {k: row for row, k in last.items()}
-
-
-def _by_names(signals: Sequence[Signal], chosen: Iterable[int]) -> dict[Names, list[int]]:
-    """Return groups of the chosen signals with the same names in the same order."""
-    found: dict[Names, list[int]] = {}
-    for k in chosen:
-        found.setdefault(signals[k].names, []).append(k)
-    return found
 
 
 _MAY_BE_NAN = {"std"}
@@ -215,8 +155,9 @@ _MAY_BE_INFINITE = {"age"}
 """Attributes in which infinity means never."""
 
 
-def _first_not_finite(topic: str, signals: Sequence[Signal]) -> str:
+def _first_not_finite(name: str, topic: Topic) -> str:
     """Return the first value of a topic that is not finite, else nothing; frames may have NaN."""
+    signals = topic.signals
     if not signals or isinstance(signals[0], MocapFrame):
         return ""
     for attribute in signals[0].__dataclass_fields__:
@@ -224,9 +165,9 @@ def _first_not_finite(topic: str, signals: Sequence[Signal]) -> str:
         if attribute in _MAY_BE_NAN or not (isinstance(one, np.ndarray) and one.dtype.kind == "f"):
             continue
         lost = np.isnan if attribute in _MAY_BE_INFINITE else _not_finite
-        if lost(np.concatenate(list(map(attrgetter(attribute), signals)))).any():
+        if any(lost(values).any() for values in topic.values(attribute).values()):
             first = next(signal for signal in signals if lost(getattr(signal, attribute)).any())
-            return f"{topic} at {first.t:.3f} s: {attribute} is not finite"
+            return f"{name} at {first.t:.3f} s: {attribute} is not finite"
     return ""
 
 

@@ -1,0 +1,103 @@
+"""Signals of a flight in arrays: an attribute of a topic's signals in the rows and columns of a grid.
+
+Rows are ticks. A signal belongs to the tick with its stamp; of several, the last counts. Missing values are
+NaN.
+"""
+
+from collections.abc import Sequence
+from itertools import groupby
+from operator import attrgetter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Array, Names, index_of
+
+Rows = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+SAME_TICK = 1e-4
+"""Stamps closer than this are the same tick [s]: a hundredth of a tick."""
+
+
+class TickGrid(NamedTuple):
+    """Ticks of the rows and vehicles of the columns."""
+
+    t: Array
+    """[s], rising, (T,)."""
+    names: Names
+
+
+class Topic:
+    """Signals of a topic, of which each attribute is put into arrays once."""
+
+    def __init__(self, signals: Sequence[Signal]) -> None:
+        self.signals = signals
+        self.stamps: Array = np.array([one.t for one in signals], dtype=np.float64)
+        """[s], (K,)."""
+        self.by_names: dict[Names, list[int]] = {}
+        """Places of the signals with the same names in the same order."""
+        every = list(map(attrgetter("names"), signals))
+        for names, run in groupby(range(len(every)), every.__getitem__):
+            self.by_names.setdefault(names, []).extend(run)
+        self._made: dict[str, dict[Names, Array]] = {}
+
+    def values(self, attribute: str) -> dict[Names, Array]:
+        """Return an attribute of all signals with the same names, (k, ...), by these names."""
+        if attribute not in self._made:
+            every = list(map(attrgetter(attribute), self.signals))
+            self._made[attribute] = {
+                names: _stacked(every if len(some) == len(every) else [every[k] for k in some])
+                for names, some in self.by_names.items()
+            }
+        return self._made[attribute]
+
+
+class _Group(NamedTuple):
+    """Where the signals with the same names are in an array of the grid."""
+
+    kept: Mask
+    """Which of the signals are the last of a row."""
+    known: Mask
+    """Which of their vehicles are in the grid."""
+    place: tuple[Rows, ...]
+    """Rows of the kept signals and columns of the known vehicles."""
+
+
+class Table:
+    """Signals of a topic in the rows and columns of a grid."""
+
+    def __init__(self, grid: TickGrid, topic: Topic) -> None:
+        self._shape, self._topic = (len(grid.t), len(grid.names)), topic
+        rows = _rows_of_last(grid.t, topic.stamps)
+        self.last = np.asarray(rows >= 0)
+        """Which signals are the last of a row, (K,)."""
+        self._groups: dict[Names, _Group] = {}
+        for names, some in topic.by_names.items():
+            at, row = index_of(names, grid.names), rows[some]
+            place = np.ix_(row[row >= 0], at[at >= 0])
+            self._groups[names] = _Group(row >= 0, at >= 0, place)
+
+    def column(self, attribute: str, width: int) -> Array:
+        """Return one attribute, (T, n) or (T, n, width); NaN where missing."""
+        made = np.full((*self._shape, width) if width > 1 else self._shape, np.nan)
+        for names, values in self._topic.values(attribute).items():
+            kept, known, place = self._groups[names]
+            made[place] = values[kept][:, known]
+        return made
+
+
+def _stacked(rows: list[Array]) -> Array:
+    return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
+
+
+def _rows_of_last(t: Array, stamps: Array) -> Rows:
+    """Return the row of each signal that is the last of its row, (K,); -1 for the others."""
+    rows = np.clip(np.searchsorted(t, stamps - SAME_TICK), 0, len(t) - 1)
+    mine = np.flatnonzero(np.abs(t[rows] - stamps) <= SAME_TICK)
+    last, found = np.full(len(t), -1), np.full(len(stamps), -1)
+    last[rows[mine]] = mine  # of several, the last stays
+    found[last[last >= 0]] = np.flatnonzero(last >= 0)
+    return found
