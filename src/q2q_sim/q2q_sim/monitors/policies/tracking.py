@@ -83,9 +83,12 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
 
 def _least_before(values: Array, ticks: int) -> Array:
     """Return the least of the last `ticks` values of (T, n) at each, (T, n); -inf where there are fewer."""
-    before = np.full((ticks - 1, values.shape[1]), -np.inf)
-    windows = np.lib.stride_tricks.sliding_window_view(np.concatenate((before, values)), ticks, axis=0)
-    return np.asarray(windows.min(axis=-1))
+    least, spanned = values, 1
+    while spanned < ticks:
+        earlier, step = np.full_like(values, -np.inf), min(spanned, ticks - spanned)
+        earlier[step:] = least[:-step]
+        least, spanned = np.minimum(least, earlier), spanned + step
+    return least
 
 
 def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
