@@ -107,6 +107,8 @@ class DeadReckonedBraking:
     def reckoned(self, names: Names) -> dict[str, Reckoned]:
         """Return the dead-reckoned horizontal motions of those of the named vehicles that are known."""
         rows = [row for row in index_of(names, self._names) if row >= 0]
+        if not rows:
+            return {}
         pos, rest = self._track[rows, POS : POS + 2], resting_places(self._motions)[rows]
         return {self._names[row]: Reckoned(*one) for row, *one in zip(rows, pos, rest, strict=True)}
 
@@ -172,7 +174,7 @@ class DeadReckonedBraking:
     def _fade(self, state: SwarmState | None, status: Status) -> None:
         """Let the downwash of unmeasured vehicles fade; `status` is the TrackStatus, (n,)."""
         blind = np.flatnonzero(self._track[:, SEEN] == 0.0)
-        self._push, self._blind = np.nan_to_num(self._eta, posinf=0.0, neginf=0.0), bool(blind.size)
+        self._push, self._blind = np.where(np.isfinite(self._eta), self._eta, 0.0), bool(blind.size)
         if state is not None:
             self._others = _measured_others(state, self._names)
         names, pos = self._names + self._others.names, self._track[:, POS : POS + 3]

@@ -115,6 +115,8 @@ def _above(pos: Array, below: Rows) -> _Above:
 
 def _left(known: _Above, pos: Array, age: Array) -> Array:
     """Return what is left of the downwash on each vehicle, `age` [s] after it was known, (n,)."""
+    if not known.below.size:
+        return np.ones(age.size)
     now = np.vstack((pos, np.full(3, np.inf)))[known.above, :2] - pos[known.below, :2]
     share = np.exp(-np.square(np.linalg.norm(now - known.offset, axis=1) / WIDTH))
     total, count = (np.bincount(known.below, one, age.size) for one in (share, np.ones(share.size)))
