@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, corrected
-from q2q_control.inputs.preview import interpolated
+from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.group_solve import Group, solve_group
 from q2q_control.mpc.horizon_solver import group_roots, groups_of
@@ -227,12 +227,24 @@ def test_what_a_stage_keeps_lowers_its_bound_on_z_alone_and_never_below_the_leas
 
 def test_samples_between_are_numpys_interpolation():
     samples = np.random.default_rng(7).normal(size=(2, 9, 3))
-    place = np.array([0.0, 0.3, 3.0, 7.99, 8.0])
-    found = interpolated(samples, place)
+    times = np.array([0.5, 1.0, 1.03, 1.3, 1.799, 1.8, 7.0])  # the first one and the last one outside
+    found = interpolated(samples, times, 1.0, 0.1)
     for v in range(2):
         for c in range(3):
-            assert np.allclose(found[v, :, c], np.interp(place, np.arange(9), samples[v, :, c]), atol=1e-14)
-    assert np.array_equal(interpolated(samples[:, :1], np.zeros(2)), np.repeat(samples[:, :1], 2, axis=1))
+            expected = np.interp(times, 1.0 + 0.1 * np.arange(9), samples[v, :, c])
+            assert np.allclose(found[v, :, c], expected, atol=1e-14)
+    still = interpolated(np.ascontiguousarray(samples[:, :1]), np.zeros(2), 1.0, 0.1)
+    assert np.array_equal(still, np.repeat(samples[:, :1], 2, axis=1))
+
+
+def test_a_setpoint_is_on_its_plan_if_no_value_of_it_differs_or_is_no_number():
+    plan = np.random.default_rng(9).normal(size=(2, 3, 9))
+    here = plan[:, 0] + 0.9 * SAME
+    assert is_on_plan(here, plan)
+    for off in (1.1 * SAME, -1.1 * SAME, np.nan):
+        moved = here.copy()
+        moved[1, 8] = plan[1, 0, 8] + off
+        assert not is_on_plan(moved, plan)
 
 
 def test_the_observers_loop_is_its_plain_form():

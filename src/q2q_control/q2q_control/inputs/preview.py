@@ -56,9 +56,7 @@ class SampledPreview:
 
     def at(self, names: Names, times: Array) -> Array:
         """Return the samples at `times`, linearly interpolated, (n, K, 9)."""
-        last = self.samples.shape[1] - 1
-        place = np.clip((times - self.start) / self.step, 0.0, last)
-        known = interpolated(self.samples, place)
+        known = interpolated(self.samples, times, self.start, self.step)
         return known if names == self.names else _picked(known, index_of(names, self.names))
 
 
@@ -72,15 +70,21 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
 
     At the setpoint's own time, position and velocity are the setpoint's; its difference from the plan decays.
     """
-    ahead = (times - setpoint.t)[:, None]
-    here = np.concatenate([setpoint.pos, setpoint.vel, setpoint.acc], axis=1)  # (n, 9)
+    here = np.empty((len(setpoint.names), 9))  # one layout, whatever the signal's
+    np.concatenate((setpoint.pos, setpoint.vel, setpoint.acc), axis=1, out=here)
     if preview is None:
-        return _coasting(here, ahead)
-    plan = preview.at(setpoint.names, np.concatenate([[setpoint.t], times]))
+        return _coasting(here, (times - setpoint.t)[:, None])
+    asked = np.empty(times.size + 1)
+    asked[0], asked[1:] = setpoint.t, times
+    plan = preview.at(setpoint.names, asked)
+    if is_on_plan(here, plan):
+        return plan[:, 1:]
+    return _off_plan(here, plan, (times - setpoint.t)[:, None])
+
+
+def _off_plan(here: Array, plan: Array, ahead: Array) -> Array:
+    """Return the references of setpoints (n, 9) moved off their plan (n, 1 + K, 9), `ahead` (K, 1) [s]."""
     off = here - plan[:, 0]
-    far = np.abs(off).max(initial=0.0)
-    if far < SAME:
-        return np.asarray(plan[:, 1:])
     fade = np.exp(-ahead / FADE)
     shifted = plan[:, 1:].copy()
     shifted[..., :3] += (off[:, None, :3] + off[:, None, 3:6] * ahead) * fade
@@ -88,7 +92,7 @@ def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, t
     leaving = np.sum(off[:, :3] ** 2 + (STEADY * off[:, 3:6]) ** 2, axis=1)
     share = np.exp(-leaving / AWAY**2)[:, None, None]
     shifted = share * shifted + (1.0 - share) * _extrapolated(here, ahead)
-    if np.isfinite(far):
+    if np.isfinite(off).all():
         return np.asarray(shifted)
     unknown = np.isnan(plan.sum(axis=(1, 2)))
     return np.where(unknown[:, None, None], _coasting(here, ahead), shifted)
@@ -118,13 +122,27 @@ def _picked(known: Array, rows: NDArray[np.intp]) -> Array:
 
 
 @compiled
-def interpolated(samples: Array, place: Array) -> Array:
-    """Return samples (n, T, c) at places (K,) between 0 and T - 1, linearly interpolated, (n, K, c)."""
+def is_on_plan(here: Array, plan: Array) -> bool:
+    """Return whether setpoints (n, 9) differ by less than SAME from the start of their plan (n, 1 + K, 9)."""
+    for v in range(here.shape[0]):
+        for c in range(here.shape[1]):
+            if not abs(here[v, c] - plan[v, 0, c]) < SAME:  # or not a number
+                return False
+    return True
+
+
+@compiled
+def interpolated(samples: Array, times: Array, start: float, step: float) -> Array:
+    """Return samples (n, T, c), `step` apart from `start` on [s], linearly interpolated at times (K,) [s].
+
+    Times before the first sample or after the last one get that sample, (n, K, c).
+    """
     last = samples.shape[1] - 1
-    found = np.empty((samples.shape[0], place.size, samples.shape[2]))
-    for k in range(place.size):
-        before = min(int(place[k]), max(last - 1, 0))
-        after, share = min(before + 1, last), place[k] - before
+    found = np.empty((samples.shape[0], times.size, samples.shape[2]))
+    for k in range(times.size):
+        place = min(max((times[k] - start) / step, 0.0), float(last))
+        before = min(int(place), max(last - 1, 0))
+        after, share = min(before + 1, last), place - before
         for v in range(samples.shape[0]):
             for c in range(samples.shape[2]):
                 found[v, k, c] = samples[v, before, c] * (1.0 - share) + samples[v, after, c] * share
