@@ -38,7 +38,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
     sum_downwash,
     within_reach,
 )
-from q2q_control.mpc.prediction.jet_downwash import JetRule, sum_jets
+from q2q_control.mpc.prediction.jet_downwash import JetRule, sum_near_jets
 from q2q_model.downwash.interaction_model import (
     InteractionModel,
     PairMotion,
@@ -48,12 +48,14 @@ from q2q_model.downwash.interaction_model import (
 )
 from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.pairs_in_reach import pairs_in_reach
-from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
+from q2q_model.downwash.source_strength import SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array
 
 ALL_PAIRS = 64
 """Up to this many pairs all are checked; above, a sweep over sorted x finds candidates."""
+KNOWN_MODELS = 8
+"""Models whose numbers for the compiled loop are remembered."""
 
 GAUSS_HERMITE = ((-math.sqrt(3.0), 1.0 / 6.0), (0.0, 2.0 / 3.0), (math.sqrt(3.0), 1.0 / 6.0))
 """Places [standard deviations] and weights of the mean over a normal distribution, exact to degree 5."""
@@ -84,37 +86,47 @@ def predict_downwash(
     model: InteractionModel, tracks: Tracks, rule: SlopeRule, others: Others | None = None
 ) -> DownwashHorizon:
     """Return downwash and slopes along the horizon; with `others`, only what `own` vehicles feel."""
-    n, stages = tracks.axis.shape[:2]
-    terms = SourceTerms(absorption=source_terms(model).absorption)  # loading is in the tracks' weight
-    felt = others.own if others is not None and terms == PAIRS_ALONE else n
-    i, j = _near_pairs(model.reach, np.ascontiguousarray(tracks.pos[tracks.first :]), felt)
+    n, absorption = len(tracks.axis), source_terms(model).absorption  # loading is in the tracks' weight
+    pairs = _pairs_to_check(model.reach, tracks, others.own if others is not None and not absorption else n)
+    jets = _jet_rule(model, rule) if isinstance(model, Jet) and not absorption else None
+    if others is None and jets is not None:
+        return sum_near_jets(jets, tracks, pairs)
+    i, j = _near(model.reach, tracks, pairs)
     if i.size == 0:
         return no_downwash(tracks)
-    downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
-    moves = np.array(rule.moves)
     widened = others is not None and others.spread[j].max() > NEGLIGIBLE_SPREAD
-    if isinstance(model, Jet) and terms == PAIRS_ALONE and not widened:
-        strong = sum_jets(JetRule(jet_law(model), moves, rule.slope_max), tracks, downwash)
-    else:
-        spread = others.spread[j] if others is not None and widened else None
-        law = _law_of(model, tracks, (i, j), moves, spread)
-        if terms != PAIRS_ALONE:
-            vertical = np.ascontiguousarray(law[0, ..., 2])
-            law *= strengths(i, j, vertical, np.ones_like(vertical), terms)[..., None]
-        strong = sum_downwash(law, tracks.weight, moves, rule.slope_max, downwash)
-    if strong.all():
-        return downwash
+    if jets is not None and not widened:
+        return sum_near_jets(jets, tracks, (i, j))
+    law = _law_of(model, tracks, (i, j), rule, others.spread[j] if others is not None and widened else None)
+    if absorption:
+        vertical = np.ascontiguousarray(law[0, ..., 2])
+        terms = SourceTerms(absorption=absorption)
+        law *= strengths(i, j, vertical, np.ones_like(vertical), terms)[..., None]
+    return _summed(law, tracks, (i, j), rule)
+
+
+@lru_cache(maxsize=KNOWN_MODELS)
+def _jet_rule(model: Jet, rule: SlopeRule) -> JetRule:
+    reach = model.reach.horizontal, model.reach.vertical
+    return JetRule(np.array(jet_law(model)), np.array(rule.moves), rule.slope_max, reach)
+
+
+def _summed(law: Array, tracks: Tracks, pairs: Pairs, rule: SlopeRule) -> DownwashHorizon:
+    """Return the downwash of pairs at all places, (1 + 2 moves, pairs, N, 3), without faint ones."""
+    (i, j), (n, stages) = pairs, tracks.axis.shape[:2]
+    downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
+    strong = sum_downwash(law, tracks.weight, np.array(rule.moves), rule.slope_max, downwash)
     return DownwashHorizon(downwash.eta, i[strong], j[strong], downwash.slope[strong])
 
 
 def _law_of(
-    model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows, spread: Array | None
+    model: InteractionModel, tracks: Tracks, pairs: Pairs, rule: SlopeRule, spread: Array | None
 ) -> Array:
     """Return the downwash of a model at all places [m/s^2], (1 + 2 moves, pairs, N, 3).
 
     `spread` (pairs,) is that of the sources; None if they are certain.
     """
-    places, motion = _places(model, tracks, pairs, moves)
+    places, motion = _places(model, tracks, pairs, np.array(rule.moves))
     if spread is None:
         return model.acceleration(places, motion)
     return _widened(model, places, motion, spread)
@@ -127,23 +139,23 @@ def no_downwash(tracks: Tracks) -> DownwashHorizon:
     return DownwashHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
 
 
-def _near_pairs(reach: Reach, path: Array, felt: int) -> Pairs:
-    """Return the ordered pairs that come within reach at some stage of `path` (N + 1, n, 3).
-
-    Only the first `felt` vehicles feel.
-    """
-    n = path.shape[1]
+def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int) -> Pairs:
+    """Return ordered pairs, among them all that come within reach; only the first `felt` vehicles feel."""
+    n = len(tracks.axis)
     if reach.horizontal <= 0.0 or n < 2:
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
     if felt * (n - 1) <= ALL_PAIRS:
-        pairs = _all_pairs(felt, n)
-    else:
-        centre, half = bounding_boxes(path)
-        aside = reach.horizontal + 2.0 * float(np.hypot(half[0], half[1]))
-        pairs = pairs_in_reach(centre, Reach(aside, reach.vertical + 2.0 * float(half[2])))
-        pairs = (pairs[0][pairs[0] < felt], pairs[1][pairs[0] < felt]) if felt < n else pairs
-    hit = within_reach(path, pairs, (reach.horizontal, reach.vertical))
-    return pairs if hit.all() else (pairs[0][hit], pairs[1][hit])
+        return _all_pairs(felt, n)
+    centre, half = bounding_boxes(tracks.pos[tracks.first :])
+    aside = reach.horizontal + 2.0 * float(np.hypot(half[0], half[1]))
+    i, j = pairs_in_reach(centre, Reach(aside, reach.vertical + 2.0 * float(half[2])))
+    return (i[i < felt], j[i < felt]) if felt < n else (i, j)
+
+
+def _near(reach: Reach, tracks: Tracks, pairs: Pairs) -> Pairs:
+    """Return those of `pairs` that come within reach at some stage."""
+    hit = within_reach(tracks.pos[tracks.first :], pairs, (reach.horizontal, reach.vertical))
+    return pairs[0][hit], pairs[1][hit]
 
 
 @lru_cache(maxsize=ALL_PAIRS)

@@ -13,38 +13,57 @@ from q2q_control.mpc.prediction.downwash_stages import (
     DELTA,
     DownwashHorizon,
     Flags,
+    Pairs,
     Rows,
     Tracks,
     add_pair,
     is_strong,
+    within_reach,
 )
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.downwash.jet import JetLaw, JetPairs, evaluate_pairs
+from q2q_model.downwash.jet import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.signals.values import Array
 
 
 class JetRule(NamedTuple):
     """Law of the jets, and the slopes that are evaluated."""
 
-    law: JetLaw
+    numbers: Array
+    """Those of the JetLaw, (12,)."""
     moves: Rows
     slope_max: float
+    reach: tuple[float, float]
+    """Horizontal and vertical [m]."""
 
 
 @compiled
-def sum_jets(rule: JetRule, tracks: Tracks, out: DownwashHorizon) -> Flags:
+def sum_near_jets(rule: JetRule, tracks: Tracks, pairs: Pairs) -> DownwashHorizon:
+    """Return the downwash of those of `pairs` that come within reach and are not faint."""
+    n, stages = tracks.axis.shape[0], tracks.axis.shape[1]
+    near = within_reach(tracks.pos[tracks.first :], pairs, rule.reach)
+    i, j = pairs[0][near], pairs[1][near]
+    out = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
+    strong = _sum_jets(rule, tracks, out)
+    if strong.all():
+        return out
+    return DownwashHorizon(out.eta, i[strong], j[strong], out.slope[strong])
+
+
+@compiled
+def _sum_jets(rule: JetRule, tracks: Tracks, out: DownwashHorizon) -> Flags:
     """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint."""
+    law = law_of_numbers(rule.numbers)
     stages, count = tracks.axis.shape[1], 1 + 2 * rule.moves.size
     strong = np.zeros(out.i.size, np.bool_)
     places, eta, push = np.empty((count, stages, 3)), np.empty((count, stages, 3)), np.empty(count * stages)
     motion = np.empty((3, stages, 3))
     for p in range(out.i.size):
-        _write_places(rule.law, tracks, (out.i[p], out.j[p]), places[0], motion)
-        _evaluate(rule.law, places[:1], motion, push[:stages], eta[:1])
+        _write_places(law, tracks, (out.i[p], out.j[p]), places[0], motion)
+        _evaluate(law, places[:1], motion, push[:stages], eta[:1])
         strong[p] = is_strong(eta[0])
         if strong[p]:
             _displace(places, rule.moves)
-            _evaluate(rule.law, places[1:], motion, push[stages:], eta[1:])
+            _evaluate(law, places[1:], motion, push[stages:], eta[1:])
             add_pair(eta, tracks.weight, (rule.moves, rule.slope_max), p, out)
     return strong
 
