@@ -48,6 +48,7 @@ class Aligned:
     names: Names
     usable: NDArray[np.bool_]
     """(n,)"""
+    all_usable: bool
     table: Array
     """Columns POS, VEL, QUAT of the state, REF_POS, REF_VEL, REF_ACC, YAW, YAW_RATE of the setpoint, the
     downwash's acceleration ETA (0 where none is predicted), and the state's TRACK status, in the units and
@@ -69,8 +70,7 @@ def align(
     asked = _picked(plan, setpoint.names, names)
     push = _push(interference, names)
     np.concatenate((*motion, *asked, push, track), axis=1, out=table)
-    mark_usable(table, usable)
-    return Aligned(setpoint.t, names, usable, table)
+    return Aligned(setpoint.t, names, usable, mark_usable(table, usable), table)
 
 
 def _push(interference: Interference | None, names: Names) -> Array | Status:
@@ -100,8 +100,13 @@ def _rows_of(names: Names, have: Names) -> tuple[NDArray[np.intp], bool]:
 
 
 @compiled
-def mark_usable(table: Array, usable: NDArray[np.bool_]) -> None:
-    """Write which rows of a table are usable, (n,); fill the others with a hover at rest."""
+def mark_usable(table: Array, usable: NDArray[np.bool_]) -> bool:
+    """Write which rows of a table are usable, (n,), and fill the others with a hover at rest.
+
+    Returns:
+        Whether all are usable.
+    """
+    every = True
     for i in range(table.shape[0]):
         row = table[i]
         whole, length = row[TRACK] != _LOST, 0.0
@@ -111,8 +116,10 @@ def mark_usable(table: Array, usable: NDArray[np.bool_]) -> None:
             length += row[k] * row[k]
         usable[i] = whole and abs(length - 1.0) < QUAT_SLACK
         if not usable[i]:
+            every = False
             row[:] = 0.0
             row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
         for k in range(ETA_AT, ETA_AT + 3):
             if not abs(row[k]) < LARGEST_VALUE:
                 row[k] = 0.0
+    return every

@@ -94,7 +94,7 @@ class HorizonSolver:
         """Sweep all chains that no downwash couples; return the groups, then chains that cross a bound."""
         root, crossing = _group_and_sweep(horizon, downwash, self._coupling, self._gains, solution)
         groups = [self._group(vehicles, self._rules.coupled) for vehicles in groups_of(root)]
-        if crossing.any():
+        if np.count_nonzero(crossing):
             groups += [self._group([int(v)], (int(axis),)) for v, axis in np.argwhere(crossing)]
         return groups
 

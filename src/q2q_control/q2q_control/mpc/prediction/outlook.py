@@ -96,7 +96,7 @@ def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array) 
 
     `references` are those of the vehicles of `setpoint`, (m, N + 1, 9).
     """
-    if setpoint.names == tick.names and tick.usable.all():
+    if setpoint.names == tick.names and tick.all_usable:
         return np.ascontiguousarray(references)
     rows = index_of(tick.names, setpoint.names)
     picked = np.where((rows >= 0)[:, None, None], references[rows], 0.0)

@@ -4,6 +4,7 @@ Paths are stored relative to their references, so that a plan shifted beyond its
 reference. Inputs are stored as they are, the pattern of active bounds as the next solve's first guess.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +47,7 @@ class PlanMemory:
         if names != self._names:
             self._plan, self._names = self._reordered(index_of(names, self._names)), names
         old = self._plan
-        late = max((start - old.start) / self._step, 0.0) if np.isfinite(old.start) else 0.0
+        late = max((start - old.start) / self._step, 0.0) if math.isfinite(old.start) else 0.0
         new = Plan(
             start,
             np.empty_like(old.offset),

@@ -102,7 +102,9 @@ class Surroundings:
             others: the vehicles of other controllers.
         """
         trust = self._trust(tick, future.path)
-        here = np.where(tick.usable[:, None], tick.table[:, POS], future.path[:, 0])
+        here = tick.table[:, POS].copy()
+        if not tick.all_usable:
+            here = np.where(tick.usable[:, None], here, future.path[:, 0])
         names = tick.names
         if others.names:
             names, here, future = _with_others(names, here, future, others)
@@ -117,7 +119,7 @@ class Surroundings:
     def _trust(self, tick: Aligned, path: Array) -> Array:
         """Return the weight of each vehicle's downwash by visibility, (n,); move negligible ones far away."""
         trust = np.ones(len(tick.names))
-        if tick.usable.all():
+        if tick.all_usable:
             self._unseen = {}
             return trust
         for row, name in enumerate(tick.names):
