@@ -3,7 +3,13 @@
 import numpy as np
 
 from q2q_control.disturbance.observer import JUMP, DisturbanceObserver, Estimate, Measurement
+from q2q_control.disturbance.tracker import measured_rows
+from q2q_control.inputs.alignment import ETA, POS, QUAT, TRACK, VEL
+from q2q_model.geometry.rotations import rotate
+from q2q_model.signals.values import TrackStatus
+from q2q_model.vehicle.constants import GRAVITY
 
+RNG = np.random.default_rng(3)
 DT = 0.01
 """[s]"""
 ONE = np.ones(1, np.bool_)
@@ -25,6 +31,23 @@ def falling(push: float, ticks: int, bandwidth: tuple[float, float] = (12.0, 8.0
     """Return the estimates of a vehicle that a constant push accelerates from rest."""
     observer = DisturbanceObserver(*bandwidth, 10.0)
     return [observer.update(seen(k * DT, 0.5 * push * (k * DT) ** 2, 0.0)) for k in range(ticks)]
+
+
+def test_measured_rows_are_the_tables_and_thrust_turned_into_the_world():
+    table = RNG.normal(size=(3, 25))
+    table[:, QUAT] /= np.linalg.norm(table[:, QUAT], axis=1)[:, None]
+    table[:, TRACK] = [TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.TRACKED]
+    before, mass = RNG.normal(size=(3, 3)), 0.035
+    now, mean = RNG.uniform(0.2, 0.5, (2, 3))
+    rows, acc, eta = measured_rows((table, np.array([True, True, False])), before, (now, mean), mass)
+    up = rotate(table[:, QUAT], np.array([0.0, 0.0, 1.0]))
+    weight = np.array([0.0, 0.0, GRAVITY])
+    assert np.allclose(acc, now[:, None] / mass * up - weight, atol=1e-13)
+    explained = mean[:, None] / mass * up - weight + 0.5 * (before + table[:, ETA])
+    assert np.allclose(rows.acc, explained, atol=1e-13)
+    for found, columns in ((rows.pos, POS), (rows.vel, VEL), (eta, ETA)):
+        assert np.array_equal(found, table[:, columns])
+    assert rows.fresh.tolist() == [True, False, False]
 
 
 def test_a_constant_push_is_found_exactly_and_with_its_sign():

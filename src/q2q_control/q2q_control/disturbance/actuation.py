@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.disturbance.thrust_acceleration import Command, thrust_acc_of_command, thrust_acc_of_quat
+from q2q_control.disturbance.thrust_acceleration import Command, thrust_acc_of_command
 from q2q_model.signals.values import Array, Names, SwarmCommand, index_of
 from q2q_model.vehicle.constants import Vehicle
 
@@ -77,11 +77,6 @@ class Actuation:
             self.thrust = sent.thrust + keep * rest
         self._t = t
         self.mean_thrust = impulse / elapsed if self._sent and elapsed > 0.0 else self.thrust
-
-    def accelerations(self, quat: Array) -> tuple[Array, Array]:
-        """Return the acceleration by thrust now, and its mean since the last tick [m/s^2], world, (n, 3)."""
-        quat, mass = np.ascontiguousarray(quat), self._vehicle.mass
-        return thrust_acc_of_quat(quat, self.thrust, mass), thrust_acc_of_quat(quat, self.mean_thrust, mass)
 
     def pending(self) -> Pending:
         """Return the commands in effect until one sent now takes over."""

@@ -12,13 +12,17 @@ from numpy.typing import NDArray
 
 from q2q_control.disturbance.actuation import Actuation, Pending
 from q2q_control.disturbance.felt_push import ExplainedTick, FeltPush
-from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, Measurement
+from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, MeasuredRows, Measurement
 from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RESIDUAL, ResidualObserver
-from q2q_control.inputs.alignment import ETA, POS, QUAT, VEL, Aligned
+from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
+from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
+from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import ResidualProcess
-from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, TrackStatus
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+
+Flags = NDArray[np.bool_]
 
 _TRACKED = int(TrackStatus.TRACKED)
 
@@ -63,7 +67,7 @@ class DisturbanceTracker:
         """Track vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
         self._fine = None if correct is None else ResidualObserver(correct)
         self._felt = FeltPush()
-        self._most = params.disturbance_max
+        self._most, self._mass = params.disturbance_max, vehicle.mass
         self._actuation = Actuation(vehicle, params.latency)
         self._observer = DisturbanceObserver(
             params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
@@ -79,23 +83,19 @@ class DisturbanceTracker:
             self._fine.reset()
         self._eta = np.zeros((0, 3))
 
-    def update(self, tick: Aligned, state: SwarmState) -> Tracked:
+    def update(self, tick: Aligned) -> Tracked:
         """Return the estimates at the tick; `sent` must follow."""
-        table = tick.table
         self._actuation.advance(tick.t, tick.names)
-        acc, mean = self._actuation.accelerations(table[:, QUAT])
-        eta = table[:, ETA].copy()
-        before = self._eta if self._eta.shape == eta.shape else eta
-        self._eta = eta
-        fresh = tick.usable & _tracked(state, tick)
-        explained = mean + 0.5 * (before + eta)
-        pos, vel = table[:, POS].copy(), table[:, VEL].copy()  # one layout, also of a single vehicle
-        measured = Measurement(tick.t, tick.names, pos, vel, explained, fresh)
+        before = self._eta if len(self._eta) == len(tick.names) else tick.table[:, ETA].copy()
+        thrusts = self._actuation.thrust, self._actuation.mean_thrust
+        rows, acc, self._eta = measured_rows((tick.table, tick.usable), before, thrusts, self._mass)
+        measured = Measurement(tick.t, tick.names, *rows)
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._fine is not None:
-            vertical = self._fine.update(measured, eta[:, 2])
+            eta, quat = self._eta[:, 2], tick.table[:, QUAT].copy()
+            vertical = self._fine.update(measured, eta)
             estimate, residual = _with_vertical(estimate, vertical, self._most), vertical[:, RESIDUAL]
-            now = ExplainedTick(tick.t, tick.names, table[:, QUAT].copy(), acc[:, 2] + GRAVITY + eta[:, 2])
+            now = ExplainedTick(tick.t, tick.names, quat, acc[:, 2] + GRAVITY + eta)
             self._correct(self._felt.explain(now))
         return Tracked(estimate, acc, self._actuation.pending(), residual)
 
@@ -120,9 +120,27 @@ def _with_vertical(estimate: Estimate, state: Array, most: float) -> Estimate:
     return Estimate(pos, vel, disturbance)
 
 
-def _tracked(state: SwarmState, tick: Aligned) -> NDArray[np.bool_]:
-    tracked = state.status == _TRACKED
-    if state.names == tick.names:
-        return np.asarray(tracked)
-    rows = index_of(tick.names, state.names)
-    return np.asarray((rows >= 0) & np.append(tracked, False)[rows])
+@compiled
+def measured_rows(
+    tick: tuple[Array, Flags], before: Array, thrusts: tuple[Array, Array], mass: float
+) -> tuple[MeasuredRows, Array, Array]:
+    """Return a tick's measurements, the acceleration by thrust now and the downwash now [m/s^2], (n, 3).
+
+    Args:
+        tick: table of q2q_control.inputs.alignment, and which of its rows are usable, (n,).
+        before: predicted downwash at the last tick [m/s^2], world, (n, 3).
+        thrusts: thrust now, and its mean since the last tick [N], (n,).
+        mass: of a vehicle [kg].
+    """
+    table, usable = tick
+    n, quat = usable.size, table[:, QUAT_AT : QUAT_AT + 4]
+    acc = thrust_acc_of_quat(quat, thrusts[0], mass)
+    explained = thrust_acc_of_quat(quat, thrusts[1], mass)
+    pos, vel, eta, fresh = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty(n, np.bool_)
+    for v in range(n):
+        fresh[v] = usable[v] and table[v, TRACK] == _TRACKED
+        for axis in range(3):
+            pos[v, axis], vel[v, axis] = table[v, POS_AT + axis], table[v, VEL_AT + axis]
+            eta[v, axis] = table[v, ETA_AT + axis]
+            explained[v, axis] += 0.5 * (before[v, axis] + eta[v, axis])
+    return MeasuredRows(pos, vel, explained, fresh), acc, eta

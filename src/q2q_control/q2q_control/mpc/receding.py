@@ -158,7 +158,7 @@ class Mpc:
         outlook = self._forecaster.outlook(tick, reference, neighbours, aware=interference is not None)
         if interference is not None and (self._params.loading > 0.0 or interference.status.any()):
             correct_downwash(tick, interference, outlook.downwash, self._params)
-        horizon = self._horizon(tick, self._present.update(tick, state), outlook)
+        horizon = self._horizon(tick, self._present.update(tick), outlook)
         solution = self._solver.solve(horizon, outlook.downwash, outlook.plan.pattern, self._setup.in_time)
         answer = commanded(solution, horizon, outlook, self._params)
         self._forecaster.keep(tick.names, answer.plan)
@@ -209,7 +209,7 @@ class Mpc:
             kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
         low, high = input_bounds(tick.table[:, QUAT].copy(), self._most, kept)
         chains = present.chains
-        if not tick.usable.all():  # nobody knows where they are
+        if not tick.all_usable:  # nobody knows where they are
             still = _on_reference(outlook.reference[:, 0], push[:, 0])
             chains = np.where(tick.usable[:, None, None], chains, still)
         return Horizon(chains, outlook.reference, push, outlook.path, low, high, self._step_max)

@@ -66,7 +66,7 @@ class ObservedPid:
         if last is not None and setpoint.t < last.t:
             self.reset()
         tick = align(state, setpoint, self._trust.faded(interference), names)
-        estimate = self._tracker.update(tick, state).estimate
+        estimate = self._tracker.update(tick).estimate
         tick.table[:, POS] = np.where(tick.usable[:, None], estimate.pos, tick.table[:, POS])
         tick.table[:, VEL] = np.where(tick.usable[:, None], estimate.vel, tick.table[:, VEL])
         tick.table[:, ETA] += np.where(tick.usable[:, None], estimate.disturbance, 0.0)

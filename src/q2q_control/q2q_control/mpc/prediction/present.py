@@ -14,7 +14,7 @@ from q2q_control.mpc.chain import axis_lags, lagged_step
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import ResidualProcess
-from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, SwarmState
+from q2q_model.signals.values import Array, SwarmCommand, SwarmImu
 from q2q_model.vehicle.constants import Vehicle
 
 
@@ -37,25 +37,25 @@ class PresentEstimator:
 
     def __init__(self, params: MpcParams, vehicle: Vehicle, correct: ResidualProcess | None = None) -> None:
         """Estimate vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
-        self._params, self._correct = params, correct is not None
+        self._params, self._observes = params, params.observe or correct is not None
         self._lags = axis_lags(params, vehicle)
         tracker = TrackerParams(
             params.latency, params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
         self._tracker = DisturbanceTracker(tracker, vehicle, correct)
 
-    def update(self, tick: Aligned, state: SwarmState) -> Present:
+    def update(self, tick: Aligned) -> Present:
         """Return the present of the tick's vehicles."""
-        tracked = self._tracker.update(tick, state)
-        pos, vel, disturbance = tick.table[:, POS], tick.table[:, VEL], np.zeros_like(tracked.acc)
-        if self._params.observe or self._correct:
-            estimate = tracked.estimate
-            pos, vel, disturbance = estimate.pos, estimate.vel, estimate.disturbance
+        tracked = self._tracker.update(tick)
+        pos, vel, disturbance = tracked.estimate
+        if not self._observes:
+            pos, vel, disturbance = tick.table[:, POS], tick.table[:, VEL], np.zeros_like(disturbance)
         chains = np.empty((*pos.shape, 3))
         chains[..., 0], chains[..., 1], chains[..., 2] = pos, vel, tracked.acc
-        push = tick.table[:, ETA] + disturbance
-        for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
-            roll(chains, seconds, acc, push, self._lags)
+        if tracked.pending.durations:
+            push = tick.table[:, ETA] + disturbance
+            for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
+                roll(chains, seconds, acc, push, self._lags)
         return Present(tick.t + self._params.latency, chains, disturbance, tracked.residual)
 
     def sense(self, imu: SwarmImu) -> None:
