@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.inputs.alignment import Aligned
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, CommandStatus, Names, Status, SwarmCommand, index_of
+from q2q_model.signals.values import Array, CommandStatus, Names, Status, index_of
 
 Flags = NDArray[np.bool_]
 Last = tuple[Array, Array]
@@ -53,14 +52,6 @@ class LastCommands:
         self._names: Names = ()
         self._values = np.zeros((0, 4))  # thrust roll pitch yaw_rate
         self._stamps = np.zeros(0)
-
-    def completed(self, tick: Aligned, values: Array, saturated: Flags) -> SwarmCommand:
-        """Return the tick's command: `values` thrust, roll, pitch, yaw rate (n, 4) where usable."""
-        out, status = np.empty((4, len(values))), np.empty(len(values), dtype=np.uint8)
-        thrust, roll, pitch, yaw_rate = out
-        last, rule = self.memory(tick.names), self.rule.numbers
-        complete((tick.t, tick.usable), (values, saturated), last, rule, (out, status))
-        return SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
 
     def memory(self, names: Names) -> Last:
         """Return the last computed commands of vehicles, written in place by `complete`."""

@@ -70,17 +70,21 @@ class CommandSources(NamedTuple):
     pid: int
 
 
-def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, params: MpcParams) -> Commanded:
+def command_rule(params: MpcParams) -> CommandRule:
+    """Return the parameters of the commands."""
+    return CommandRule(
+        params.step, params.shift_time, params.bandwidth_xy, params.bandwidth_z, params.mode == "altitude"
+    )
+
+
+def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, rule: CommandRule) -> Commanded:
     """Return each vehicle's commanded acceleration, the plan to remember, and the report.
 
     Rows of `solution` that failed are overwritten by the last plan.
     """
-    rule = CommandRule(
-        params.step, params.shift_time, params.bandwidth_xy, params.bandwidth_z, params.mode == "altitude"
-    )
     old, acc = outlook.plan, np.empty((len(solution.status), 3))
     offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
-    new = old._replace(offset=offset, inputs=solution.inputs, pattern=solution.pattern, solved=solved)
+    new = Plan(old.start, offset, solution.inputs, solution.pattern, solved)
     sources = _choose(solution, horizon, (old, new), rule, acc)
     report = MpcReport(*sources, iterations=solution.iterations, pairs=len(outlook.downwash.i))
     return Commanded(acc, new, report)

@@ -29,8 +29,9 @@ from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import axis_chains
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, tightened
-from q2q_control.mpc.fallback import MpcReport, commanded
+from q2q_control.mpc.fallback import MpcReport, command_rule, commanded
 from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
+from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
 from q2q_control.mpc.prediction.neighbours import (
@@ -45,7 +46,7 @@ from q2q_control.mpc.prediction.present import Present, PresentEstimator
 from q2q_control.mpc.prediction.surroundings import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
-from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
+from q2q_control.pid.thrust_vector import ThrustLimits
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
@@ -107,7 +108,7 @@ class Mpc:
         self._params = params
         top = self._vehicle.rpyt_thrust_max
         thrust_max = min(params.thrust_max, top) if params.thrust_limited else top
-        self._limits = ThrustLimits(
+        limits = ThrustLimits(
             mass=self._vehicle.mass,
             thrust_max=thrust_max,
             tilt_max=params.tilt_max,
@@ -115,7 +116,6 @@ class Mpc:
             k_yaw=params.k_yaw,
             yaw_rate_max=params.yaw_rate_max,
         )
-        self._nearly_full = thrust_max * (1.0 - 1e-9)
         side = GRAVITY * math.tan(params.tilt_max) / math.sqrt(2.0)  # a square in the circle
         self._most = AccelerationLimits(side, thrust_max / self._vehicle.mass)
         chains = axis_chains(params, self._vehicle)
@@ -123,7 +123,9 @@ class Mpc:
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
         self._step_max = rates * params.step / share
         hover = min(self._vehicle.hover_thrust, thrust_max)
-        self._rows = LastCommands(HoldThenLevel(params.hold_time, hover))
+        self._last_commands = LastCommands(HoldThenLevel(params.hold_time, hover))
+        self._law = CommandLaw(limits, thrust_max * (1.0 - 1e-9), self._last_commands.rule.numbers)
+        self._command_rule = command_rule(params)
         self.reset()
 
     def follow(self, preview: ReferencePreview | None) -> None:
@@ -135,9 +137,9 @@ class Mpc:
         slopes = SlopeRule(coupled_axes(self._params), self._params.slope_max)
         self._forecaster = Forecaster(self._params, self._model, slopes)
         self._present = PresentEstimator(self._params, self._vehicle, self._setup.correct)
-        self._rows.reset()
+        self._last_commands.reset()
         self._heard = HeardPredictions(self._setup.exchange_period)
-        self._predicted: tuple[Aligned, Array, Array] | None = None
+        self._predicted: tuple[Aligned, Array, Array, Array] | None = None
         self._last: SwarmCommand | None = None
         self.report = MpcReport()
 
@@ -156,16 +158,16 @@ class Mpc:
         reference = future_reference(tick, setpoint, references)
         neighbours = self._neighbours(state, setpoint, references, times)
         outlook = self._forecaster.outlook(tick, reference, neighbours, aware=interference is not None)
-        if interference is not None and (self._params.loading > 0.0 or interference.status.any()):
+        if interference is not None and (self._params.loading > 0.0 or np.count_nonzero(interference.status)):
             correct_downwash(tick, interference, outlook.downwash, self._params)
         horizon = self._horizon(tick, self._present.update(tick), outlook)
         solution = self._solver.solve(horizon, outlook.downwash, outlook.plan.pattern, self._setup.in_time)
-        answer = commanded(solution, horizon, outlook, self._params)
+        answer = commanded(solution, horizon, outlook, self._command_rule)
         self._forecaster.keep(tick.names, answer.plan)
-        self._predicted = tick, reference[..., :3] + answer.plan.offset, times
+        self._predicted = tick, reference, answer.plan.offset, times
         self.report = answer.report
-        values, saturated = command_rows(answer.acc, tick.table, self._limits)
-        self._last = self._rows.completed(tick, values, saturated | (values[:, 0] >= self._nearly_full))
+        last_commands = self._last_commands.memory(tick.names)
+        self._last = limited_command(tick, answer.acc, self._law, last_commands)
         self._present.sent(self._last, tick)
         return self._last
 
@@ -186,8 +188,8 @@ class Mpc:
         """Return the paths of the last tick's usable vehicles; None if there are none."""
         if self._predicted is None:
             return None
-        tick, path, times = self._predicted
-        return predicted(tick, path, times)
+        tick, reference, offset, times = self._predicted
+        return predicted(tick, reference[..., :3] + offset, times)
 
     def _neighbours(
         self, state: SwarmState, setpoint: SwarmSetpoint, references: Array, times: Array

@@ -1,0 +1,45 @@
+"""Commands of a tick from commanded accelerations, in one compiled call.
+
+Thrust, roll, pitch and yaw rate within their limits (q2q_control.pid.thrust_vector), completed by the last
+ones where a vehicle is not usable (q2q_control.failsafe.last_commands).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_control.failsafe.last_commands import Last, complete
+from q2q_control.inputs.alignment import Aligned
+from q2q_control.pid.thrust_vector import Flags, ThrustLimits, command_rows
+from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array, Status, SwarmCommand
+
+
+class CommandLaw(NamedTuple):
+    """Limits of the commands, and the rule of their fallback."""
+
+    limits: ThrustLimits
+    full_thrust: float
+    """Thrust from which a command counts as saturated [N]."""
+    rule: tuple[float, float]
+    """As that of q2q_control.failsafe.last_commands.complete."""
+
+
+def limited_command(tick: Aligned, acc: Array, law: CommandLaw, last: Last) -> SwarmCommand:
+    """Return the command that gives accelerations (n, 3) [m/s^2], world; store it in `last`."""
+    out, status = np.empty((4, len(acc))), np.empty(len(acc), np.uint8)
+    write_commands((tick.t, tick.table, tick.usable), acc, law, last, (out, status))
+    thrust, roll, pitch, yaw_rate = out
+    return SwarmCommand(tick.t, tick.names, thrust, roll, pitch, yaw_rate, status)
+
+
+@compiled
+def write_commands(
+    tick: tuple[float, Array, Flags], acc: Array, law: CommandLaw, last: Last, out: tuple[Array, Status]
+) -> None:
+    """Write commands, (4, n), and status, (n,); `tick` is time [s], table, and who is usable, (n,)."""
+    t, table, usable = tick
+    values, saturated = command_rows(acc, table, law.limits)
+    for v in range(usable.size):
+        saturated[v] = saturated[v] or values[v, 0] >= law.full_thrust
+    complete((t, usable), (values, saturated), last, law.rule, out)
