@@ -17,10 +17,12 @@ a command sent now takes effect: `Pending`.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.disturbance.thrust_acceleration import Command, thrust_acc_of_command
+from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmCommand, index_of
 from q2q_model.vehicle.constants import Vehicle
 
@@ -45,6 +47,26 @@ class _Sent:
     acc: Array
 
 
+class LaggedPart(NamedTuple):
+    """Part of a tick in which one command acts."""
+
+    seconds: float
+    """Its length [s]."""
+    lag: float
+    """Of the thrust [s]."""
+    keep: float
+    """Share of the thrust's difference from its command that is left in the end [-]."""
+
+
+@compiled
+def follow_command(thrust: Array, impulse: Array, command: Array, part: LaggedPart) -> None:
+    """Let the thrust follow a command [N], and add to its impulse [N s], (n,) each."""
+    for v in range(thrust.size):
+        rest = thrust[v] - command[v]
+        impulse[v] += command[v] * part.seconds + rest * part.lag * (1.0 - part.keep)
+        thrust[v] = command[v] + part.keep * rest
+
+
 class Actuation:
     """Commands in transit, and the thrust that earlier ones have produced."""
 
@@ -67,14 +89,12 @@ class Actuation:
             self._reorder(names)
         if not 0.0 <= t - self._t <= LONGEST_GAP:
             self._sent, self._t = [], t
-            self.thrust = self.mean_thrust = np.full(len(names), self._vehicle.hover_thrust)
+            self.thrust = np.full(len(names), self._vehicle.hover_thrust)
         lag, elapsed = self._vehicle.thrust_lag, t - self._t
         impulse = np.zeros(len(names))
         for seconds, sent in self._acting(self._t, t):
             keep = math.exp(-seconds / lag) if lag > 0.0 else 0.0
-            rest = self.thrust - sent.thrust
-            impulse += sent.thrust * seconds + rest * lag * (1.0 - keep)
-            self.thrust = sent.thrust + keep * rest
+            follow_command(self.thrust, impulse, sent.thrust, LaggedPart(seconds, lag, keep))
         self._t = t
         self.mean_thrust = impulse / elapsed if self._sent and elapsed > 0.0 else self.thrust
 
