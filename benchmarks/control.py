@@ -8,7 +8,7 @@ import numpy as np
 from horizon_solvers import pair_problem, rows_of_solvers
 from least_time import least_time
 from q2q_control.explicit.features import WIDTH, PairHorizon
-from q2q_control.explicit.law import ExplicitLaw, evaluate_all, gains_table, weights_of, workspace_of
+from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
 from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
@@ -18,7 +18,7 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.receding import Mpc, MpcSetup
-from q2q_control.mpc.solver.chain_sweep import sweep_gains
+from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.jet import PAPER_LAW

@@ -19,7 +19,6 @@ from q2q_control.explicit.law import (
     evaluate,
     evaluate_one,
     from_text,
-    gains_table,
     to_text,
     weights_of,
     workspace_of,
@@ -32,7 +31,7 @@ from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.receding import Mpc, MpcSetup
-from q2q_control.mpc.solver.chain_sweep import sweep_gains
+from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState

@@ -16,10 +16,10 @@ from scipy.optimize import minimize
 
 from q2q_control.explicit.encounter_flight import Policy, fly, teacher_policy
 from q2q_control.explicit.features import WIDTH, Features, features
-from q2q_control.explicit.law import ExplicitLaw, evaluate, gains_table
+from q2q_control.explicit.law import ExplicitLaw, evaluate
 from q2q_control.explicit.situations import Situations, random_encounters, random_situations
 from q2q_control.explicit.teacher import Teacher, pair_horizon, solve_situations
-from q2q_control.mpc.solver.chain_sweep import sweep_gains
+from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
 from q2q_model.signals.values import Array
 
 Single = NDArray[np.float32]

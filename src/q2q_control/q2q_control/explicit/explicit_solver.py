@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES, PairHorizon
-from q2q_control.explicit.law import ExplicitLaw, evaluate_all, gains_table, weights_of, workspace_of
+from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
 from q2q_control.mpc.chain import axis_chains
 from q2q_control.mpc.horizon_solver import InTime
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.receding import SolverFactory
-from q2q_control.mpc.solver.chain_sweep import ChainGains, sweep, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep, sweep_gains
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle

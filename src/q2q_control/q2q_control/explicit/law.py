@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features, write_features
-from q2q_control.mpc.solver.chain_sweep import ChainGains
+from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_of_table
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
@@ -57,17 +57,7 @@ class ExplicitLaw:
     @property
     def chain(self) -> ChainGains:
         """Return the gains of the chain by name."""
-        table = self.gains
-        vectors = (np.ascontiguousarray(row) for row in table[:6])
-        b, feedback, qux, push_cost, weight, push = vectors
-        quu, effort = float(table[6, 0]), float(table[6, 1])
-        return ChainGains(b, feedback, qux, push_cost, weight, push, quu, effort, table[7:10], table[10:13])
-
-
-def gains_table(gains: ChainGains) -> Array:
-    """Return the gains of a chain as a table, (13, 3)."""
-    vectors = np.stack([gains.input, gains.feedback, gains.qux, gains.push_cost, gains.weight, gains.push])
-    return np.concatenate([vectors, [[gains.quu, gains.effort, 0.0]], gains.transition, gains.terminal])
+        return gains_of_table(np.ascontiguousarray(self.gains))
 
 
 class LawWeights(NamedTuple):

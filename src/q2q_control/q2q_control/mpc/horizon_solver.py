@@ -26,8 +26,9 @@ from q2q_control.mpc.problem.horizon import (
     blank_solution,
 )
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
-from q2q_control.mpc.solver.chain_sweep import ChainGains, sweep_free, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import gains_of_table, gains_table, sweep_free, sweep_gains
 from q2q_model.compiled import compiled
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 
 Rows = NDArray[np.intp]
@@ -64,7 +65,7 @@ class HorizonSolver:
         """Solve with the chains of x, y (which must be alike) and z."""
         self._models, self._rules = models, rules
         self._coupling = np.isin(range(3), rules.coupled), rules.group_max
-        self._gains = sweep_gains(models[0]), sweep_gains(models[2])
+        self._gains = np.stack([gains_table(sweep_gains(models[axis])) for axis in (0, 2)])
         self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
 
     def solve(
@@ -131,12 +132,13 @@ def _group_and_sweep(
     horizon: Horizon,
     downwash: DownwashHorizon,
     coupling: tuple[Flags, int],
-    gains: tuple[ChainGains, ChainGains],
+    gains: Array,
     solution: HorizonSolution,
 ) -> tuple[Rows, Flags]:
     """Write the chains that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
 
-    `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group.
+    `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group; `gains` are tables
+    of x and y, then of z, (2, 13, 3).
     """
     axes, most = coupling
     root = group_roots(downwash, horizon.push.shape[0], most)
@@ -144,7 +146,7 @@ def _group_and_sweep(
     for v in range(root.size):
         for axis in range(3):
             free[v, axis] = root[v] < 0 or not axes[axis]
-    return root, sweep_free(horizon, free, gains, solution)
+    return root, sweep_free(horizon, free, (gains_of_table(gains[0]), gains_of_table(gains[1])), solution)
 
 
 @compiled

@@ -71,6 +71,20 @@ def sweep_gains(model: Chain) -> ChainGains:
     )
 
 
+def gains_table(gains: ChainGains) -> Array:
+    """Return the gains of a chain as a table, (13, 3)."""
+    vectors = np.stack([gains.input, gains.feedback, gains.qux, gains.push_cost, gains.weight, gains.push])
+    return np.concatenate([vectors, [[gains.quu, gains.effort, 0.0]], gains.transition, gains.terminal])
+
+
+@compiled
+def gains_of_table(table: Array) -> ChainGains:
+    """Return gains from their table: numba looks at every field of a tuple in each call from Python."""
+    b, feedback, qux, push_cost, weight, push = table[0], table[1], table[2], table[3], table[4], table[5]
+    quu, effort = table[6, 0], table[6, 1]
+    return ChainGains(b, feedback, qux, push_cost, weight, push, quu, effort, table[7:10], table[10:13])
+
+
 @compiled
 def sweep(horizon: Horizon, chains: tuple[Rows, Rows], gains: ChainGains, solution: HorizonSolution) -> Flags:
     """Write positions and inputs of the chains (vehicles (C,), axes (C,)); return which keep their bounds."""
