@@ -59,10 +59,23 @@ def test_only_vehicles_that_somebody_reads_are_published(node: Node) -> None:
     assert writers.read("cf2", 0) == (node.made["cf2/pose"], node.made["cf2/speed"])
 
 
+def due(writers: VehiclePublishers, ticks: range, names: tuple[str, ...] = ("cf1",)) -> list[int]:
+    """Return at which ticks of 10 ms they are due."""
+    return [k for k in ticks if writers.due(0.01 * k, 10_000_000 * k, names)]
+
+
 def test_vehicles_are_due_at_most_so_often_and_none_at_a_rate_of_zero(node: Node) -> None:
-    writers = VehiclePublishers(node, TOPICS, RATE_HZ)
-    assert [writers.due(0.01 * k, ("cf1",)) for k in range(21)] == [k % 10 == 0 for k in range(21)]
-    assert list(node.made) == ["cf1/pose", "cf1/speed"]
+    writers = VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1",))
+    node.made["cf1/speed"].readers = 1
+    assert due(writers, range(21)) == [0, 10, 20]
     none = VehiclePublishers(silent := Node(), TOPICS, 0.0, ("cf1",))
-    assert not none.due(0.0, ("cf1", "cf2"))
+    assert due(none, range(21), ("cf1", "cf2")) == []
     assert silent.made == {}
+
+
+def test_vehicles_that_nobody_reads_are_not_due_until_somebody_does(node: Node) -> None:
+    writers = VehiclePublishers(node, TOPICS, RATE_HZ)
+    assert due(writers, range(21)) == []
+    assert list(node.made) == ["cf1/pose", "cf1/speed"]
+    node.made["cf1/pose"].readers = 1
+    assert due(writers, range(21, 71)) == [50, 60, 70]  # asked every half second

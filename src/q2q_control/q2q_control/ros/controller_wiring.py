@@ -59,7 +59,7 @@ class LegacyTopics:
 
     def publish(self, stamp_ns: int, command: SwarmCommand) -> None:
         """Publish the command of every vehicle, if one is due."""
-        if not self._writers.due(command.t, command.names):
+        if not self._writers.due(command.t, stamp_ns, command.names):
             return
         for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
             for writer in self._writers.read(name, stamp_ns):

@@ -5,6 +5,7 @@ are created before flight, those of new vehicles one vehicle per tick, and none 
 """
 
 from collections.abc import Mapping
+from itertools import chain
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -35,14 +36,21 @@ class VehiclePublishers:
         self._due = Decimation(rate_hz)
         self._made: dict[str, tuple[Publisher, ...]] = {}
         self._audiences: dict[str, Audience] = {}
+        self._audience = Audience(())
         self._met: Names = ()
         for name in names:
             self._make(name)
 
-    def due(self, t: float, names: Names) -> bool:
-        """Return whether to publish these vehicles at t [s]; publishers of new ones may come later."""
+    def due(self, t: float, stamp_ns: int, names: Names) -> bool:
+        """Return whether to publish these vehicles: their time is come, and someone subscribes to one.
+
+        Args:
+            t: now [s].
+            stamp_ns: the same as a stamp [ns].
+            names: publishers of new ones may come later.
+        """
         self.meet(names)
-        return self._due(t)
+        return self._due(t) and self._audience.listens(stamp_ns)
 
     def meet(self, names: Names) -> None:
         """Create the publishers of the first of these vehicles that has none."""
@@ -63,3 +71,4 @@ class VehiclePublishers:
         make = self._node.create_publisher
         self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in self._topics.items())
         self._audiences[name] = Audience(self._made[name], ASK_EVERY_NS)
+        self._audience = Audience(chain.from_iterable(self._made.values()), ASK_EVERY_NS)

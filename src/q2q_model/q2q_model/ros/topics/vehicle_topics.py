@@ -29,7 +29,7 @@ class VehicleTopics:
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
         """Publish pose and odometry of every vehicle, at most `rate_hz` times a second."""
-        if not self._writers.due(state.t, state.names):
+        if not self._writers.due(state.t, stamp_ns, state.names):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
         for row, name in enumerate(state.names):
