@@ -3,11 +3,14 @@
 The model is learned from the recorded flights of Table 2 alone; the wake flown in is the simulator's own.
 """
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.pid.pid import PidParams
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.flight import Flight
@@ -15,6 +18,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.signals.values import Array
 from q2q_model.tools.recordings import read_recordings
+from q2q_model.vehicle.constants import GRAVITY
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.loop import assembly
@@ -69,3 +73,11 @@ def test_a_model_without_downwash_is_planned_around_by_its_zone() -> None:
     none = find_model("none")
     plan = assembly.plan_around(SCENARIO, none)
     assert plan_cost(plan) == plan_cost(assembly.plan_of(SCENARIO, none.zone))
+
+
+@pytest.mark.parametrize("controller", [PidParams(), MpcParams()])
+def test_replanned_setpoints_leave_two_fifths_of_the_tilt_to_the_feedback(
+    controller: PidParams | MpcParams,
+) -> None:
+    """Attack 345: around a zone with 3 m/s^2 of 3.6, the tilt saturated for 0.8 s, and the PID overshot."""
+    assert SafeReplannerParams().acc_max <= 0.6 * GRAVITY * math.tan(controller.tilt_max)

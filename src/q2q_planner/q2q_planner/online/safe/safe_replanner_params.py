@@ -13,7 +13,8 @@ class SafeReplannerParams:
     eps: float = tunable(0.25, "radius of the zone", unit="m", low=1e-3, high=10.0)
     d: float = tunable(1.1, "half height of the zone", unit="m", low=1e-3, high=10.0)
     margin: float = tunable(0.02, "distance to keep from the zone", unit="m", low=0.0, high=1.0)
-    acc_max: float = tunable(3.0, "largest acceleration, also when braking", unit="m/s^2", low=0.1, high=50.0)
+    # controllers tilt by 0.35 rad, 3.6 m/s^2, of which the feedback needs a part
+    acc_max: float = tunable(2.0, "largest acceleration, also when braking", unit="m/s^2", low=0.1, high=50.0)
     hold: float = tunable(
         0.02, "time an acceleration is held: a tick and a lost one", unit="s", low=1e-3, high=0.5
     )
