@@ -14,6 +14,9 @@ from q2q_control.pid.thrust_vector import Flags, ThrustLimits, command_rows
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Status, SwarmCommand
 
+TickRows = tuple[float, Array, Flags]
+"""Time [s], table of q2q_control.inputs.alignment, and which of its rows are usable, (n,)."""
+
 
 class CommandLaw(NamedTuple):
     """Limits of the commands, and the rule of their fallback."""
@@ -35,9 +38,9 @@ def limited_command(tick: Aligned, acc: Array, law: CommandLaw, last: Last) -> S
 
 @compiled
 def write_commands(
-    tick: tuple[float, Array, Flags], acc: Array, law: CommandLaw, last: Last, out: tuple[Array, Status]
+    tick: TickRows, acc: Array, law: CommandLaw, last: Last, out: tuple[Array, Status]
 ) -> None:
-    """Write commands, (4, n), and status, (n,); `tick` is time [s], table, and who is usable, (n,)."""
+    """Write commands, (4, n), and status, (n,), into `out`."""
     t, table, usable = tick
     values, saturated = command_rows(acc, table, law.limits)
     for v in range(usable.size):
