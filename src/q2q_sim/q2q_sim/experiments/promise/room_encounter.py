@@ -36,7 +36,7 @@ MOST_LOSS = 0.1
 BETWEEN = 4
 """Straight parts of a tick in which distances are taken: vehicles turn by less than 0.1 mm within a tick."""
 STEADY = SafeReplannerParams(
-    acc_max=2.0, jerk_max=20.0, speed_max=2.5, tracking=0.12, tracking_z=0.12, grace=0.35, approach=4.0
+    jerk_max=20.0, speed_max=2.5, tracking=0.12, tracking_z=0.12, grace=0.35, approach=4.0
 )
 """Motions of bounded jerk with the fastest poles that it follows, and a first guess of the tube, which
 flights replace. The tube covers the drift in their gaps: the longest, `dropout_max` of the room, and what
