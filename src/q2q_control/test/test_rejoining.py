@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_control.failsafe.evasion.rejoining import ACC, FAR, Rejoining
+from q2q_control.inputs.preview import SampledPreview, shifted_preview
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 
 TICK = 0.01
@@ -107,3 +108,21 @@ def test_who_leaves_the_setpoints_is_not_led() -> None:
     led.update(plan_at(0.1), far, NOBODY)
     other = replace(plan_at(0.2), names=("cf2",))
     assert led.update(other, far, NOBODY) is other
+
+
+@pytest.mark.parametrize("planned", [True, False])
+def test_a_preview_shows_ahead_the_setpoints_that_it_is_led_along(planned: bool) -> None:
+    """Without a plan, the setpoint beside the shift is extrapolated; one at rest stays where it is."""
+    rest = replace(plan_at(0.0), vel=np.zeros((1, 3)))
+    plan = SampledPreview(
+        ("cf1",), 0.0, 10.0, np.repeat(np.array([[[0.0, 0.0, 1.0] + [0.0] * 6]]), 2, axis=1)
+    )
+    led, far = Rejoining(), state_of(np.array([2.0, -1.0]), np.array([0.3, 0.9]))
+    led.update(replace(rest, t=-TICK), far, GONE)
+    made = [led.update(replace(rest, t=k * TICK), far, NOBODY) for k in range(400)]
+    times = np.array([1.2, 1.6, 2.0, 3.5])
+    ahead = shifted_preview(made[100], plan if planned else None, times)[0]
+    flown = [made[round(t / TICK)] for t in times]
+    np.testing.assert_allclose(ahead[:, :3], [one.pos[0] for one in flown], atol=1e-9)
+    np.testing.assert_allclose(ahead[:, 3:6], [one.vel[0] for one in flown], atol=1e-9)
+    np.testing.assert_allclose(ahead[:, 6:], [one.acc[0] for one in flown], atol=1e-9)

@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.inputs.shifted_setpoint import ShiftedSetpoint
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
 
@@ -68,18 +69,26 @@ def resting_preview(names: Names) -> SampledPreview:
 def shifted_preview(setpoint: SwarmSetpoint, preview: ReferencePreview | None, times: Array) -> Array:
     """Return the references of the setpoint's vehicles at `times` (K,) [s], (n, K, 9).
 
-    At the setpoint's own time, position and velocity are the setpoint's; its difference from the plan decays.
+    At the setpoint's own time, position and velocity are the setpoint's; its difference from the plan decays,
+    but for a shift that is known ahead.
     """
     here = np.empty((len(setpoint.names), 9))  # one layout, whatever the signal's
     np.concatenate((setpoint.pos, setpoint.vel, setpoint.acc), axis=1, out=here)
-    if preview is None:
-        return _coasting(here, (times - setpoint.t)[:, None])
     asked = np.empty(times.size + 1)
     asked[0], asked[1:] = setpoint.t, times
-    plan = preview.at(setpoint.names, asked)
-    if is_on_plan(here, plan):
-        return plan[:, 1:]
-    return _off_plan(here, plan, (times - setpoint.t)[:, None])
+    if not isinstance(setpoint, ShiftedSetpoint):
+        return _ahead(here, setpoint.names, preview, asked)
+    shift = setpoint.shift_at(asked)
+    return _ahead(here - shift[:, 0], setpoint.names, preview, asked) + shift[:, 1:]
+
+
+def _ahead(here: Array, names: Names, preview: ReferencePreview | None, asked: Array) -> Array:
+    """Return the references (n, K, 9) at `asked` (1 + K,) [s] but the first, the time of `here` (n, 9)."""
+    ahead = (asked[1:] - asked[0])[:, None]
+    if preview is None:
+        return _coasting(here, ahead)
+    plan = preview.at(names, asked)
+    return plan[:, 1:] if is_on_plan(here, plan) else _off_plan(here, plan, ahead)
 
 
 def _off_plan(here: Array, plan: Array, ahead: Array) -> Array:

@@ -2,27 +2,26 @@
 
 A vehicle without measurements stops, and its setpoint goes on. A step of metres would saturate its tilt, and
 it would overshoot. Its setpoint therefore begins where it is measured, with its velocity unless that leads
-further away, and joins that of the plan in the least time in which the shift accelerates by at most A:
+further away, and joins that of the plan in the least time in which the shift
+(q2q_control.inputs.shifted_setpoint) accelerates by at most A:
 
-    s(t) = p0 (1 - 10 u^3 + 15 u^4 - 6 u^5) + v0 T (u - 6 u^3 + 8 u^4 - 3 u^5)      u = t / T
     A T^2 = PEAK |p0| + PEAK_V |v0| T                       flown: r + s with its velocity and acceleration
 
 A replanner does the same in space, and its setpoint is where the vehicle is.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| s | shift | horizontal shift of a setpoint [m], (2,) |
 | p0, v0 | pos, vel | shift and its velocity at the beginning [m], [m/s], (2,) |
 | T | duration | time until the setpoint is that of the plan [s] |
 | A | ACC | largest acceleration [m/s^2] |
 """
 
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import fields, replace
 
 import numpy as np
 
-from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
+from q2q_control.inputs.shifted_setpoint import QuinticShift, ShiftedSetpoint
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 FAR = 0.5
 """Distance from which a vehicle is led back [m]: a step of less does not saturate the tilt for long."""
@@ -35,33 +34,6 @@ PEAK_V = 3.95
 """Peak acceleration of the quintic that stops v0, times T over the velocity [-]: u = 0.243."""
 
 
-class _Shift(NamedTuple):
-    """Quintic shift of one setpoint."""
-
-    since: float
-    """Tick at which it began [s]."""
-    duration: float
-    pos: Array
-    vel: Array
-
-    def over(self, t: float) -> bool:
-        """Return whether it has ended by the tick t [s]."""
-        return t - self.since >= self.duration
-
-    def at(self, t: float) -> tuple[Array, Array, Array]:
-        """Return shift [m], velocity [m/s] and acceleration [m/s^2] at the tick t [s], (2,) each.
-
-        Where the clock was set back, it begins again.
-        """
-        duration, p, v = self.duration, self.pos, self.vel * self.duration
-        u = max(t - self.since, 0.0) / duration
-        cubic, quartic, quintic = -10.0 * p - 6.0 * v, 15.0 * p + 8.0 * v, -6.0 * p - 3.0 * v
-        shift = p + u * v + u**3 * (cubic + u * (quartic + u * quintic))
-        rate = v + u**2 * (3.0 * cubic + u * (4.0 * quartic + u * 5.0 * quintic))
-        bend = u * (6.0 * cubic + u * (12.0 * quartic + u * 20.0 * quintic))
-        return shift, rate / duration, bend / duration**2
-
-
 class Rejoining:
     """Vehicles on their way back to their setpoints."""
 
@@ -71,7 +43,7 @@ class Rejoining:
     def reset(self) -> None:
         """Forget all of them."""
         self._away: frozenset[str] = frozenset()
-        self._shifts: dict[str, _Shift] = {}
+        self._shifts: dict[str, QuinticShift] = {}
 
     @property
     def active(self) -> bool:
@@ -93,7 +65,7 @@ class Rejoining:
         return _shifted(setpoint, self._shifts)
 
 
-def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> _Shift | None:
+def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> QuinticShift | None:
     """Return the shift that begins where a vehicle is measured; None if that is near its setpoint."""
     row, mine = setpoint.names.index(name), state.names.index(name)
     pos = state.pos[mine, :2] - setpoint.pos[row, :2]
@@ -103,15 +75,16 @@ def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> _Shift | No
         return None
     vel = vel - max(float(vel @ pos), 0.0) / far**2 * pos
     half = 0.5 * PEAK_V * float(np.hypot(*vel)) / ACC
-    return _Shift(setpoint.t, half + (half * half + PEAK * far / ACC) ** 0.5, pos, vel)
+    return QuinticShift(setpoint.t, half + (half * half + PEAK * far / ACC) ** 0.5, pos, vel)
 
 
-def _shifted(setpoint: SwarmSetpoint, shifts: dict[str, _Shift]) -> SwarmSetpoint:
-    rows = {name: setpoint.names.index(name) for name in shifts if name in setpoint.names}
-    if not rows:
+def _shifted(setpoint: SwarmSetpoint, shifts: dict[str, QuinticShift]) -> SwarmSetpoint:
+    """Return the setpoints with the shifts of those that are among them added."""
+    flown = {name: shift for name, shift in shifts.items() if name in setpoint.names}
+    if not flown:
         return setpoint
-    pos, vel, acc = setpoint.pos.copy(), setpoint.vel.copy(), setpoint.acc.copy()
-    for name, row in rows.items():
-        for values, moved in zip((pos, vel, acc), shifts[name].at(setpoint.t), strict=True):
-            values[row, :2] += moved
-    return replace(setpoint, pos=pos, vel=vel, acc=acc)
+    given = {field.name: getattr(setpoint, field.name) for field in fields(SwarmSetpoint)}
+    shifted = ShiftedSetpoint(**given, shifts=flown)
+    moved = shifted.shift_at(np.array([setpoint.t]))[:, 0]
+    pos, vel, acc = setpoint.pos + moved[:, :3], setpoint.vel + moved[:, 3:6], setpoint.acc + moved[:, 6:]
+    return replace(shifted, pos=pos, vel=vel, acc=acc)
