@@ -1,12 +1,16 @@
 """The guard on ticks that are repeated, older, or of a clock that was set back."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from guarded_flights import (
     CUT,
     HOLD,
     LAND,
+    LEVEL,
     OK,
+    PARAMS,
     TICK,
     fly,
     guarded,
@@ -77,3 +81,28 @@ def test_a_tick_older_by_just_what_a_restart_takes_is_of_the_same_flight() -> No
     guard.update(state_at(2.0), setpoint_at(2.0), None)
     assert guard.update(state_at(1.0), setpoint_at(1.0), None).status.tolist() == [HOLD, HOLD]
     assert guard.newest == 2.0
+
+
+def test_a_tick_that_comes_for_longer_than_a_hold_is_that_of_a_clock_that_stands() -> None:
+    guard = guarded()
+    last = fly(guard, 0, 50)[-1]
+    moving = replace(state_at(last.t), vel=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))
+    again = [guard.update(moving, setpoint_at(last.t), None) for _ in range(500)]
+    held = round(PARAMS.level_s / TICK)
+    for one in again[:held]:  # published again: the same answer
+        assert one.status.tolist() == [OK, OK]
+        np.testing.assert_array_equal(one.pitch, last.pitch)
+    assert {one.t for one in again} == {last.t}
+    assert all(one.status.tolist() == [LEVEL, LEVEL] for one in again[held:]), "nobody lands or is cut"
+    on = fly(guard, 50, 51)[0]
+    assert on.status.tolist() == [OK, OK]
+
+
+def test_stamps_that_go_back_after_a_clock_that_stood_are_not_held_for_longer() -> None:
+    guard = guarded()
+    last = fly(guard, 0, 50)[-1]
+    for _ in range(15):
+        guard.update(state_at(last.t), setpoint_at(last.t), None)
+    old = [last.t - 0.3 + k * TICK for k in range(10)]
+    statuses = [guard.update(state_at(t), setpoint_at(t), None).status.tolist() for t in old]
+    assert statuses == [[LEVEL, LEVEL]] * 10

@@ -25,12 +25,13 @@ a vehicle returns to the height of its setpoint before it follows that (q2q_cont
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
 the controller is reset, ages continue. A jump back by more than RESTART is a new flight: everything is reset
-but an emergency.
+but an emergency. The same tick again gets the same command, and if it comes for level_s (standing_clock) that
+of a missing tick, short of landing: a simulator that is halted lets nobody fall.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf
+from math import inf, nextafter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +41,9 @@ from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
 from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
+from q2q_control.failsafe.standing_clock import StandingClock
 from q2q_control.inputs.controller import Controller
-from q2q_model.estimation.clock_resets import ClockResetDetector
+from q2q_model.estimation.clock_resets import ROUNDING, ClockResetDetector
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -91,6 +93,7 @@ class Guard:
         self._last: SwarmCommand | None = None
         self._nominal: SwarmState | None = None  # state of the last tick, if it was nominal
         self._clock_reset = ClockResetDetector()
+        self._clock = StandingClock()
         self._names: Names = ()
         self._measured_at = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
@@ -114,10 +117,11 @@ class Guard:
     ) -> SwarmCommand:
         """Return the command of the tick; `interference` None ignores downwash."""
         last = self._last
-        if last is not None and setpoint.t < last.t:
-            if last.t - setpoint.t <= RESTART and not self._clock_reset.rise(setpoint.t):
-                return _again(last, setpoint.t)
-            last = self._set_back(last, setpoint.t)
+        if last is not None and setpoint.t <= last.t:
+            repeated = self._repeated(last, setpoint.t)
+            if repeated is not None:
+                return repeated
+            last = self._last
         self._clock_reset.reset()
         if last is not None and (self._nominal is None or self._evasion.active):
             cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
@@ -150,21 +154,32 @@ class Guard:
         self._braking.advance(None, None, held.t)
         return self._braking.update(None, descending)
 
-    def _set_back(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
-        """Shift stored stamps to the new clock, or reset; return the last command with its new stamp."""
+    def _repeated(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
+        """Return the command of a tick t [s] that is not newer; None to compute it."""
+        stood, late = self._clock.stand(last.t), t < last.t
+        if late and (last.t - t > RESTART or self._clock_reset.rise(t)):
+            self._set_back(last, t)
+            return None
+        if stood > self._params.level_s + ROUNDING:
+            braked = self.without_tick(min(stood, nextafter(self._params.land_s, 0.0)))
+            return None if braked is None else replace(braked, t=t)
+        return _again(last, t) if late else None
+
+    def _set_back(self, last: SwarmCommand, t: float) -> None:
+        """Shift stored stamps to the new clock, whose first is t [s], or reset."""
         if last.t - t > RESTART:
             self.reset()
-            return None
+            return
         self._controller.reset()
         by = last.t - self._clock_reset.first
         self._braking.set_back(by)
         self._measured_at = self._measured_at - by
         self._last = replace(last, t=t)
-        return self._last
 
     def _forget(self) -> None:
         self._last, self._names = None, ()
         self._nominal = None
+        self._clock = StandingClock()
         self._braking.reset()
         self._evasion.reset()
         self._measured_at = np.zeros(0)
