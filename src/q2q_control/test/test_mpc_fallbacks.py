@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpc_bench import IDEAL, PAIR, Air, controller, first_tick, hover, pass_over, signals
+from mpc_bench import DT, IDEAL, PAIR, Air, controller, first_tick, hover, pass_over, signals
 
+from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.interaction_model import PairMotion
@@ -72,6 +73,37 @@ def test_a_state_that_is_no_number_holds_then_levels_and_the_other_flies_on(bad:
     state, setpoint, downwash = first_tick(preview, 60)
     lost = replace(state, status=np.array([TrackStatus.LOST, 0], np.uint8))
     assert mpc.update(lost, setpoint, downwash).status[0] == CommandStatus.LEVEL
+
+
+@pytest.mark.parametrize("missing", ["a number", "the setpoint"])
+def test_a_vehicle_without_setpoint_pushes_from_where_it_is_seen(missing: str):
+    """One vehicle hovers above another, and its setpoint is missing from one tick."""
+    preview = SampledPreview(PAIR, 0.0, DT, np.zeros((2, 100, 9)))
+    preview.samples[:, :, 2] = np.array([[1.0], [1.4]])
+    mpc = Mpc(MpcParams(latency=0.0), TEXTBOOK_065, PAPER_LAW, MpcSetup(vehicles=PAIR, preview=preview))
+    for k in range(30):
+        told = mpc.update(*first_tick(preview, k))
+    state, setpoint, downwash = first_tick(preview, 30)
+    if missing == "a number":
+        setpoint = replace(setpoint, pos=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, np.nan]]))
+    else:
+        columns = ("pos", "vel", "acc", "yaw", "yaw_rate", "status")
+        setpoint = replace(setpoint, names=PAIR[:1], **{one: getattr(setpoint, one)[:1] for one in columns})
+    command = mpc.update(state, setpoint, downwash)
+    assert command.status.tolist() == [CommandStatus.OK, CommandStatus.HOLD]
+    assert told.thrust[0] > 1.04 * TEXTBOOK_065.hover_thrust  # against the downwash
+    assert command.thrust[0] == pytest.approx(told.thrust[0], rel=1e-3)
+
+
+def test_without_any_setpoint_all_hold():
+    preview = hover(PAIR)
+    mpc = Mpc(IDEAL, TEXTBOOK_065, PAPER_LAW, MpcSetup(vehicles=PAIR, preview=preview))
+    state, setpoint, downwash = first_tick(preview)
+    mpc.update(state, setpoint, downwash)
+    columns = ("pos", "vel", "acc", "yaw", "yaw_rate", "status")
+    nobody = replace(setpoint, t=DT, names=(), **{one: getattr(setpoint, one)[:0] for one in columns})
+    command = mpc.update(replace(state, t=DT), nobody, downwash)
+    assert command.status.tolist() == [CommandStatus.HOLD] * 2
 
 
 def test_vehicles_lost_in_a_gap_count_as_on_their_references_and_are_found_there_by_the_first_solve():

@@ -42,7 +42,8 @@ def table_of(state: SwarmState, setpoint: SwarmSetpoint, eta: Interference) -> A
     table[:, POS], table[:, VEL], table[:, QUAT] = state.pos, state.vel, state.quat
     table[:, REF_POS], table[:, REF_VEL], table[:, REF_ACC] = setpoint.pos, setpoint.vel, setpoint.acc
     table[:, YAW], table[:, YAW_RATE], table[:, ETA] = setpoint.yaw, setpoint.yaw_rate, eta.acc
-    return Aligned(0.0, state.names, np.ones(len(state.names), bool), all_usable=True, table=table)
+    every = np.ones(len(state.names), bool)
+    return Aligned(0.0, state.names, every, every, all_usable=True, table=table)
 
 
 def commands_by_numpy(acc: Array, quat: Array, limits: ThrustLimits) -> tuple[Array, Array]:

@@ -1,8 +1,9 @@
 """Signals of one tick aligned by vehicle name, and which of the vehicles are usable.
 
-A vehicle is usable if its state and its setpoint are present, finite, of plausible size, and not LOST.
-Unusable rows are filled with a hover at rest, so that the laws run over all rows alike; their commands are
-never sent (q2q_control.failsafe.last_commands).
+A vehicle is seen if its state is present, finite, of plausible size, and not LOST; usable if its setpoint is,
+too. Unusable rows are filled, so that the laws run over all rows alike: with a setpoint at rest where the
+vehicle is seen, or with a hover at rest at the origin. Their commands are never sent
+(q2q_control.failsafe.last_commands).
 """
 
 from dataclasses import dataclass
@@ -48,6 +49,8 @@ class Aligned:
     names: Names
     usable: NDArray[np.bool_]
     """(n,)"""
+    seen: NDArray[np.bool_]
+    """(n,)"""
     all_usable: bool
     table: Array
     """Columns POS, VEL, QUAT of the state, REF_POS, REF_VEL, REF_ACC, YAW, YAW_RATE of the setpoint, the
@@ -63,14 +66,14 @@ def align(
     Vehicles missing from a signal get unusable rows; downwash that is missing or not finite is 0.
     """
     names = vehicles or setpoint.names
-    table, usable = np.empty((len(names), _WIDTH)), np.empty(len(names), dtype=np.bool_)
+    table, (usable, seen) = np.empty((len(names), _WIDTH)), np.empty((2, len(names)), dtype=np.bool_)
     moving = (state.pos, state.vel, state.quat, state.status[:, None])
     plan = (setpoint.pos, setpoint.vel, setpoint.acc, setpoint.yaw[:, None], setpoint.yaw_rate[:, None])
     *motion, track = _picked(moving, state.names, names)
     asked = _picked(plan, setpoint.names, names)
     push = _push(interference, names)
     np.concatenate((*motion, *asked, push, track), axis=1, out=table)
-    return Aligned(setpoint.t, names, usable, mark_usable(table, usable), table)
+    return Aligned(setpoint.t, names, usable, seen, mark_usable(table, usable, seen), table)
 
 
 def _push(interference: Interference | None, names: Names) -> Array | Status:
@@ -100,8 +103,8 @@ def _rows_of(names: Names, have: Names) -> tuple[NDArray[np.intp], bool]:
 
 
 @compiled
-def mark_usable(table: Array, usable: NDArray[np.bool_]) -> bool:
-    """Write which rows of a table are usable, (n,), and fill the others with a hover at rest.
+def mark_usable(table: Array, usable: NDArray[np.bool_], seen: NDArray[np.bool_]) -> bool:
+    """Write which rows of a table are usable and which are seen, (n,) each, and fill the unusable ones.
 
     Returns:
         Whether all are usable.
@@ -109,17 +112,35 @@ def mark_usable(table: Array, usable: NDArray[np.bool_]) -> bool:
     every = True
     for i in range(table.shape[0]):
         row = table[i]
-        whole, length = row[TRACK] != _LOST, 0.0
-        for k in range(ETA_AT):
-            whole = whole and abs(row[k]) < LARGEST_VALUE  # False for NaN
-        for k in range(QUAT_AT, QUAT_AT + 4):
-            length += row[k] * row[k]
-        usable[i] = whole and abs(length - 1.0) < QUAT_SLACK
+        seen[i] = row[TRACK] != _LOST and _is_plausible(row[:REF_POS_AT]) and _is_unit(row)
+        usable[i] = seen[i] and _is_plausible(row[REF_POS_AT:ETA_AT])
         if not usable[i]:
             every = False
-            row[:] = 0.0
-            row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
+            if not seen[i]:
+                row[:ETA_AT] = 0.0
+                row[TRACK] = 0.0
+                row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
+            row[REF_POS_AT:ETA_AT] = 0.0
+            row[REF_POS_AT:REF_VEL_AT] = row[POS_AT:VEL_AT]
         for k in range(ETA_AT, ETA_AT + 3):
-            if not abs(row[k]) < LARGEST_VALUE:
+            if not seen[i] or not abs(row[k]) < LARGEST_VALUE:
                 row[k] = 0.0
     return every
+
+
+@compiled
+def _is_plausible(values: Array) -> bool:
+    """Return whether all values (k,) are finite and of plausible size."""
+    for value in values:
+        if not abs(value) < LARGEST_VALUE:  # or not a number
+            return False
+    return True
+
+
+@compiled
+def _is_unit(row: Array) -> bool:
+    """Return whether the quaternion of a row has unit length."""
+    length = 0.0
+    for k in range(QUAT_AT, QUAT_AT + 4):
+        length += row[k] * row[k]
+    return abs(length - 1.0) < QUAT_SLACK

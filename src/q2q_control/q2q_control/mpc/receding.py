@@ -155,7 +155,7 @@ class Mpc:
         tick = align(state, setpoint, interference, names)
         times = self._forecaster.stages(tick.t)
         references = shifted_preview(setpoint, self._preview, times)
-        reference = future_reference(tick, setpoint, references)
+        reference = future_reference(tick, setpoint, references, times)
         neighbours = self._neighbours(state, setpoint, references, times)
         outlook = self._forecaster.outlook(tick, reference, neighbours, aware=interference is not None)
         if interference is not None and (self._params.loading > 0.0 or np.count_nonzero(interference.status)):

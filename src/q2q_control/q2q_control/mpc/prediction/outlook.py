@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.inputs.alignment import ETA, Aligned
+from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import (
     Others,
@@ -58,7 +58,11 @@ class Forecaster:
         """Return the outlook of the tick's vehicles, without downwash unless `aware`."""
         times = self.stages(tick.t)
         plan = self._plans.shifted(tick.names, float(times[0]))
-        future = Future(times, reference[..., :3] + plan.offset, plan.inputs)
+        path = reference[..., :3] + plan.offset
+        if not tick.all_usable:
+            stray = tick.seen & ~tick.usable
+            path[stray] = reference[stray, :, :3]
+        future = Future(times, path, plan.inputs)
         tracks = self._surroundings.tracks(tick, future, neighbours)
         others = None
         if neighbours.names:
@@ -67,8 +71,8 @@ class Forecaster:
         downwash = (
             predict_downwash(self._model, tracks, self._slopes, others) if aware else no_downwash(tracks)
         )
-        path = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
-        return Outlook(reference, plan, downwash, path)
+        predicted = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
+        return Outlook(reference, plan, downwash, predicted)
 
     def keep(self, names: Names, plan: Plan) -> None:
         """Remember the plans of a tick."""
@@ -91,13 +95,19 @@ def correct_downwash(
     tick.table[:, ETA] = np.where(uncertain[:, None], now, tick.table[:, ETA])
 
 
-def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array) -> Array:
-    """Return the references of the tick's vehicles, 0 where a setpoint is missing or not finite.
+def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array, times: Array) -> Array:
+    """Return the references of the tick's vehicles at `times` (N + 1,) [s], (n, N + 1, 9).
 
+    A vehicle that is seen but has no usable setpoint flies on at its velocity; what is not finite is 0.
     `references` are those of the vehicles of `setpoint`, (m, N + 1, 9).
     """
     if setpoint.names == tick.names and tick.all_usable:
         return np.ascontiguousarray(references)
-    rows = index_of(tick.names, setpoint.names)
-    picked = np.where((rows >= 0)[:, None, None], references[rows], 0.0)
-    return np.where(np.isfinite(picked), picked, 0.0)
+    none = np.zeros((1, *references.shape[1:]))
+    found = np.concatenate((references, none))[index_of(tick.names, setpoint.names)]
+    found = np.where(np.isfinite(found), found, 0.0)
+    stray = tick.seen & ~tick.usable
+    pos, vel = tick.table[stray, None, POS], tick.table[stray, None, VEL]
+    found[stray, :, :3] = pos + vel * (times - tick.t)[:, None]
+    found[stray, :, 3:6], found[stray, :, 6:] = vel, 0.0
+    return found

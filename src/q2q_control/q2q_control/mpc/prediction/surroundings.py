@@ -1,9 +1,10 @@
 """Past and future tracks of all vehicles: the controlled ones and those of other controllers.
 
-A controlled vehicle follows its last plan. A vehicle of another controller follows the prediction that its
-MPC has sent (q2q_control.mpc.prediction.neighbours), else it is extrapolated at constant velocity. A vehicle
-that is no longer visible is extrapolated likewise, and the weight of its downwash decays: it is still there,
-but its position is uncertain. The past reaches back as far as the longest downwash delay.
+A controlled vehicle follows its last plan, or flies on at its velocity if it has no setpoint. A vehicle of
+another controller follows the prediction that its MPC has sent (q2q_control.mpc.prediction.neighbours), else
+it is extrapolated at constant velocity. The weight of a controlled vehicle's downwash decays once it is no
+longer seen: it is still there, but its position is uncertain. The past reaches back as far as the longest
+downwash delay.
 """
 
 import math
@@ -15,7 +16,7 @@ import numpy as np
 from q2q_control.inputs.alignment import POS, Aligned
 from q2q_control.mpc.prediction.downwash_stages import Flags, Rows, Tracks
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import KNOWN_NAMES, Array, Names, SwarmState, TrackStatus
+from q2q_model.signals.values import KNOWN_NAMES, Array, Names, SwarmState, TrackStatus, index_of
 from q2q_model.vehicle.constants import GRAVITY
 
 FAR = 1e6
@@ -74,11 +75,6 @@ class PresentInputs(NamedTuple):
     """Weight of each vehicle's downwash by visibility, (n,)."""
 
 
-def no_past(vehicles: int) -> Past:
-    """Return a past without positions."""
-    return Past(np.zeros(0), np.zeros((0, vehicles, 3)))
-
-
 class Surroundings:
     """Recent positions of the vehicles."""
 
@@ -90,7 +86,7 @@ class Surroundings:
     def reset(self) -> None:
         """Forget the past."""
         self._names: Names = ()
-        self._past = no_past(0)
+        self._past = Past(np.zeros(0), np.zeros((0, 0, 3)))
         self._unseen: dict[str, float] = {}
 
     def tracks(self, tick: Aligned, future: Future, others: Neighbours) -> Tracks:
@@ -104,13 +100,14 @@ class Surroundings:
         trust = self._trust(tick, future.path)
         here = tick.table[:, POS].copy()
         if not tick.all_usable:
-            here = np.where(tick.usable[:, None], here, future.path[:, 0])
+            here = np.where(tick.seen[:, None], here, future.path[:, 0])
         names = tick.names
         if others.names:
             names, here, future = _with_others(names, here, future, others)
             trust = np.concatenate((trust, np.ones(len(others.names))))
         if names != self._names:
-            self._names, self._past = names, no_past(len(names))
+            rows = index_of(names, self._names)
+            self._names, self._past = names, _reordered(self._past, rows, here)
         self._past, tracks = _joined(
             self._past, PresentInputs(tick.t, here, trust), future, self._span, self._loading
         )
@@ -123,7 +120,7 @@ class Surroundings:
             self._unseen = {}
             return trust
         for row, name in enumerate(tick.names):
-            if tick.usable[row]:
+            if tick.seen[row]:
                 self._unseen.pop(name, None)
                 continue
             since = self._unseen.setdefault(name, tick.t if name in self._names else -np.inf)
@@ -131,6 +128,12 @@ class Surroundings:
             if trust[row] < NEGLIGIBLE or not np.isfinite(path[row]).all():
                 trust[row], path[row] = 0.0, FAR * (1.0 + row)
         return trust
+
+
+def _reordered(past: Past, rows: Rows, here: Array) -> Past:
+    """Return the past of the vehicles of `rows`; new ones, of row -1, have been where they are, (n, 3)."""
+    known = np.concatenate((past.pos, np.zeros((past.times.size, 1, 3))), axis=1)[:, rows]
+    return Past(past.times, np.where((rows >= 0)[:, None], known, here))
 
 
 @compiled
