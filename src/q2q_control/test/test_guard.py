@@ -1,5 +1,7 @@
 """The guard of a controller: by age down the failsafe ladder and up again, and an emergency."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from guarded_flights import (
@@ -137,6 +139,35 @@ def test_an_age_that_is_none_is_not_trusted(age: float) -> None:
         for k in range(5, 120)
     ]
     assert statuses[-1] == LAND
+
+
+def test_a_cut_vehicle_that_is_not_commanded_for_a_while_stays_cut() -> None:
+    guard = guarded()
+    assert fly(guard, 0, 520, unseen_since=0.0)[-1].status.tolist() == [CUT, OK]
+    for k, names in enumerate((NAMES[1:], (), NAMES[1:])):
+        t = (520 + k) * TICK
+        setpoint = setpoint_at(t)
+        rows = [NAMES.index(name) for name in names]
+        columns = ("pos", "vel", "acc", "yaw", "yaw_rate", "status")
+        some = replace(setpoint, names=names, **{one: getattr(setpoint, one)[rows] for one in columns})
+        assert guard.update(state_at(t), some, None).status.tolist() == [OK] * len(names)
+    assert fly(guard, 523, 525)[-1].status.tolist() == [CUT, OK]
+
+
+def test_an_orientation_that_is_no_number_leaves_no_trace_in_what_a_vehicle_does_blind() -> None:
+    guard, sane = guarded(), guarded()
+    for one in (guard, sane):
+        fly(one, 0, 50)
+        bad = state_at(0.5)
+        if one is guard:
+            bad.quat[0] = np.nan
+        one.update(bad, setpoint_at(0.5), None)
+    for answers in zip(
+        fly(guard, 51, 120, unseen_since=0.6), fly(sane, 51, 120, unseen_since=0.6), strict=True
+    ):
+        for values in ("thrust", "roll", "pitch"):
+            found, expected = (getattr(one, values) for one in answers)
+            np.testing.assert_allclose(found, expected, atol=0.02)
 
 
 def test_an_emergency_cuts_all_at_once_and_stays_through_a_reset() -> None:

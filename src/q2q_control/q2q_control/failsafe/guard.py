@@ -3,12 +3,12 @@
 The same guard wraps the PID and the MPC, in closed_loop and in the nodes. The fallback phases are those of
 q2q_control.failsafe.ladder, by the age of vehicle i's measurement at tick t:
 
-    a_i = t - b_i + l        b_i = t - (t - t_state) - age_i   if the controller used the state,
-                             b_i unchanged                     if it answered HOLD or LEVEL
+    a_i = t - b_i        b_i = t - max(t - t_state + l, 0) - age_i   if the controller used the state,
+                         b_i unchanged                               if it answered HOLD or LEVEL
 
 The age grows by stamps, whether samples, frames or whole messages are missing. A vehicle that was never
-measured counts from the guard's first tick. A vehicle measured again before it is cut flies on; a cut is
-final.
+measured counts from its first tick. A vehicle measured again before it is cut flies on; a cut is final, also
+for one that is not commanded meanwhile.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -97,6 +97,7 @@ class Guard:
         self._names: Names = ()
         self._measured_at = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._cut: set[str] = set()  # cut vehicles that were commanded before, too
 
     @property
     def newest(self) -> float:
@@ -184,6 +185,7 @@ class Guard:
         self._evasion.reset()
         self._measured_at = np.zeros(0)
         self._down = np.zeros(0, dtype=np.bool_)
+        self._cut = set()
 
     def _is_nominal(self, command: SwarmCommand, state: SwarmState, age: Array, known: float) -> bool:
         """Return whether every vehicle is measured, commanded and on: nearly every tick.
@@ -222,12 +224,13 @@ class Guard:
         return descended(flagged, ages, self._down, self._params, self._hover_thrust)
 
     def _match_names(self, command: SwarmCommand) -> None:
-        """Match stored rows to the command's names; a new vehicle counts as measured now."""
+        """Match stored rows to the command's names; a new vehicle counts as measured now, unless cut before."""
         if command.names == self._names:
             return
+        self._cut.update(name for name, down in zip(self._names, self._down, strict=True) if down)
         rows = index_of(command.names, self._names)
         self._measured_at = np.append(self._measured_at, command.t)[rows]
-        self._down = np.append(self._down, False)[rows]
+        self._down = np.array([name in self._cut for name in command.names], dtype=np.bool_)
         self._names = command.names
 
     def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:

@@ -16,7 +16,7 @@ A vehicle that lands is kept from rising and from sinking fast: V_z counts where
 | a_max | BRAKING_MAX | largest horizontal acceleration [m/s^2] |
 | v_max | SINK_MAX | velocity of sinking from which it is braked [m/s] |
 | b_max | BALANCE_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
-| b | BALANCE | acceleration by commands that keeps the velocity, less -eta [m/s^2] (dead_reckoning) |
+| b | BALANCE | acceleration by commands that keeps the velocity, plus eta [m/s^2] (dead_reckoning) |
 | eta | push | predicted downwash [m/s^2] |
 """
 

@@ -29,7 +29,7 @@ taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 | v | VEL | velocity, world [m/s] |
 | a | ACC | acceleration by commands, world [m/s^2] |
 | j | JERK | its horizontal rate of change, world [m/s^3] |
-| b | BALANCE | acceleration by commands at which the velocity is steady, less -eta [m/s^2] |
+| b | BALANCE | acceleration by commands at which the velocity is steady, plus eta [m/s^2] |
 | o | OBSERVED | velocity of the observer [m/s] |
 | psi | YAW | last measured yaw [rad] |
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust, mean [s] |
@@ -88,6 +88,8 @@ Sight = tuple[Array, Array, Array, Status]
 def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], sight: Sight) -> int:
     """Advance tracks (n, WIDTH) in place to a tick; return how many vehicles are not measured.
 
+    A vehicle whose state is not finite counts as not measured.
+
     Args:
         track: Of the last tick.
         asked: In effect since then.
@@ -100,11 +102,12 @@ def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], 
     for i in range(track.shape[0]):
         one, command = track[i], (thrust[i] / hover_thrust, roll[i], pitch[i])
         _propagate(one, command, push[i], elapsed)
-        if status[i] == TRACKED:
+        measured = status[i] == TRACKED and abs(pos[i].sum() + vel[i].sum() + quat[i].sum()) < math.inf
+        if measured:
             _correct(one, pos[i], vel[i], elapsed)
             one[YAW] = _yaw(quat[i])
-        one[SEEN] = 1.0 if status[i] == TRACKED else 0.0
-        unmeasured += status[i] != TRACKED
+        one[SEEN] = 1.0 if measured else 0.0
+        unmeasured += not measured
     return unmeasured
 
 
