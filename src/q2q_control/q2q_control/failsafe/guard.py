@@ -224,7 +224,7 @@ class Guard:
         return descended(flagged, ages, self._down, self._params, self._hover_thrust)
 
     def _match_names(self, command: SwarmCommand) -> None:
-        """Match stored rows to the command's names; a new vehicle counts as measured now, unless cut before."""
+        """Match stored rows to the command's names; a new vehicle counts as measured now."""
         if command.names == self._names:
             return
         self._cut.update(name for name, down in zip(self._names, self._down, strict=True) if down)

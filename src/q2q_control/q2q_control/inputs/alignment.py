@@ -116,14 +116,13 @@ def mark_usable(table: Array, usable: NDArray[np.bool_], seen: NDArray[np.bool_]
         usable[i] = seen[i] and _is_plausible(row[REF_POS_AT:ETA_AT])
         if not usable[i]:
             every = False
-            if not seen[i]:
-                row[:ETA_AT] = 0.0
-                row[TRACK] = 0.0
-                row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
-            row[REF_POS_AT:ETA_AT] = 0.0
-            row[REF_POS_AT:REF_VEL_AT] = row[POS_AT:VEL_AT]
+        if not seen[i]:
+            row[:] = 0.0
+            row[QUAT_AT + 3] = 1.0  # level: the quaternion's w
+        elif not usable[i]:
+            row[REF_POS_AT:REF_VEL_AT], row[REF_VEL_AT:ETA_AT] = row[POS_AT:VEL_AT], 0.0
         for k in range(ETA_AT, ETA_AT + 3):
-            if not seen[i] or not abs(row[k]) < LARGEST_VALUE:
+            if not abs(row[k]) < LARGEST_VALUE:
                 row[k] = 0.0
     return every
 
@@ -131,10 +130,10 @@ def mark_usable(table: Array, usable: NDArray[np.bool_], seen: NDArray[np.bool_]
 @compiled
 def _is_plausible(values: Array) -> bool:
     """Return whether all values (k,) are finite and of plausible size."""
+    plausible = True
     for value in values:
-        if not abs(value) < LARGEST_VALUE:  # or not a number
-            return False
-    return True
+        plausible = plausible and abs(value) < LARGEST_VALUE  # False for NaN
+    return plausible
 
 
 @compiled

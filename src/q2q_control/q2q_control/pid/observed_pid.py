@@ -1,11 +1,12 @@
-"""PID with a disturbance observer in place of the integral.
+"""PID with a disturbance observer.
 
-    a = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') - eta - d      d of q2q_control.disturbance.observer
+    a = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta - d
 
-d replaces the integral: it is faster and does not wind up. Without a predicted downwash (eta = 0), d
-estimates the downwash itself, one time constant late; with one, d estimates the model's error. Position and
-velocity are the observer's too. With a residual process, z, z' and d_z are those of
-q2q_control.disturbance.residual_observer, from accelerometers too.
+d, of q2q_control.disturbance.observer, is faster than the integral xi and does not wind up; the gains K_i are used as given, and with those above 0
+both correct one error. Without a predicted downwash (eta = 0), d estimates the downwash itself, one time
+constant late; with one, d estimates the model's error. Position and velocity are the observer's too. With a
+residual process, z, z' and d_z are those of q2q_control.disturbance.residual_observer, from accelerometers
+too.
 """
 
 import numpy as np
