@@ -2,11 +2,11 @@
 
     a = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta - d
 
-d, of q2q_control.disturbance.observer, is faster than the integral xi and does not wind up; the gains K_i are used as given, and with those above 0
-both correct one error. Without a predicted downwash (eta = 0), d estimates the downwash itself, one time
-constant late; with one, d estimates the model's error. Position and velocity are the observer's too. With a
-residual process, z, z' and d_z are those of q2q_control.disturbance.residual_observer, from accelerometers
-too.
+d, of q2q_control.disturbance.observer, is faster than the integral xi and does not wind up; the gains K_i are
+used as given, and with those above 0 both correct one error. Without a predicted downwash (eta = 0), d
+estimates the downwash itself, one time constant late; with one, d estimates the model's error. Position and
+velocity are the observer's too. With a residual process, z, z' and d_z are those of
+q2q_control.disturbance.residual_observer, from accelerometers too.
 """
 
 import numpy as np
