@@ -112,9 +112,10 @@ class Bench:
         moves.get(order.act, lambda: None)()
 
     def move(self, pos: Array) -> None:
-        """Put vehicles and setpoints somewhere, within what a setpoint may move in a tick."""
+        """Move vehicles and setpoints somewhere, within what a setpoint may move in a tick."""
+        for share in np.linspace(0.0, 1.0, 50):
+            self.procedure.accepts(self.setpoint_pos + share * (pos - self.setpoint_pos))
         self.pos, self.setpoint_pos = pos.copy(), pos.copy()
-        self.procedure.accepts(np.full((2, 3), np.nan))
 
 
 def up_to(step: Step, **given: object) -> Bench:

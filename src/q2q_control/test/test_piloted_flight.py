@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass, field
 
-from q2q_control.flight_procedure.observation import VehicleReport
+import numpy as np
+
+from q2q_control.flight_procedure.observation import PlanOutline, VehicleReport
 from q2q_control.flight_procedure.piloted_flight import PilotedFlight
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
+from q2q_model.signals.values import SwarmState
 
 DONE = Reply(granted=True)
 
@@ -34,19 +37,49 @@ class Vehicles:
 
 @dataclass
 class Plan:
-    """Executor of the plan that is never asked."""
+    """Executor of the plan, with outcomes set by the test."""
+
+    begun: list[Act] = field(default_factory=list)
+    result: Reply | None = None
 
     def begin(self, act: Act) -> None:
-        """Fail."""
-        raise AssertionError(act)
+        """Record the act."""
+        self.begun.append(act)
 
-    def outcome(self) -> None:
-        """Return nothing."""
+    def outcome(self) -> Reply | None:
+        """Return the outcome once."""
+        result, self.result = self.result, None
+        return result
 
 
-def flight() -> tuple[PilotedFlight, Vehicles]:
+def flight(params: FlightProcedureParams | None = None) -> tuple[PilotedFlight, Vehicles]:
     vehicles = Vehicles()
-    return PilotedFlight(("cf1",), vehicles, Plan(), (FlightProcedureParams(), LandingParams())), vehicles
+    both = params or FlightProcedureParams(), LandingParams()
+    return PilotedFlight(("cf1",), vehicles, Plan(), both), vehicles
+
+
+def in_hover() -> tuple[PilotedFlight, Vehicles, Plan]:
+    """Return a flight whose vehicle hovers at 0.5 m over its plan's first point, at t = 1 s."""
+    vehicles, plan = Vehicles(), Plan()
+    params = FlightProcedureParams(volt_start=0.0, settle_s=0.0), LandingParams()
+    piloted = PilotedFlight(("cf1",), vehicles, plan, params)
+    first = np.array([[0.0, 0.0, 1.0]])
+    piloted.store_plan(PlanOutline(("cf1",), first, first, first, duration=4.0))
+    piloted.store_state(state_at(0.0), 0.0)
+    piloted.update(0.0)
+    assert piloted.call(Call.TAKE_OFF, 0.0) is None
+    for height in (0.0, 0.0, 0.5):
+        plan.result, vehicles.result = DONE, DONE
+        piloted.store_state(state_at(height), 1.0)
+        piloted.update(1.0)
+    piloted.update(1.0)
+    assert piloted.replies()[0][1].granted
+    return piloted, vehicles, plan
+
+
+def state_at(height: float) -> SwarmState:
+    zero, pos, level = np.zeros((1, 3)), np.array([[0.0, 0.0, height]]), np.array([[0.0, 0.0, 0.0, 1.0]])
+    return SwarmState(0.0, ("cf1",), pos, zero, level, zero, np.zeros(1), np.zeros(1, dtype=np.uint8))
 
 
 def test_a_refused_call_reaches_no_executor() -> None:
@@ -79,6 +112,49 @@ def test_a_call_supersedes_a_single_act_and_its_outcome_is_that_of_the_call() ->
     assert request is Call.EMERGENCY
     assert reply.granted
     assert piloted.begin_single(Act.ARM, "arm", 0.3) is not None  # not on the ground
+
+
+def test_a_refused_call_leaves_a_single_act_under_way() -> None:
+    piloted, vehicles = flight()
+    piloted.begin_single(Act.ARM, "arm", 0.0)
+    refused = piloted.call(Call.HOLD, 0.1)
+    assert refused is not None
+    assert piloted.replies() == []
+    vehicles.result = DONE
+    piloted.update(0.2)
+    assert piloted.replies() == [(Act.ARM, DONE)]
+
+
+def test_a_single_act_without_outcome_fails_after_the_patience() -> None:
+    piloted, _ = flight()
+    piloted.begin_single(Act.ARM, "arm", 0.0)
+    piloted.update(FlightProcedureParams().patience_s)
+    assert piloted.replies() == []
+    piloted.update(FlightProcedureParams().patience_s + 0.1)
+    ((request, reply),) = piloted.replies()
+    assert (request, reply.granted) == (Act.ARM, False)
+    assert piloted.begin_single(Act.DISARM, "disarm", 6.0) is None
+
+
+def test_in_a_dry_run_no_single_act_is_sent() -> None:
+    piloted, vehicles = flight(FlightProcedureParams(dry_run=True))
+    refused = piloted.begin_single(Act.ARM, "arm", 0.0)
+    assert refused == Reply(granted=False, reason="dry run, nothing is sent; arm means: arm")
+    assert vehicles.begun == []
+
+
+def test_an_order_to_vehicles_is_not_concluded_by_a_late_outcome_of_the_plan() -> None:
+    piloted, vehicles, plan = in_hover()
+    assert piloted.call(Call.FLY, 1.05) is None
+    assert plan.begun[-1] is Act.GLIDE
+    assert piloted.call(Call.LAND, 1.06) is None
+    assert vehicles.begun[-1] is Act.STOP_STREAM
+    plan.result = Reply(granted=False, reason="no such glide")
+    piloted.update(1.07)
+    assert vehicles.begun[-1] is Act.STOP_STREAM, "its setpoints are not stopped yet"
+    vehicles.result = DONE
+    piloted.update(1.08)
+    assert vehicles.begun[-1] is Act.LAND
 
 
 def test_a_status_is_new_once_per_change() -> None:

@@ -28,10 +28,9 @@ class FlightView:
 
     def store_setpoint(self, setpoint: SwarmSetpoint, t: float) -> Array:
         """Store a setpoint received at time t [s]; return each vehicle's position, NaN if it has none."""
-        rows = index_of(self._names, setpoint.names)
-        absent = (rows < 0)[:, None]
-        self._setpoint_pos = np.where(absent, np.nan, setpoint.pos[rows])
-        self._setpoint_vel = np.where(absent, np.nan, setpoint.vel[rows])
+        rows, absent = index_of(self._names, setpoint.names), np.full((1, 3), np.nan)
+        self._setpoint_pos = np.concatenate((setpoint.pos, absent))[rows]
+        self._setpoint_vel = np.concatenate((setpoint.vel, absent))[rows]
         self._setpoint_at = t
         return self._setpoint_pos
 

@@ -4,6 +4,7 @@ Orders to the plan (PLAN_ACTS) go to the executor of the plan, all others to tha
 ground, a single act of the vehicles' executor may be requested by itself; a call supersedes it.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -66,8 +67,10 @@ class PilotedFlight:
     ) -> None:
         self._executor, self._plan_executor = executor, plan_executor
         self._procedure = FlightProcedure(*params)
+        self._dry_run, self._patience_s = params[0].dry_run, params[0].patience_s
         self._view = FlightView(names)
         self._single: Act | None = None
+        self._single_at = -math.inf
         self._replies: list[tuple[Call | Act, Reply]] = []
         self._reported: ProcedureStatus | None = None
         self.refusal: Callable[[Call], str] = lambda _: ""
@@ -90,24 +93,30 @@ class PilotedFlight:
         refusal = self.refusal(call)
         if refusal:
             return Reply(granted=False, reason=refusal)
-        self._answer_single(Reply(granted=False, reason=f"{call.value} took over"))
         reply = self._procedure.call(call, self._observed(t), t)
+        if reply is None:
+            self._answer_single(Reply(granted=False, reason=f"{call.value} took over"))
         self._execute(t)
         return reply
 
     def begin_single(self, act: Act, name: str, t: float) -> Reply | None:
         """Start a single act, `name` in messages; return why it is refused, or None if it has started."""
-        step = self._procedure.step
-        if step not in ON_GROUND or self._single is not None:
-            return Reply(granted=False, reason=f"the step is {step.value}: {name} is for the ground")
-        self._single = act
+        refusal = self._single_refusal(name)
+        if refusal:
+            return Reply(granted=False, reason=refusal)
+        if self._dry_run:
+            return Reply(granted=False, reason=f"dry run, nothing is sent; {name} means: {act.value}")
+        self._single, self._single_at = act, t
         self._executor.begin(Order(act), t)
         return None
 
     def update(self, t: float) -> None:
         """Update the procedure at time t [s]."""
-        outcome = self._executor.outcome(t) or self._plan_executor.outcome()
-        if outcome is not None and self._answer_single(outcome):
+        order = self._procedure.state.waiting
+        planned = order is not None and order.act in PLAN_ACTS
+        outcome = self._plan_executor.outcome() if planned else self._executor.outcome(t)
+        if self._single is not None:
+            self._conclude_single(outcome, t)
             outcome = None
         self._procedure.update(self._observed(t), outcome, t)
         self._execute(t)
@@ -130,12 +139,25 @@ class PilotedFlight:
         self._reported = status
         return status
 
-    def _answer_single(self, reply: Reply) -> bool:
-        """Answer a single act that is under way; return whether there was one."""
+    def _single_refusal(self, name: str) -> str:
+        """Return why a single act is refused; empty if it is not."""
+        step = self._procedure.step
+        if step not in ON_GROUND:
+            return f"the step is {step.value}: {name} is for the ground"
+        return "" if self._single is None else f"{self._single.value} is under way"
+
+    def _conclude_single(self, outcome: Reply | None, t: float) -> None:
+        """Answer the single act with its outcome; one that is late is a failure."""
+        if outcome is None and t - self._single_at > self._patience_s:
+            outcome = Reply(granted=False, reason=f"no answer in {self._patience_s:g} s")
+        if outcome is not None:
+            self._answer_single(outcome)
+
+    def _answer_single(self, reply: Reply) -> None:
+        """Answer a single act, if one is under way."""
         act, self._single = self._single, None
         if act is not None:
             self._replies.append((act, reply))
-        return act is not None
 
     def _execute(self, t: float) -> None:
         for order in self._procedure.state.take_orders():

@@ -164,7 +164,7 @@ class FlightProcedure:
             self.state.enter(Step.ARMING if self._joins else Step.TAKE_OFF, t)
             self._give(Act.STREAM if self._joins else Act.TAKE_OFF, observation, t)
         elif act is Act.STREAM:
-            self._stream.on = True
+            self._stream.start()
             if self._joins:
                 self.state.enter(Step.FLIGHT, t)
                 self.state.answer(granted=True, reason="flying the present setpoints")
@@ -230,11 +230,13 @@ class FlightProcedure:
         off = at_points(observation, first, self._params, self._landing)
         if self.state.rest.lasts(arrived and not off, t):
             self._arrive(observation, t)
-        elif not arrived:
-            self.state.since = t
+        elif not setpoints_rest(observation, self._params):
+            self.state.moving(t)
         elif self.state.late(0.0, t):
-            self.state.answer(granted=False, reason=f"glide failed: {off}; holding")
-            self.state.enter(Step.HOLD, t, off)
+            why = off or "the setpoints rest elsewhere than at the first points"
+            then = "call land again to land where they are" if self._lands_after_glide else "holding"
+            self.state.answer(granted=False, reason=f"glide failed: {why}; {then}")
+            self.state.enter(Step.HOLD, t, why)
 
     def _arrive(self, observation: Observation, t: float) -> None:
         if self._lands_after_glide:
@@ -249,6 +251,8 @@ class FlightProcedure:
 
     def _hold(self, observation: Observation, t: float) -> None:
         if not setpoints_rest(observation, self._params):
+            if self.state.late(0.0, t):
+                self.state.answer(granted=False, reason="the setpoints do not come to rest; call land again")
             return
         if self.state.pending is Call.HOLD:
             self.state.answer(granted=True, reason=f"holding: {places(observation)}")

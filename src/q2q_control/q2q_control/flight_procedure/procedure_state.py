@@ -15,6 +15,7 @@ class ProcedureState:
         self.step = Step.OFFLINE
         self.since = -np.inf
         """Time at which the step began [s]."""
+        self._moving_at = -np.inf
         self.rest = Rest(settle_s)
         """Time at rest within the step, or since the last order."""
         self.pending: Call | None = None
@@ -28,7 +29,7 @@ class ProcedureState:
 
     def enter(self, step: Step, t: float, why: str = "") -> None:
         """Enter a step at time t [s]."""
-        self.step, self.since = step, t
+        self.step, self.since, self._moving_at = step, t, t
         self.rest.reset()
         self.log.append(f"step {step.value}{': ' if why else ''}{why}")
 
@@ -45,9 +46,13 @@ class ProcedureState:
             self._replies.append((self.pending, Reply(granted=granted, reason=reason)))
         self.pending = None
 
+    def moving(self, t: float) -> None:
+        """Take note that setpoints move at time t [s]: the step is under way."""
+        self._moving_at = t
+
     def late(self, duration: float, t: float) -> bool:
         """Return whether a step of this duration [s] has failed by time t [s]."""
-        return t - self.since > duration + self._patience_s
+        return t - max(self.since, self._moving_at) > duration + self._patience_s
 
     def overdue(self, order: Order, t: float) -> Reply | None:
         """Return the failure of an order without outcome; None while it may still come."""

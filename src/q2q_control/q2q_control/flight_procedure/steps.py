@@ -63,7 +63,7 @@ class Order:
 
     act: Act
     height: float = 0.0
-    """Final height of a take-off [m], world."""
+    """Final height of a take-off or landing [m], world."""
     duration: float = 0.0
     """Duration of a take-off or landing [s]."""
 

@@ -80,7 +80,10 @@ class ProcedureServices:
         self._pass_on()
 
     def _take_plan(self, message: Plan) -> None:
-        self._flight.store_plan(outline(tuple(message.names), decode_trajectories(message)))
+        try:
+            self._flight.store_plan(outline(tuple(message.names), decode_trajectories(message)))
+        except ValueError as refusal:
+            self._node.get_logger().error(f"next_plan refused, the last one is kept: {refusal}")
 
     def _pass_on(self) -> None:
         for line in self._flight.log_lines():

@@ -1,0 +1,47 @@
+"""Setpoints are flown until they jump or stay away."""
+
+import numpy as np
+
+from q2q_control.flight_procedure.flight_view import FlightView
+from q2q_control.flight_procedure.setpoint_stream import SetpointStream
+from q2q_model.signals.values import Array, Names, SwarmSetpoint
+
+PAIR = ("cf1", "cf2")
+
+
+def at(*x: float) -> Array:
+    return np.array([[one, 0.0, 1.0] for one in x])
+
+
+def setpoint(names: Names, pos: Array) -> SwarmSetpoint:
+    none = np.zeros(len(names))
+    return SwarmSetpoint(0.0, names, pos, 0.0 * pos, 0.0 * pos, none, none, none.astype(np.uint8))
+
+
+def test_a_jump_over_an_absence_is_one() -> None:
+    stream = SetpointStream(jump=0.3, lost_s=2.0)
+    stream.start()
+    for pos in (at(0.0, 1.0), at(0.2, np.nan), at(0.4, np.nan)):
+        assert stream.accepts(pos)
+    assert stream.accepts(at(0.6, 1.25))
+    assert stream.accepts(at(0.8, np.nan))
+    assert not stream.accepts(at(1.0, 1.6))
+    assert "0.35 m" in stream.take_fault(0.0)
+
+
+def test_a_fault_of_a_stream_that_was_stopped_is_none_of_the_next() -> None:
+    stream = SetpointStream(jump=0.3, lost_s=2.0)
+    stream.start()
+    assert stream.accepts(at(0.0))
+    assert not stream.accepts(at(1.0))
+    stream.stop()
+    stream.start()
+    assert stream.take_fault(0.0) == ""
+    assert stream.accepts(at(1.1))
+
+
+def test_a_setpoint_of_nobody_is_none_of_each() -> None:
+    view = FlightView(PAIR)
+    assert np.isnan(view.store_setpoint(setpoint((), np.zeros((0, 3))), 0.0)).all()
+    seen = view.store_setpoint(setpoint(("cf2",), at(3.0)), 0.1)
+    np.testing.assert_array_equal(seen, [[np.nan] * 3, [3.0, 0.0, 1.0]])
