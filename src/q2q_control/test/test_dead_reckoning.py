@@ -10,8 +10,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     BALANCE_MAX,
     LAG_S,
     TILT_SQUARE,
+    TRACK_WIDTH,
     VEL,
-    WIDTH,
     _tilted,
     reckon,
 )
@@ -23,7 +23,7 @@ from q2q_model.vehicle.constants import GRAVITY
 def test_a_weak_vehicle_gains_as_much_by_its_tilt_as_its_thrust_holds() -> None:
     """With 1.2 m/s^2 to balance, a thrust that holds the weight accelerates by g tan(tilt), as without."""
     for weak in (0.0, 1.2):
-        track = np.zeros((1, WIDTH))
+        track = np.zeros((1, TRACK_WIDTH))
         track[0, BALANCE + 2] = weak
         share = (1.0 + weak / GRAVITY) / np.cos(0.2)
         asked = (np.array([share * HOVER]), np.zeros(1), np.array([0.2]))
@@ -81,7 +81,7 @@ def test_what_was_balanced_is_balanced_without_measurements(push: np.ndarray, of
 @pytest.mark.parametrize("since", [0.1, 0.3, 0.6])
 def test_a_first_balance_is_the_slope_of_all_velocities_so_far_and_a_prior(since: float) -> None:
     """A level vehicle drifts ever faster: the fit of its slope, shrunk to 0 as if it were known for LAG_S."""
-    slope, track = np.array([0.3, -0.2, 0.0]), np.zeros((1, WIDTH))
+    slope, track = np.array([0.3, -0.2, 0.0]), np.zeros((1, TRACK_WIDTH))
     level = (np.array([HOVER]), np.zeros(1), np.zeros(1))
     for k in range(round(since / TICK) + 1):
         sight = (np.zeros((1, 3)), (slope * k * TICK)[None], LEVEL, np.zeros(1, dtype=np.uint8))
@@ -103,7 +103,7 @@ def test_an_acceleration_that_is_wanted_is_no_balance() -> None:
 def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
     """A vehicle that does not move with its motors off, or at twice its weight: it is held."""
     track, sight = (
-        np.zeros((1, WIDTH)),
+        np.zeros((1, TRACK_WIDTH)),
         (np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.zeros(1, np.uint8)),
     )
     for _ in range(300):
@@ -116,7 +116,7 @@ def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
 @pytest.mark.parametrize("speed", [3.0, 1e300, np.inf, np.nan])
 def test_a_velocity_that_jumps_is_no_balance(speed: float) -> None:
     """A track that restarts, or a state that means nothing, for 0.1 s."""
-    track, level = np.zeros((1, WIDTH)), (np.full(1, HOVER), np.zeros(1), np.zeros(1))
+    track, level = np.zeros((1, TRACK_WIDTH)), (np.full(1, HOVER), np.zeros(1), np.zeros(1))
     for k in range(100):
         vel = np.full((1, 3), speed if 50 <= k < 60 else 0.0)
         sight = (np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))

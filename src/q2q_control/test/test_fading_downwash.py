@@ -3,11 +3,22 @@
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.blind_flight.fading_downwash import FADE_S, REACH, WIDTH, FadingDownwash, Places
+from q2q_control.failsafe.blind_flight.fading_downwash import (
+    ABOVE_RADIUS,
+    FADE_S,
+    JET_WIDTH,
+    FadingDownwash,
+    Places,
+)
 
 LOW = np.array([0])
 """Row of the vehicle without measurements."""
-BEGUN = {"low": (0.0, 0.0, 1.0), "high": (0.05, 0.0, 1.5), "far": (REACH, 0.1, 1.5), "below": (0.0, 0.0, 0.5)}
+BEGUN = {
+    "low": (0.0, 0.0, 1.0),
+    "high": (0.05, 0.0, 1.5),
+    "far": (ABOVE_RADIUS, 0.1, 1.5),
+    "below": (0.0, 0.0, 0.5),
+}
 
 
 def places(at: dict[str, tuple[float, float, float]], shift: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Places:
@@ -25,7 +36,7 @@ def test_it_fades_as_those_above_move_and_not_by_a_common_motion() -> None:
         assert left(fading, places(BEGUN, shift)) == pytest.approx(1.0)
     for others in ("far", "below"):
         assert left(fading, places(BEGUN | {others: (9.0, 9.0, 9.0)}, shift)) == pytest.approx(1.0)
-    moved = BEGUN | {"high": (0.05, WIDTH, 1.5)}
+    moved = BEGUN | {"high": (0.05, JET_WIDTH, 1.5)}
     assert left(fading, places(moved)) == pytest.approx(np.exp(-1.0))
     assert left(fading, places(BEGUN)) == 1.0  # back again
 
@@ -51,7 +62,7 @@ def test_a_prediction_that_follows_the_vehicle_does_not_fade_and_begins_anew_whe
     left(fading, places(BEGUN), known=True)
     assert left(fading, places(moved), known=True) == 1.0
     assert left(fading, places(moved)) == 1.0
-    assert left(fading, places(BEGUN)) == pytest.approx(np.exp(-((0.1 / WIDTH) ** 2)))
+    assert left(fading, places(BEGUN)) == pytest.approx(np.exp(-((0.1 / JET_WIDTH) ** 2)))
 
 
 def test_who_is_measured_again_begins_anew_and_nobody_above_leaves_all() -> None:
@@ -71,7 +82,7 @@ def test_a_clock_that_is_set_back_moves_the_time_since_it_was_known() -> None:
 
 
 def test_vehicles_that_come_and_go_leave_the_others_as_they_were() -> None:
-    fading, moved = FadingDownwash(), BEGUN | {"high": (0.05, WIDTH, 1.5)}
+    fading, moved = FadingDownwash(), BEGUN | {"high": (0.05, JET_WIDTH, 1.5)}
     left(fading, places(BEGUN))
     fewer = {name: moved[name] for name in ("low", "below", "high")} | {"new": (0.0, 0.0, 2.0)}
     assert left(fading, places(fewer)) == pytest.approx(np.exp(-1.0))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.evasion.rejoining import ACC, FAR, Rejoining
+from q2q_control.failsafe.evasion.rejoining import ACC_MAX, FAR, Rejoining
 from q2q_control.inputs.preview import SampledPreview, shifted_preview
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 
@@ -54,16 +54,16 @@ def test_it_begins_where_it_is_and_ends_on_the_plan_without_more_than_its_accele
     away = np.array([x, y]) / np.hypot(x, y)  # the plan begins at the origin, at 0.5 m/s
     further = max(float(away @ [vx - 0.5, vy]), 0.0) * away
     np.testing.assert_allclose(made[0].vel, [[vx - further[0], vy - further[1], 0.0]], atol=1e-12)
-    assert max(float(np.linalg.norm(one.acc)) for one in made) <= ACC * (1.0 + 1e-9)
+    assert max(float(np.linalg.norm(one.acc)) for one in made) <= ACC_MAX * (1.0 + 1e-9)
     np.testing.assert_array_equal(made[-1].pos, plan_at(made[-1].t).pos)
 
 
 def test_from_rest_it_takes_the_time_of_a_quintic_whose_peak_acceleration_is_the_bound() -> None:
     made = led_back(np.array([-3.0, 0.0]), np.array([0.5, 0.0]))  # at rest beside the moving plan
     on_plan = [one.t for one in made if np.array_equal(one.pos, plan_at(one.t).pos)]
-    lasts = np.sqrt(10.0 / np.sqrt(3.0) * 3.0 / ACC)  # 2.6 s
+    lasts = np.sqrt(10.0 / np.sqrt(3.0) * 3.0 / ACC_MAX)  # 2.6 s
     assert on_plan[0] == pytest.approx(lasts, abs=TICK)
-    assert max(float(np.linalg.norm(one.acc)) for one in made) == pytest.approx(ACC, rel=1e-3)
+    assert max(float(np.linalg.norm(one.acc)) for one in made) == pytest.approx(ACC_MAX, rel=1e-3)
 
 
 def test_velocity_and_acceleration_are_those_of_the_motion() -> None:

@@ -24,7 +24,7 @@ a vehicle returns to the height of its setpoint before it follows that (q2q_cont
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
-the controller is reset, ages continue. A jump back by more than RESTART is a new flight: everything is reset
+the controller is reset, ages continue. A jump back by more than NEW_FLIGHT_S is a new flight: everything is reset
 but an emergency. The same tick again gets the same command, and if it comes for level_s (standing_clock) that
 of a missing tick, short of landing: a simulator that is halted lets nobody fall.
 """
@@ -56,7 +56,7 @@ from q2q_model.signals.values import (
     index_of,
 )
 
-RESTART = 1.0
+NEW_FLIGHT_S = 1.0
 """Jump back of the clock that starts a new flight [s]: the mocap filter's clock_jump_s."""
 
 
@@ -158,7 +158,7 @@ class Guard:
     def _repeated(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Return the command of a tick t [s] that is not newer; None to compute it."""
         stood, late = self._clock.stand(last.t), t < last.t
-        if late and (last.t - t > RESTART or self._clock_reset.rise(t)):
+        if late and (last.t - t > NEW_FLIGHT_S or self._clock_reset.rise(t)):
             self._set_back(last, t)
             return None
         if stood > self._params.level_s + ROUNDING:
@@ -168,7 +168,7 @@ class Guard:
 
     def _set_back(self, last: SwarmCommand, t: float) -> None:
         """Shift stored stamps to the new clock, whose first is t [s], or reset."""
-        if last.t - t > RESTART:
+        if last.t - t > NEW_FLIGHT_S:
             self.reset()
             return
         self._controller.reset()

@@ -51,7 +51,7 @@ class ReckonedMotions(NamedTuple):
     """Dead-reckoned motions of vehicles."""
 
     track: Array
-    """(n, WIDTH) (dead_reckoning)."""
+    """(n, TRACK_WIDTH) (dead_reckoning)."""
     push: Array
     """Predicted downwash [m/s^2], world, (n, 3)."""
 

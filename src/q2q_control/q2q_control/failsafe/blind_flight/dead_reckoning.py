@@ -35,7 +35,7 @@ taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust, mean [s] |
 | W^2 | TILT_SQUARE | squared natural frequency of a tilt behind its command [1/s^2] |
 | w | OBSERVER | bandwidth of the observer [rad/s] |
-| k | KNOWN | time for which the vehicle has been measured since the first time [s] |
+| k | KNOWN_S | time for which the vehicle has been measured since the first time [s] |
 | - | UNSETTLED | time until the tilt no longer depends on what was commanded before a gap [s] |
 """
 
@@ -62,7 +62,7 @@ BALANCE_MAX = 1.5, 3.0
 """Largest balance on an axis, horizontal and vertical, and largest lift of a vehicle without measurements
 [m/s^2]: a tilt of 0.15 rad; less than the thrust of a Crazyflie 2.0 leaves above its weight. A vehicle on the
 ground balances whatever it is told."""
-RESTART = 2.0
+OUTLIER_SPEED = 2.0
 """Error of the observed velocity that no disturbance makes: its track restarted [m/s]."""
 
 TRACKED = int(TrackStatus.TRACKED)
@@ -70,10 +70,10 @@ TRACKED = int(TrackStatus.TRACKED)
 GAP_S = 0.05
 """Longest time between ticks for which the command in effect is known [s]: a longer one may be a jump of the
 clock, in which it was not in effect for as long."""
-POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
+POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN_S, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
-WIDTH = 21
-UNKNOWN = np.array([math.nan] * 3 + [0.0] * (WIDTH - 3))
+TRACK_WIDTH = 21
+UNKNOWN = np.array([math.nan] * 3 + [0.0] * (TRACK_WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
 
@@ -86,7 +86,7 @@ Sight = tuple[Array, Array, Array, Status]
 
 @compiled
 def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], sight: Sight) -> int:
-    """Advance tracks (n, WIDTH) in place to a tick; return how many vehicles are not measured.
+    """Advance tracks (n, TRACK_WIDTH) in place to a tick; return how many vehicles are not measured.
 
     A vehicle whose state is not finite counts as not measured.
 
@@ -113,7 +113,7 @@ def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], 
 
 @compiled
 def _propagate(one: Array, command: tuple[float, float, float], push: Array, elapsed: float) -> None:
-    """Propagate a track (WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
+    """Propagate a track (TRACK_WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
     one[UNSETTLED] = 2.0 * LAG_S if elapsed > GAP_S else max(one[UNSETTLED] - elapsed, 0.0)
     level = GRAVITY * share / (1.0 + one[BALANCE + 2] / GRAVITY)  # a weak rotor or battery gives less
@@ -149,15 +149,15 @@ def _tilted(lacking: float, jerk: float, elapsed: float) -> tuple[float, float, 
 
 @compiled
 def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
-    """Correct a track (WIDTH,) by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
-    one[KNOWN] += elapsed * one[SEEN]
+    """Correct a track (TRACK_WIDTH,) by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
+    one[KNOWN_S] += elapsed * one[SEEN]
     for k in range(3):
         error = vel[k] - one[OBSERVED + k]
         one[POS + k], one[VEL + k] = pos[k], vel[k]
-        if one[SEEN] == 0.0 or one[UNSETTLED] > 0.0 or not abs(error) < RESTART:
+        if one[SEEN] == 0.0 or one[UNSETTLED] > 0.0 or not abs(error) < OUTLIER_SPEED:
             one[OBSERVED + k] = vel[k]
         elif elapsed > 0.0:
-            observed, learned = _gains(OBSERVER[k // 2], elapsed, one[KNOWN])
+            observed, learned = _gains(OBSERVER[k // 2], elapsed, one[KNOWN_S])
             balance, most = one[BALANCE + k] - learned * error, BALANCE_MAX[k // 2]
             one[OBSERVED + k] += observed * error
             one[BALANCE + k] = min(max(balance, -most), most)

@@ -10,7 +10,7 @@ be lifted any longer, as one that rises hits those above. Who comes above later 
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| W | WIDTH | width of a downwash [m] |
+| W | JET_WIDTH | width of a downwash [m] |
 | t | - | time since the downwash was last known [s] |
 | B | FADE_S | time in which it is forgotten [s] |
 """
@@ -25,11 +25,11 @@ from q2q_model.signals.values import Array, Names, index_of
 
 Mask = NDArray[np.bool_]
 
-WIDTH = 0.076
+JET_WIDTH = 0.076
 """Offset that leaves 1/e of a downwash [m]: sqrt(2) of the 54 mm of the measured jet (q2q_model.downwash)."""
 FADE_S = 0.5
 """Time in which a downwash is forgotten [s]: a vehicle lifted out of it unnoticed rises to those above."""
-REACH = 0.3
+ABOVE_RADIUS = 0.3
 """Horizontal distance within which a vehicle above counts [m]: four widths."""
 
 
@@ -109,7 +109,7 @@ class FadingDownwash:
 
 def _above(pos: Array, below: Rows) -> _Above:
     """Return those that may push some vehicles down."""
-    pairs = stacked(pos, below, REACH, 0.0)
+    pairs = stacked(pos, below, ABOVE_RADIUS, 0.0)
     return _Above(pairs.below, pairs.above, pos[pairs.above, :2] - pos[pairs.below, :2])
 
 
@@ -118,6 +118,6 @@ def _left(known: _Above, pos: Array, age: Array) -> Array:
     if not known.below.size:
         return np.ones(age.size)
     now = np.vstack((pos, np.full(3, np.inf)))[known.above, :2] - pos[known.below, :2]
-    share = np.exp(-np.square(np.linalg.norm(now - known.offset, axis=1) / WIDTH))
+    share = np.exp(-np.square(np.linalg.norm(now - known.offset, axis=1) / JET_WIDTH))
     total, count = (np.bincount(known.below, one, age.size) for one in (share, np.ones(share.size)))
     return np.where(count > 0.0, total / np.maximum(count, 1.0) * np.exp(-np.maximum(age, 0.0) / FADE_S), 1.0)

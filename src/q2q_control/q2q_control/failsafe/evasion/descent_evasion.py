@@ -6,7 +6,7 @@ position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measu
 within d_j of it horizontally, and less than RISE above it, the setpoint is shifted along u
 (evasion_shift, evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
 
-    d_j = REACH + DRIFT max(0, a_j - KNOWN)       at most FARTHEST
+    d_j = REACH + DRIFT max(0, a_j - DRIFT_FROM_S)       at most FARTHEST
 
 An evasion ends when j is cut, or measured again and back at the height of its setpoint
 (q2q_control.failsafe.evasion.climb_back), or climbs there by more than BACK above.
@@ -34,11 +34,11 @@ REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
 RISE = 0.7
 """Height above one that is lost from which it is not evaded [m]: contact, 0.14, and its rise by 0.5."""
-KNOWN, DRIFT = 1.0, 0.4
+DRIFT_FROM_S, DRIFT = 1.0, 0.4
 """Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
 FARTHEST = 0.9
-"""Longest shift along one direction [m], and longest distance to keep: REACH, and a drift of 0.75 s beyond
-KNOWN. A vehicle that evades further leaves the room, or is not back within seconds."""
+"""Longest distance to keep [m]: REACH, and a drift of 0.75 s beyond DRIFT_FROM_S. A vehicle that evades further
+leaves the room, or is not back within seconds; one that is driven further ahead gets across the path."""
 LONGEST_STEP = 0.1
 """Longest time between ticks that is integrated [s]."""
 CROSSING = 0.8
@@ -101,10 +101,11 @@ class DescentEvasion:
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
 
     def _turn(self, back: frozenset[str], state: SwarmState, sent: Array) -> None:
-        """Evade a vehicle that is measured again where it is, and across its path if it drives one ahead.
+        """Evade vehicles that are measured again where they are.
 
-        But not while it may climb to the height of that before it is across. One that climbs above is evaded
-        no more.
+        - One that climbs, and is more than BACK above, is evaded no more.
+        - A vehicle that one of them drives further than FARTHEST ahead gets across its path,
+        - unless that one is below by less than CROSSING: it might climb into the vehicle on its way across.
         """
         xy = state.pos[:, :2]
         for name, shift in self._shifts.items():
@@ -171,7 +172,7 @@ def _sent(setpoint: SwarmSetpoint, names: Names, pos: Array) -> Array:
 
 def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:
     """Return the distance to keep from each vehicle [m], (n,), by the age of its measurement [s], (n,)."""
-    grown = REACH + DRIFT * np.maximum(age - KNOWN, 0.0)
+    grown = REACH + DRIFT * np.maximum(age - DRIFT_FROM_S, 0.0)
     return np.where(gone, np.minimum(grown, FARTHEST), REACH)
 
 

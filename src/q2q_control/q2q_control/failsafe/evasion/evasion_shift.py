@@ -29,14 +29,14 @@ Place = tuple[float, float]
 """Horizontal [m]."""
 
 PACE = 3.0
-"""80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2."""
+"""80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2 for one of 0.6 m."""
 AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
 
 
 @dataclass(slots=True)
 class EvasionShift:
-    """Shift of one vehicle's setpoint, and the vehicle it evades."""
+    """Shift of one vehicle's setpoint [m], its velocity [m/s], (2,) each, and the vehicles that it evades."""
 
     pos: Array = field(default_factory=lambda: np.zeros(2))
     vel: Array = field(default_factory=lambda: np.zeros(2))

@@ -13,7 +13,7 @@ A replanner does the same in space, and its setpoint is where the vehicle is.
 |---|---|---|
 | p0, v0 | pos, vel | shift and its velocity at the beginning [m], [m/s], (2,) |
 | T | duration | time until the setpoint is that of the plan [s] |
-| A | ACC | largest acceleration [m/s^2] |
+| A | ACC_MAX | largest acceleration [m/s^2] |
 """
 
 from dataclasses import fields, replace
@@ -25,7 +25,7 @@ from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 FAR = 0.5
 """Distance from which a vehicle is led back [m]: a step of less does not saturate the tilt for long."""
-ACC = 2.5
+ACC_MAX = 2.5
 """Largest acceleration [m/s^2]: three quarters of that of 0.35 rad, controllers' largest tilt, at hover
 thrust, as one that ends its climb has less for a second."""
 PEAK = 10.0 / 3.0**0.5
@@ -74,8 +74,8 @@ def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> QuinticShif
     if not far > FAR:
         return None
     vel = vel - max(float(vel @ pos), 0.0) / far**2 * pos
-    half = 0.5 * PEAK_V * float(np.hypot(*vel)) / ACC
-    return QuinticShift(setpoint.t, half + (half * half + PEAK * far / ACC) ** 0.5, pos, vel)
+    half = 0.5 * PEAK_V * float(np.hypot(*vel)) / ACC_MAX
+    return QuinticShift(setpoint.t, half + (half * half + PEAK * far / ACC_MAX) ** 0.5, pos, vel)
 
 
 def _shifted(setpoint: SwarmSetpoint, shifts: dict[str, QuinticShift]) -> SwarmSetpoint:

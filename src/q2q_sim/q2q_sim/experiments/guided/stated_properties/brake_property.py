@@ -10,7 +10,7 @@ command has taken effect:
 
     -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v|, v_c . v / |v|, v_m . v / |v| > FAST
 
-Below FAST the deceleration due is that of FAST. Longer than KNOWN after its last measurement a vehicle may
+Below FAST the deceleration due is that of FAST. Longer than DRIFT_FROM_S after its last measurement a vehicle may
 drift unnoticed by DRIFT (descent_evasion): FAST is larger by as much then. The margin is that of an
 implication, as in signal temporal logic (Fainekos and Pappas, 2009): the larger one of how far the vehicle is
 from being fast and how far the deceleration is from its limit, at most 1. So a search is led to where a
@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
-from q2q_control.failsafe.evasion.descent_evasion import DRIFT, KNOWN
+from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import (
@@ -93,7 +93,7 @@ def _braking(ticks: RunTicks) -> _Braking:
     for earlier in (before, true_vel[: len(vel)]):
         known = np.minimum(known, np.einsum("tnk,tnk->tn", earlier, along))
     age = TICK_S * (np.arange(len(vel))[:, None] - last)
-    fast = np.where(age > KNOWN, FAST + DRIFT, FAST)
+    fast = np.where(age > DRIFT_FROM_S, FAST + DRIFT, FAST)
     due = np.minimum(np.maximum(speed, FAST) / BRAKING_S, BRAKING_MAX)
     return _Braking(known, fast, -np.einsum("tnk,tnk->tn", ticks.commanded_acc()[: len(vel)], along) / due)
 
