@@ -12,8 +12,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import (
     DRIFT,
+    DRIFT_FROM_S,
     FARTHEST,
-    KNOWN,
     REACH,
     RISE,
     DescentEvasion,
@@ -60,7 +60,7 @@ def test_who_is_not_in_the_column_is_left_alone(other: tuple[float, float, float
 
 def test_who_is_near_the_place_to_which_another_may_have_drifted_evades() -> None:
     pos = np.array([UPPER, (0.8, 0.0, 1.0)])
-    state = replace(state_of(pos), age=np.array([KNOWN + 0.6, 0.0]))
+    state = replace(state_of(pos), age=np.array([DRIFT_FROM_S + 0.6, 0.0]))
     made = [
         DescentEvasion().update(setpoint_of(0.0, pos), one, flown(2, 0), {}).acc[1, 0]
         for one in (state_of(pos), state)
@@ -109,7 +109,7 @@ def test_the_longer_another_is_lost_the_further_it_is_evaded(age: float) -> None
     state = replace(state_of(pos), age=np.array([age, 0.0]))
     for k in range(400):
         output = evasion.update(setpoint_of(k * TICK, pos), state, flown(2, 0), {})
-    kept = min(REACH + DRIFT * max(age - KNOWN, 0.0), FARTHEST)
+    kept = min(REACH + DRIFT * max(age - DRIFT_FROM_S, 0.0), FARTHEST)
     assert output.pos[1, 0] == pytest.approx(kept, abs=1e-3)
 
 

@@ -149,7 +149,7 @@ def _tilted(lacking: float, jerk: float, elapsed: float) -> tuple[float, float, 
 
 @compiled
 def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
-    """Correct a track (TRACK_WIDTH,) by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
+    """Correct a track by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
     one[KNOWN_S] += elapsed * one[SEEN]
     for k in range(3):
         error = vel[k] - one[OBSERVED + k]
