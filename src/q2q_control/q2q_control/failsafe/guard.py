@@ -24,9 +24,9 @@ a vehicle returns to the height of its setpoint before it follows that (q2q_cont
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
-the controller is reset, ages continue. A jump back by more than NEW_FLIGHT_S is a new flight: everything is reset
-but an emergency. The same tick again gets the same command, and if it comes for level_s (standing_clock) that
-of a missing tick, short of landing: a simulator that is halted lets nobody fall.
+the controller is reset, ages continue. A jump back by more than NEW_FLIGHT_S is a new flight: everything is
+reset but an emergency. The same tick again gets the same command, and if it comes for level_s
+(standing_clock) that of a missing tick, short of landing: a simulator that is halted lets nobody fall.
 """
 
 from collections.abc import Callable

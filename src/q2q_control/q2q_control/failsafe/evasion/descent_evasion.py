@@ -37,8 +37,8 @@ RISE = 0.7
 DRIFT_FROM_S, DRIFT = 1.0, 0.4
 """Time [s] after which a blind vehicle drifts unnoticed, and how fast [m/s]: what it has gained by then."""
 FARTHEST = 0.9
-"""Longest distance to keep [m]: REACH, and a drift of 0.75 s beyond DRIFT_FROM_S. A vehicle that evades further
-leaves the room, or is not back within seconds; one that is driven further ahead gets across the path."""
+"""Longest distance to keep [m]: REACH, and a drift of 0.75 s beyond DRIFT_FROM_S. A vehicle that evades
+further leaves the room, or is not back within seconds; one that is driven further ahead gets across."""
 LONGEST_STEP = 0.1
 """Longest time between ticks that is integrated [s]."""
 CROSSING = 0.8

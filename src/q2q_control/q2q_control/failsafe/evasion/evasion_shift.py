@@ -29,7 +29,7 @@ Place = tuple[float, float]
 """Horizontal [m]."""
 
 PACE = 3.0
-"""80 % of the shift within 1 s, the time from level to landing, at no more than 5.4 m/s^2 for one of 0.6 m."""
+"""80 % of the shift within 1 s, the time from level to landing, and for 0.6 m no more than 5.4 m/s^2."""
 AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
 

@@ -4,14 +4,14 @@
 |---|---|
 | told | a command on a state of a vehicle older than `degraded_s` is not OK |
 | repeat | a command repeated at another tick is not OK, except where a newer state is the same |
-| hold | a vehicle has status HOLD for at most HOLD_S, once more for every clock that was set back |
+| hold | a vehicle is held, or level though it is not lost, for at most HOLD_S, once more for every clock set back |
 """
 
 import numpy as np
 
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import PidParams
-from q2q_model.signals.values import CommandStatus
+from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
@@ -54,12 +54,15 @@ def repeat(_: Run, ticks: RunTicks) -> StatedOutcome:
 
 
 def hold(run: Run, ticks: RunTicks) -> StatedOutcome:
-    """Return the vehicles held for too long, by the stamps of their commands."""
+    """Return the vehicles that wait for too long, by the stamps of their commands."""
     set_back = sum(fault.kind == "clock_jump" for fault in run.scenario.faults)
     limit = HOLD_S * (1 + set_back)
-    found, longest = [], 0.0
+    found, longest, track = [], 0.0, over_ticks(ticks.states, "status")
     for row, name in enumerate(ticks.names):
-        for begin, end in runs(ticks.command_status[:, row] == CommandStatus.HOLD):
+        status = ticks.command_status[:, row]
+        standing = (status == CommandStatus.LEVEL) & ~ticks.newer & (track[:, row] != TrackStatus.LOST)
+        waiting = (status == CommandStatus.HOLD) | standing
+        for begin, end in runs(waiting):
             held = len(np.unique(ticks.stamp[begin:end])) * TICK_S
             longest = max(longest, held)
             if held > limit:
