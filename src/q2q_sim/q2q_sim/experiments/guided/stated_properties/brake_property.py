@@ -10,11 +10,11 @@ command has taken effect:
 
     -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v|, v_c . v / |v|, v_m . v / |v| > FAST
 
-Below FAST the deceleration due is that of FAST. Longer than DRIFT_FROM_S after its last measurement a vehicle may
-drift unnoticed by DRIFT (descent_evasion): FAST is larger by as much then. The margin is that of an
-implication, as in signal temporal logic (Fainekos and Pappas, 2009): the larger one of how far the vehicle is
-from being fast and how far the deceleration is from its limit, at most 1. So a search is led to where a
-vehicle is lost at speed and is not braked.
+Below FAST the deceleration due is that of FAST. Longer than DRIFT_FROM_S after its last measurement a
+vehicle may drift unnoticed by DRIFT (descent_evasion): FAST is larger by as much then. The margin is that
+of an implication, as in signal temporal logic (Fainekos and Pappas, 2009): the larger one of how far the
+vehicle is from being fast and how far the deceleration is from its limit, at most 1. So a search is led to
+where a vehicle is lost at speed and is not braked.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

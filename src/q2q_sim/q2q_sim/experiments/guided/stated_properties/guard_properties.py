@@ -4,7 +4,7 @@
 |---|---|
 | told | a command on a state of a vehicle older than `degraded_s` is not OK |
 | repeat | a command repeated at another tick is not OK, except where a newer state is the same |
-| hold | a vehicle is held, or level though it is not lost, for at most HOLD_S, once more for every clock set back |
+| hold | who is not lost is held or level for at most HOLD_S, once more for every clock that was set back |
 """
 
 import numpy as np
