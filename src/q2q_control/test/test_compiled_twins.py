@@ -24,7 +24,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.solver.chain_sweep import sweep, sweep_free, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import sweep_chains, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.interaction_model import PairMotion
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
@@ -173,10 +173,11 @@ def test_all_free_chains_swept_at_once_are_those_swept_one_by_one():
         )
         for _ in range(2)
     )
-    crossing = sweep_free(horizon, free, gains, at_once)
+    crossing = sweep_chains(horizon, free, gains, at_once)
     for v, axis in np.argwhere(free):
-        inside = sweep(horizon, (np.array([v]), np.array([axis])), gains[int(axis == 2)], singly)
-        assert crossing[v, axis] == (not inside[0])
+        alone = np.zeros((n, 3), dtype=np.bool_)
+        alone[v, axis] = True
+        assert np.array_equal(sweep_chains(horizon, alone, gains, singly), alone & crossing)
     assert np.array_equal(at_once.pos, singly.pos)
     assert np.array_equal(at_once.inputs, singly.inputs)
     assert not crossing[~free].any()

@@ -21,7 +21,7 @@ from q2q_model.signals.values import (
 from q2q_model.vehicle.constants import TEXTBOOK_065
 
 
-def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_plan_then_by_the_pid():
+def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_plan_then_by_a_pd_law():
     preview, left = pass_over(), [10**9]
 
     def in_time() -> bool:
@@ -32,7 +32,7 @@ def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_plan_then_by_the
     lines = []
 
     def spoil(k: int, state: SwarmState) -> SwarmState:
-        lines.append((mpc.report.shifted, mpc.report.pid))
+        lines.append((mpc.report.shifted, mpc.report.pd))
         left[0] = 0 if k >= 300 else 10**9
         return state
 

@@ -10,13 +10,15 @@ from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, blank_solution
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
-from q2q_control.mpc.solver.chain_sweep import sweep, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import sweep_chains, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.signals.values import Array
 
 H = 0.05
 """Stage [s]."""
 FREE_RATE = np.full(3, np.inf)
+ALTITUDES = np.tile([False, False, True], (6, 1))
+"""Chains of z of six vehicles."""
 MODELS = (
     chain(0.15, H, ChainWeights(2.0, 1.0)),
     chain(0.15, H, ChainWeights(2.0, 1.0)),
@@ -158,11 +160,10 @@ def test_the_sweep_of_separate_chains_equals_the_general_recursion():
     rng = np.random.default_rng(5)
     asked = horizon(rng, 4, 40, 100.0)
     swept = blank_solution(4, 40)
-    vehicles, axes = np.arange(4), np.full(4, 2)
-    inside = sweep(asked, (vehicles, axes), sweep_gains(MODELS[2]), swept)
+    crossing = sweep_chains(asked, ALTITUDES[:4], (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
     shape = group_shape(1, (2,), MODELS)
     none = DownwashHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
-    assert inside.all()
+    assert not crossing.any()
     for v in range(4):
         answer = solve(joint_problem(shape, np.array([v]), asked, none))
         assert np.allclose(swept.inputs[v, :, 2], answer.inputs[:, 0], atol=1e-10)  # rounding of 40 steps
@@ -173,9 +174,10 @@ def test_the_sweep_tells_which_chains_cross_a_bound():
     rng = np.random.default_rng(6)
     asked = horizon(rng, 6, 40, 3.0)
     swept = blank_solution(6, 40)
-    inside = sweep(asked, (np.arange(6), np.full(6, 2)), sweep_gains(MODELS[2]), swept)
-    assert np.array_equal(inside, np.abs(swept.inputs[:, :, 2]).max(axis=1) <= 3.0)
-    assert 0 < inside.sum() < 6
+    crossing = sweep_chains(asked, ALTITUDES, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
+    assert np.array_equal(crossing[:, 2], np.abs(swept.inputs[:, :, 2]).max(axis=1) > 3.0)
+    assert 0 < crossing.sum() < 6
+    assert not crossing[:, :2].any()
 
 
 @pytest.mark.parametrize("lag", [0.02, 0.07, 0.5])

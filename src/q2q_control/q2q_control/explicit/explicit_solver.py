@@ -18,7 +18,7 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.receding import SolverFactory
-from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep_chains, sweep_gains
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
@@ -31,7 +31,7 @@ class ExplicitSolver:
 
     def __init__(self, law: ExplicitLaw, side: ChainGains) -> None:
         """Command heights by `law`; `side` are the gains of the chains of x and y."""
-        self._gains = (side, side, law.chain)
+        self._gains = side, law.chain
         self._weights, self._work = weights_of(law), workspace_of(law)
 
     def solve(
@@ -41,9 +41,7 @@ class ExplicitSolver:
         del guess, in_time
         n = len(horizon.push)
         solution = blank_solution(n, STAGES)
-        rows = np.arange(n)
-        for axis, gains in enumerate(self._gains):
-            sweep(horizon, (rows, np.full(n, axis)), gains, solution)
+        sweep_chains(horizon, np.ones((n, 3), dtype=np.bool_), self._gains, solution)
         solution.inputs[:, 0, 2] = self._first_commands(horizon, downwash)
         np.clip(solution.inputs, horizon.low[:, None], horizon.high, out=solution.inputs)
         # the next downwash is predicted along paths parallel to the references, as in the law's training

@@ -83,8 +83,7 @@ def solve_situations(
 ) -> TeacherSolution:
     """Return the solutions; `errors` (K, 2, N + 1) [m] are heights of the first linearisation."""
     count, params, model = len(situations.states), teacher.params, teacher.chain
-    shape = group_shape(2, (2,), (model, model, model))
-    shape = shape._replace(terminal=params.terminal * shape.terminal)
+    shape = group_shape(2, (2,), (model, model, model), params.terminal)
     rate = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
     found = TeacherSolution(
         np.zeros((count, 2)),

@@ -4,7 +4,7 @@
 |---|---|---|
 | solved, or feasible though not optimal | its first input | solved, cut_off |
 | not solved in time or not finite, up to shift_time after the last solve | its last plan, shifted | shifted |
-| the same, later | PD law with the loop's bandwidths | pid |
+| the same, later | PD law with the loop's bandwidths | pd |
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class MpcReport:
     solved: int = 0
     cut_off: int = 0
     shifted: int = 0
-    pid: int = 0
+    pd: int = 0
     iterations: int = 0
     """Most recursions of one problem."""
     pairs: int = 0

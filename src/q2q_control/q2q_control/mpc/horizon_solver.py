@@ -26,7 +26,7 @@ from q2q_control.mpc.problem.horizon import (
     blank_solution,
 )
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
-from q2q_control.mpc.solver.chain_sweep import gains_of_table, gains_table, sweep_free, sweep_gains
+from q2q_control.mpc.solver.chain_sweep import gains_of_table, gains_table, sweep_chains, sweep_gains
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
@@ -102,8 +102,7 @@ class HorizonSolver:
     def _group(self, vehicles: list[int], axes: tuple[int, ...]) -> Group:
         key = (len(vehicles), axes)
         if key not in self._shapes:
-            shape = group_shape(len(vehicles), axes, self._models)
-            self._shapes[key] = shape._replace(terminal=self._rules.terminal * shape.terminal)
+            self._shapes[key] = group_shape(len(vehicles), axes, self._models, self._rules.terminal)
         return Group(self._shapes[key], np.array(vehicles), self._rules.iterations)
 
 
@@ -146,7 +145,7 @@ def _group_and_sweep(
     for v in range(root.size):
         for axis in range(3):
             free[v, axis] = root[v] < 0 or not axes[axis]
-    return root, sweep_free(horizon, free, (gains_of_table(gains[0]), gains_of_table(gains[1])), solution)
+    return root, sweep_chains(horizon, free, (gains_of_table(gains[0]), gains_of_table(gains[1])), solution)
 
 
 @compiled

@@ -20,11 +20,18 @@ class MpcParams:
     group_max: int = tunable(
         4, "most interacting vehicles that are solved together; 1 solves each by itself", low=1, high=1000
     )
-    bandwidth_z: float = tunable(5.0, "bandwidth of the altitude loop", unit="rad/s", low=0.2, high=50.0)
+    bandwidth_z: float = tunable(
+        5.0,
+        "bandwidth of the altitude loop; with correct at least 12 rad/s",
+        unit="rad/s",
+        low=0.2,
+        high=50.0,
+    )
     bandwidth_xy: float = tunable(2.0, "bandwidth of the position loop", unit="rad/s", low=0.2, high=20.0)
     terminal: float = tunable(
         0.45,
-        "terminal weight of vehicles solved together, over that of the infinite horizon",
+        "terminal weight of vehicles solved together, and of chains that meet a bound, over that of the "
+        "infinite horizon",
         low=0.0,
         high=10.0,
     )
@@ -69,7 +76,7 @@ class MpcParams:
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
     iterations: int = tunable(12, "most recursions of a solve", low=1, high=200)
     shift_time: float = tunable(
-        0.2, "how long a plan may be shifted before the PID takes over", unit="s", low=0.0, high=2.0
+        0.2, "how long a plan may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
     )
     hold_time: float = tunable(
         0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0

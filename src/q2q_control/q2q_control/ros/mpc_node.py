@@ -99,7 +99,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
             exchange.begin(state)
         command = guarded.update(state, setpoint, downwash)
         report = block.report
-        wiring.health.fallbacks += int(report.shifted + report.pid > 0)
+        wiring.health.fallbacks += int(report.shifted + report.pd > 0)
         wiring.health.extra["iterations"] = str(report.iterations)
         return command
 

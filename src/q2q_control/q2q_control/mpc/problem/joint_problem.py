@@ -37,8 +37,11 @@ class GroupShape(NamedTuple):
     input_weight: Array
 
 
-def group_shape(size: int, axes: tuple[int, ...], models: Chains) -> GroupShape:
-    """Return the shape of groups of `size` vehicles; `models` are those of x, y, z."""
+def group_shape(size: int, axes: tuple[int, ...], models: Chains, terminal: float = 1.0) -> GroupShape:
+    """Return the shape of groups of `size` vehicles; `models` are those of x, y, z.
+
+    Their terminal weights count `terminal` times.
+    """
     own = [models[axis] for axis in axes] * size
     return GroupShape(
         axes=np.array(axes, np.intp),
@@ -46,7 +49,7 @@ def group_shape(size: int, axes: tuple[int, ...], models: Chains) -> GroupShape:
         push_gain=np.stack([model.push_gain for model in own]),
         input_gain=np.stack([model.input_gain for model in own]),
         state_weight=np.stack([model.state_weight for model in own]),
-        terminal=np.stack([model.terminal for model in own]),
+        terminal=terminal * np.stack([model.terminal for model in own]),
         input_weight=np.stack([model.input_weight for model in own]),
     )
 

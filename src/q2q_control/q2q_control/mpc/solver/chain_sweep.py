@@ -86,18 +86,7 @@ def gains_of_table(table: Array) -> ChainGains:
 
 
 @compiled
-def sweep(horizon: Horizon, chains: tuple[Rows, Rows], gains: ChainGains, solution: HorizonSolution) -> Flags:
-    """Write positions and inputs of the chains (vehicles (C,), axes (C,)); return which keep their bounds."""
-    vehicles, axes = chains
-    inside = np.ones(vehicles.size, np.bool_)
-    for c in range(vehicles.size):
-        _write_offsets(horizon, vehicles[c], axes[c], gains, solution.inputs)
-        inside[c] = _roll_out(horizon, vehicles[c], axes[c], gains, solution)
-    return inside
-
-
-@compiled
-def sweep_free(
+def sweep_chains(
     horizon: Horizon, free: Flags, gains: tuple[ChainGains, ChainGains], solution: HorizonSolution
 ) -> Flags:
     """Write positions and inputs of the chains that are `free` (n, 3); return which cross a bound, (n, 3).
