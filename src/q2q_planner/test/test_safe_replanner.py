@@ -191,6 +191,30 @@ def test_a_stranger_that_rams_is_announced_before_or_when_it_is_inside() -> None
         assert announced[first_inside]
 
 
+@pytest.mark.parametrize("jump_s", [0.4, 100.0])
+def test_a_stranger_is_evaded_as_well_after_the_clock_was_set_back(jump_s: float) -> None:
+    """It comes at 0.5 m/s from 2.5 m away and stops 0.3 m away; the clock jumps after 2 s."""
+    hover = minimum_snap_plan([VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(9, (0, 0, 1))))])
+
+    def flown(jump_s: float) -> list[SwarmSetpoint]:
+        replanner, answers = SafeReplanner(PARAMS), []
+        for k in range(600):
+            braked = np.clip(k * TICK - 4.15, 0.0, 0.5)  # at 1 m/s^2
+            x = -2.5 + 0.5 * min(k * TICK, 4.65) - 0.5 * braked**2
+            there, vel = np.array([[x, 0.05, 1.2]]), np.array([[0.5 - braked, 0.0, 0.0]])
+            reference = replace(setpoint_at(hover, 0.0), t=200.0 + k * TICK - (jump_s if k >= 200 else 0.0))
+            stranger = replace(seen(reference), names=("cf9",), pos=there, vel=vel)
+            answers.append(replanner.update(reference, stranger))
+        return answers
+
+    steady, jumped = flown(0.0), flown(jump_s)
+    shifted = max(np.linalg.norm(tick.pos[0] - [0.0, 0.0, 1.0]) for tick in steady)
+    assert shifted > 0.05
+    for one, other in zip(steady[202:], jumped[202:], strict=True):
+        np.testing.assert_allclose(other.pos, one.pos, atol=1e-9)
+        assert other.status.tolist() == one.status.tolist()
+
+
 def test_a_stranger_unheard_of_grows_its_zone_until_it_is_forgotten() -> None:
     hover = minimum_snap_plan([VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(30, (0, 0, 1))))])
     replanner = SafeReplanner(PARAMS)

@@ -37,6 +37,22 @@ def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> N
     assert seen.external((), 1.25, 9.0).names == ()
 
 
+@pytest.mark.parametrize("back", [0.4, 100.0])
+def test_after_a_clock_was_set_back_states_are_as_old_as_before_and_the_next_ones_count(back: float) -> None:
+    seen = LastKnownStates()
+    seen.update(state(200.0, ("silent", "a"), [5.0, 1.0], age=0.25))
+    seen.update(state(200.5, ("a",), [1.5], age=0.125))
+    seen.update(state(200.5 - back, ("a",), [2.0], age=0.0))  # measured since
+    states = seen.of(("a", "silent"), 200.5 - back)
+    assert states.pos[:, 0].tolist() == [2.0, 5.0]
+    np.testing.assert_allclose(states.age, [0.0, 0.75], atol=1e-12)
+    seen.update(state(200.51 - back, ("a",), [2.01]))
+    states = seen.of(("a", "silent"), 200.51 - back)
+    assert states.pos[:, 0].tolist() == [2.01, 5.0]
+    np.testing.assert_allclose(states.age, [0.0, 0.76], atol=1e-12)
+    assert seen.external((), 200.51 - back, 0.75).names == ("a",)
+
+
 @pytest.mark.parametrize("part", ["pos", "vel", "age"])
 def test_a_row_that_is_no_number_says_nothing(part: str) -> None:
     seen = LastKnownStates()
