@@ -143,6 +143,20 @@ def test_a_late_stamp_keeps_the_error_of_the_last_one() -> None:
     np.testing.assert_allclose(late.pos - setpoint_at(plan, 5.16).pos, error, atol=1e-12)
 
 
+def test_setpoints_that_are_not_finite_leave_the_errors_finite() -> None:
+    """For 0.1 s amid the encounter the first vehicle has none: it pushes nobody, and no error jumps."""
+    plan, replanner, ticks = crossing(), PotentialField(PAPER), []
+    for k in range(4000):
+        given, first = setpoint_at(plan, k * 0.01), np.array([[np.nan], [1.0]])
+        answer = replanner.update(replace(given, pos=given.pos * first) if 520 <= k < 530 else given, None)
+        if not 520 <= k < 530:
+            ticks.append(np.abs(answer.pos - given.pos).max())
+        assert np.isfinite(answer.pos[1]).all()
+    assert ticks[519] > 0.02
+    assert ticks[520] == pytest.approx(ticks[519], abs=0.02)  # 0.2 m/s
+    assert ticks[-1] == 0.0
+
+
 def test_a_stamp_far_back_and_a_reset_start_on_the_reference() -> None:
     plan, field = crossing(), PotentialField()
     for k in range(520):

@@ -102,7 +102,7 @@ def propagated(
         brake: deceleration to rest [m/s^2].
         jerk: bound of the jerk [m/s^3]; 0 for none.
     """
-    if committed is None or abs(setpoint.t - committed.t) > LONGEST_GAP:
+    if committed is None or not committed.names or abs(setpoint.t - committed.t) > LONGEST_GAP:
         return at_reference(setpoint)
     moved = _moved(committed, setpoint.t, brake, jerk)
     return moved if moved.names == setpoint.names else _with_new_vehicles(moved, setpoint)

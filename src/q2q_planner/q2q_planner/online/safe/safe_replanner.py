@@ -18,9 +18,10 @@ whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_ma
    accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake; or its last known state is
    older than `forget`;
 4. with `jerk_max`: a modified trajectory is faster than `speed_max`, for which no tube is known, or a vehicle
-   comes near an external one, whose acceleration nobody sends.
-The reference is arbitrary; it is followed as far as the promise allows, and bit for bit where nothing is
-near.
+   comes near an external one, whose acceleration nobody sends;
+5. a setpoint of the reference is not finite (`finite_setpoints`).
+Otherwise the reference is arbitrary; it is followed as far as the promise allows, and bit for bit where
+nothing is near.
 
 **Proof.** At each tick every vehicle has a motion: an acceleration held for `hold`, then braking to rest
 (`braking`), or with `jerk_max` a jerk held for `hold`, then the fastest stop (`jerk_limited`). All pairs of
@@ -53,11 +54,19 @@ from q2q_planner.online.safe.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
     Mask,
+    ReferenceRows,
     distance,
     propagated,
     reference_rows,
 )
 from q2q_planner.online.safe.decision import decided
+from q2q_planner.online.safe.finite_setpoints import (
+    announced,
+    flyable,
+    is_finite,
+    moves_finitely,
+    off_reference,
+)
 from q2q_planner.online.safe.found_again import LostVehicles, restarted
 from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
@@ -106,7 +115,22 @@ class SafeReplanner:
             return self._answer
         if state is not None:
             self._last_known.update(state)
-        params, names, reference = self._grown, setpoint.names, reference_rows(setpoint)
+        reference = reference_rows(setpoint)
+        if is_finite(reference) and moves_finitely(self._committed):
+            self._answer = self._tick(setpoint, reference, state)
+            return self._answer
+        some = flyable(setpoint, self._committed, self._answer)
+        self._committed = some.committed
+        answer = self._tick(some.setpoint, reference_rows(some.setpoint), state)
+        self._committed = off_reference(self._committed, setpoint)
+        self._answer = announced(setpoint, answer)
+        return self._answer
+
+    def _tick(
+        self, setpoint: SwarmSetpoint, reference: ReferenceRows, state: SwarmState | None
+    ) -> SwarmSetpoint:
+        """Return the modified setpoints of finite ones."""
+        params, names = self._grown, setpoint.names
         committed = propagated(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
         if known is not None:
@@ -120,8 +144,7 @@ class SafeReplanner:
         self._committed, decision = decided(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
         broken = ((choice == BROKEN) | off | decision.outside) & params.enabled
-        self._answer = _answer(setpoint, self._committed, broken, decision.acc)
-        return self._answer
+        return _answer(setpoint, self._committed, broken, decision.acc)
 
     def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
         """Return the motion in which vehicles that are measured again, off it, start where they are."""

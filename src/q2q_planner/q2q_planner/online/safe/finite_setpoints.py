@@ -1,0 +1,129 @@
+"""Setpoints that are not finite: their vehicles brake, and no motion of another is computed from them.
+
+| vehicle without a finite setpoint | what it flies |
+|---|---|
+| with a committed motion | it brakes on it and hovers |
+| without | its setpoint as given; the others keep out of its way as an external one, if it is measured |
+
+Both are PROMISE_BROKEN. A committed motion that is not finite, as from numbers that overflow, is dropped: its
+vehicle is a new one.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from q2q_model.compiled import compiled
+from q2q_model.signals.some_vehicles import of_vehicles
+from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, index_of
+from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, ReferenceRows
+
+
+@dataclass(frozen=True, slots=True)
+class Flyable:
+    """What a tick can be computed from."""
+
+    setpoint: SwarmSetpoint
+    """Setpoints that are finite, or hover; without the other vehicles."""
+    committed: CommittedMotion | None
+    """Motion that is finite."""
+
+
+@compiled
+def is_finite(rows: ReferenceRows) -> bool:
+    """Return whether all numbers are finite; false, too, for finite ones whose sum is not."""
+    total = 0.0
+    for row in range(len(rows.pos)):
+        for axis in range(3):
+            total += rows.pos[row, axis] + rows.vel[row, axis] + rows.acc[row, axis]
+    return bool(np.isfinite(total))
+
+
+def moves_finitely(committed: CommittedMotion | None) -> bool:
+    """Return whether a committed motion is finite; true if there is none."""
+    return committed is None or is_finite(ReferenceRows(committed.pos, committed.vel, committed.acc))
+
+
+def flyable(given: SwarmSetpoint, committed: CommittedMotion | None, last: SwarmSetpoint | None) -> Flyable:
+    """Return what a tick can be computed from; `last` is the last answer, whose yaw a hover keeps."""
+    motion = _finite_motion(committed)
+    moving = () if motion is None else motion.names
+    rows, bad = index_of(given.names, moving), spoilt(given)
+    hover, setpoint = bad & (rows >= 0), given
+    if motion is not None and last is not None and hover.any():
+        setpoint = _hovering(setpoint, hover, motion.pos[rows], last)
+    some = of_vehicles(setpoint, np.flatnonzero(~bad | hover))
+    return Flyable(some, off_reference(motion, given))
+
+
+def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> CommittedMotion | None:
+    """Return the motion in which vehicles without finite setpoints are off their references.
+
+    One on its reference jumps with it.
+    """
+    if committed is None:
+        return None
+    bad = np.append(spoilt(given), False)[index_of(committed.names, given.names)]
+    return replace(committed, on_reference=committed.on_reference & ~bad)
+
+
+def announced(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
+    """Return the answer for all vehicles given; those without finite setpoints broke the promise."""
+    rows = index_of(given.names, answer.names)
+    flown = rows >= 0
+    col = flown[:, None]
+    status = np.full(len(rows), SetpointStatus.PROMISE_BROKEN, dtype=np.uint8)
+    kept = flown & ~spoilt(given)
+    status[kept] = answer.status[rows[kept]]
+    if not answer.names:
+        return replace(given, status=status)
+    return SwarmSetpoint(
+        given.t,
+        given.names,
+        np.where(col, answer.pos[rows], given.pos),
+        np.where(col, answer.vel[rows], given.vel),
+        np.where(col, answer.acc[rows], given.acc),
+        np.where(flown, answer.yaw[rows], given.yaw),
+        np.where(flown, answer.yaw_rate[rows], given.yaw_rate),
+        status,
+    )
+
+
+def spoilt(setpoint: SwarmSetpoint) -> Mask:
+    """Return which vehicles have a setpoint that is not finite, (n,)."""
+    return _not_finite(setpoint.pos, setpoint.vel, setpoint.acc)
+
+
+def _not_finite(pos: Array, vel: Array, acc: Array) -> Mask:
+    return np.asarray(~np.isfinite(np.concatenate([pos, vel, acc], axis=1)).all(axis=1))
+
+
+def _finite_motion(committed: CommittedMotion | None) -> CommittedMotion | None:
+    if committed is None:
+        return None
+    kept = ~_not_finite(committed.pos, committed.vel, committed.acc)
+    return CommittedMotion(
+        committed.t,
+        tuple(name for name, stays in zip(committed.names, kept, strict=True) if stays),
+        committed.pos[kept],
+        committed.vel[kept],
+        committed.acc[kept],
+        committed.hold[kept],
+        committed.on_reference[kept],
+        committed.pushed[kept],
+        committed.jerk[kept],
+    )
+
+
+def _hovering(setpoint: SwarmSetpoint, hover: Mask, pos: Array, last: SwarmSetpoint) -> SwarmSetpoint:
+    """Return the setpoint in which `hover` vehicles, (n,), rest at pos (n, 3) with the yaw that they have."""
+    col, yaw = hover[:, None], last.yaw[index_of(setpoint.names, last.names)]
+    turns = hover & ~np.isfinite(setpoint.yaw + setpoint.yaw_rate)
+    return replace(
+        setpoint,
+        pos=np.where(col, pos, setpoint.pos),
+        vel=np.where(col, 0.0, setpoint.vel),
+        acc=np.where(col, 0.0, setpoint.acc),
+        yaw=np.where(turns, yaw, setpoint.yaw),
+        yaw_rate=np.where(turns, 0.0, setpoint.yaw_rate),
+    )
