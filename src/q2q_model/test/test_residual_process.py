@@ -10,6 +10,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predict_and_correct import CorrectedPredictor, PredictAndCorrect
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
+from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
@@ -146,3 +147,22 @@ def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_
     assert answer.acc[0, 2] == pytest.approx(law - 0.5 * PROCESS.share(STEP), abs=0.05)
     assert answer.acc[1, 2] == pytest.approx(0.0, abs=1e-6)  # whose push is as predicted
     assert answer.std[0, 2] < PROCESS.std(np.array(law))
+
+
+@pytest.mark.parametrize("back", [0.02, 0.4, 100.0])
+def test_a_push_measured_after_time_went_back_is_that_of_settled_rotors(back: float) -> None:
+    vehicle, still, flag = CRAZYFLIE_2_1, np.zeros((2, 3)), np.zeros(2, np.uint8)
+    level, force = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.tile([0.0, 0.0, GRAVITY], (2, 1))
+
+    def pushes(times: tuple[float, ...]) -> Array:
+        block, found = MeasuredPush(vehicle), np.zeros(2)
+        for t, share in zip(times, (0.5, 1.0, 1.0), strict=True):
+            state = SwarmState(t, NAMES, still, still, level, still, flag * 0.0, flag)
+            thrust = np.full(2, share * vehicle.hover_thrust)
+            command = SwarmCommand(t, NAMES, thrust, flag * 0.0, flag * 0.0, flag * 0.0, flag)
+            found = block.update(state, command, SwarmImu(t, NAMES, force, still))
+        return found
+
+    found = pushes((200.0, 200.0 - back, 200.01 - back))
+    np.testing.assert_allclose(found, pushes((0.0, LONGEST_STEP, LONGEST_STEP + STEP)), atol=1e-9)
+    assert np.abs(found).max() < 0.5 * GRAVITY * np.exp(-LONGEST_STEP / vehicle.thrust_lag)

@@ -16,7 +16,7 @@ from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, Swarm
 from q2q_model.vehicle.constants import Vehicle
 
 LONGEST_STEP = 0.1
-"""Time step beyond which thrust is assumed to have settled [s]."""
+"""Time step beyond which thrust is assumed to have settled, as where time goes back [s]."""
 
 
 class MeasuredPush:
@@ -34,7 +34,8 @@ class MeasuredPush:
 
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> Array:
         """Return y [m/s^2], (n,), in the order of `state`; NaN if a sensor or command is missing."""
-        dt, self._t = min(state.t - self._t, LONGEST_STEP), state.t
+        passed, self._t = state.t - self._t, state.t
+        dt = passed if 0.0 <= passed < LONGEST_STEP else LONGEST_STEP
         if state.names != self._names:
             self._thrust = rows_among(self._names, state.names, self._thrust)
             self._names = state.names
