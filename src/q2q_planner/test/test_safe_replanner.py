@@ -228,6 +228,21 @@ def test_a_stranger_unheard_of_grows_its_zone_until_it_is_forgotten() -> None:
     assert shifts[1199] == 0.0  # forgotten after 2 s, and back on the reference
 
 
+@pytest.mark.parametrize("jerk_max", [0.0, 20.0])
+def test_all_say_in_which_tick_a_stranger_is_forgotten(jerk_max: float) -> None:
+    """Also where it was too far away to matter; vehicles of the swarm are not missed in this way."""
+    replanner = SafeReplanner(replace(PARAMS, jerk_max=jerk_max))
+    apart = setpoint_at(swap(), 0.0)
+    stranger = replace(seen(apart), names=("cf1", "cf9"), pos=apart.pos + np.array([0.0, 50.0, 0.0]))
+    said = []
+    for k in range(400):
+        state = stranger if k == 0 else replace(seen(apart), t=k * TICK)
+        said.append((replanner.update(replace(apart, t=k * TICK), state).status == BROKEN).tolist())
+    assert said.index([True, True], 1) == round(PARAMS.forget / TICK) + 1
+    assert said.count([True, True]) == 1
+    assert said[1:].count([False, False]) == 398
+
+
 def test_vehicles_that_start_inside_each_others_zone_say_so_and_part() -> None:
     close = minimum_snap_plan(
         [

@@ -162,9 +162,12 @@ def alone() -> list[SwarmSetpoint]:
 
 
 def test_what_is_proven_against_a_stranger_follows_vehicles_by_name(alone: list[SwarmSetpoint]) -> None:
-    for one, other in zip(alone, flown(company=True), strict=True):
+    """Where company is forgotten, that is announced."""
+    both = list(zip(alone, flown(company=True), strict=True))
+    for one, other in both:
         np.testing.assert_array_equal(one.pos, other.pos)
-        assert one.status.tolist() == other.status.tolist()
+    differ = [other.status.tolist() for one, other in both if one.status.tolist() != other.status.tolist()]
+    assert differ == [[BROKEN]]
 
 
 def test_a_setpoint_accelerates_as_it_says_also_where_it_brakes_on_an_old_motion(

@@ -34,7 +34,7 @@ def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> N
     states = seen.of(("a",), 1.0)  # by a clock that is behind: not younger than now
     assert (states.pos[0, 0], states.age[0]) == (3.0, 0.0)
     seen.reset()
-    assert seen.external((), 1.25, 9.0).names == ()
+    assert seen.external((), 1.25).names == ()
 
 
 @pytest.mark.parametrize("back", [0.4, 100.0])
@@ -50,7 +50,8 @@ def test_after_a_clock_was_set_back_states_are_as_old_as_before_and_the_next_one
     states = seen.of(("a", "silent"), 200.51 - back)
     assert states.pos[:, 0].tolist() == [2.01, 5.0]
     np.testing.assert_allclose(states.age, [0.0, 0.76], atol=1e-12)
-    assert seen.external((), 200.51 - back, 0.75).names == ("a",)
+    assert seen.forget(200.51 - back, 0.75) == ("silent",)
+    assert seen.external((), 200.51 - back).names == ("a",)
 
 
 @pytest.mark.parametrize("part", ["pos", "vel", "age"])
@@ -59,16 +60,20 @@ def test_a_row_that_is_no_number_says_nothing(part: str) -> None:
     broken = state(1.0, ("a", "b"), [1.0, 2.0])
     getattr(broken, part)[0] = np.nan
     seen.update(broken)
-    assert seen.external((), 1.0, 1.0).names == ("b",)
+    assert seen.external((), 1.0).names == ("a", "b")
+    assert seen.forget(1.0, 1.0) == ()  # one that was never measured is not missed
+    assert seen.external((), 1.0).names == ("b",)
     assert seen.of(("a",), 1.0).age.tolist() == [np.inf]
 
 
 def test_external_vehicles_are_those_of_no_swarm_until_they_are_forgotten_for_good() -> None:
     seen = LastKnownStates()
     seen.update(state(1.0, ("a", "b"), [1.0, 2.0]))
-    assert seen.external(("a",), 3.0, 2.0).names == ("b",)
-    assert seen.external(("a",), 3.0, 1.999).names == ()
-    assert seen.external((), 1.0, 2.0).names == ()
+    assert seen.forget(3.0, 2.0) == ()
+    assert seen.external(("a",), 3.0).names == ("b",)
+    assert seen.external(("a", "b"), 3.0).names == ()
+    assert seen.forget(3.0, 1.999) == ("a", "b")
+    assert seen.external((), 1.0).names == ()
 
 
 def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:

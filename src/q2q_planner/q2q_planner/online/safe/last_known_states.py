@@ -66,11 +66,18 @@ class LastKnownStates:
         told = _Rows(np.array(state.pos), np.array(state.vel), state.t - state.age)
         _take_newest(self._rows, told, index_of(state.names, self._names))
 
-    def external(self, swarm: Names, t: float, forget: float) -> KnownStates:
-        """Return the states of all vehicles outside the swarm that are younger than `forget` [s]."""
-        old = t - self._rows.stamp > forget
-        if old.any():
-            self._keep(~old)
+    def forget(self, t: float, oldest: float) -> Names:
+        """Forget the states older than `oldest` [s] at t [s]; return the vehicles that had been measured."""
+        old = t - self._rows.stamp > oldest
+        if not old.any():
+            return ()
+        measured = old & np.isfinite(self._rows.stamp)
+        forgotten = tuple(name for name, gone in zip(self._names, measured, strict=True) if gone)
+        self._keep(~old)
+        return forgotten
+
+    def external(self, swarm: Names, t: float) -> KnownStates:
+        """Return the states of all vehicles outside the swarm."""
         others = _others(self._names, swarm)
         return self.of(others, t) if others else NOBODY
 

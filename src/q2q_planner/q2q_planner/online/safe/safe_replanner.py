@@ -15,8 +15,10 @@ whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_ma
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
    the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it;
 3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
-   accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake; or its last known state is
-   older than `forget`;
+   accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake. This is not measured:
+   vehicles near it report it once its state leaves no motion that is proven. Or its last known state is older
+   than `forget`: all vehicles report it in that tick, and nothing is promised about it from then on until it
+   is heard of again;
 4. with `jerk_max`: a modified trajectory is faster than `speed_max`, for which no tube is known, or a vehicle
    comes near an external one, whose acceleration nobody sends;
 5. a setpoint of the reference is not finite (`finite_setpoints`).
@@ -136,14 +138,15 @@ class SafeReplanner:
         if known is not None:
             committed = self._with_found(committed, known)
         growth = own_uncertainty(committed, known, params)
-        external = self._last_known.external(names, setpoint.t, params.forget)
+        unheard = not set(self._last_known.forget(setpoint.t, params.forget)).issubset(names)
+        external = self._last_known.external(names, setpoint.t)
         committed, traffic = traffic_at(committed, reference, growth, external, params)
         wanted = wanted_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
         choice = _choice(committed, traffic, wanted, self._proven, params)
         self._committed, decision = decided(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
-        broken = ((choice == BROKEN) | off | decision.outside) & params.enabled
+        broken = ((choice == BROKEN) | off | decision.outside | unheard) & params.enabled
         return _answer(setpoint, self._committed, broken, decision.acc)
 
     def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
