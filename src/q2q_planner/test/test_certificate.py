@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
+from q2q_planner.offline import certificate
 from q2q_planner.offline.branch_and_bound import TOLERANCE
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
@@ -70,6 +71,18 @@ def test_a_graze_of_a_tenth_of_a_millimetre_is_told_from_a_touch() -> None:
         there = VehicleWaypoints("cf1", (Waypoint(0, (-2, 0.1 + gap, 1)), Waypoint(9, (2, 0.1 + gap, 1))))
         back = VehicleWaypoints("cf2", (Waypoint(0, (2, 0, 1)), Waypoint(9, (-2, 0, 1))))
         assert certify(minimum_snap_plan((there, back)), Cylinder(0.1, 1.1)).holds is holds
+
+
+def test_a_plan_with_too_many_stretches_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = random_plan(0, vehicles=4)
+    stretches = 6 * len(shared_pieces(plan.trajectories).durations)  # of 6 pairs
+    monkeypatch.setattr(certificate, "MOST_STRETCHES", stretches)
+    assert not certify(plan, ZONES[0]).not_computed
+    monkeypatch.setattr(certificate, "MOST_STRETCHES", stretches - 1)
+    proof = certify(plan, ZONES[0])
+    assert not proof.holds
+    words = f"of 4 vehicles are {stretches} stretches of pairs, more than {stretches - 1}"
+    assert words in proof.not_computed
 
 
 def test_one_vehicle_is_alone() -> None:

@@ -10,6 +10,7 @@ from scipy.optimize import nnls
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
+from q2q_planner.offline import certificate
 from q2q_planner.offline.avoidance.deviation_space import bent, deviation_space
 from q2q_planner.offline.avoidance.half_spaces import watch_pairs
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
@@ -129,6 +130,14 @@ def test_an_impossible_flight_says_which_pair_and_when() -> None:
     ]
     with pytest.raises(InfeasibleError, match=r"cf\d.* and cf\d.* inside each other's zone at t = [45]"):
         avoid(tight, PAPER)
+
+
+def test_a_plan_of_which_nothing_is_computed_is_not_said_to_be_inside(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(certificate, "MOST_STRETCHES", 0)
+    with pytest.raises(InfeasibleError, match=r"no pair is proven .* in any of 1 starts: .* more than 0$"):
+        avoid(SECTION_4_1, PAPER, params=AvoidanceParams(starts=1, steps=2))
 
 
 def test_a_warm_start_ends_where_it_began() -> None:

@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial
 
 from q2q_model.trajectory.plan_file import load, load_with_facts
 from q2q_planner.commands.plan import main
+from q2q_planner.offline import certificate
 from q2q_planner.offline.certified_file import load_plan
 
 SECTION_4_1 = """
@@ -38,6 +39,15 @@ def test_without_avoidance_it_writes_the_infimum_and_says_not_certified(
     assert output["clearance_m"] < 0.0
     assert output["vehicles"] == 2
     assert load(out).names == ("cf1", "cf2")
+
+
+def test_a_plan_too_large_for_the_proof_is_said_to_be_that(
+    crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(certificate, "MOST_STRETCHES", 1)
+    assert main([str(crossing), "--no-avoid", "--out", str(tmp_path / "plan.json")]) == 0
+    output = capsys.readouterr().out
+    assert "NOT proven: 3 pieces of 2 vehicles are 3 stretches of pairs, more than 1 (" in output
 
 
 def test_with_avoidance_it_is_certified_in_plan_file_and_json(crossing: Path, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.offline.rounding_bound import MOST_COEFFICIENTS, ROUNDING, rounding_bound
+from q2q_planner.offline.rounding_bound import MOST_COEFFICIENTS, NOT_BOUNDED, ROUNDING, rounding_bound
 from q2q_planner.offline.shared_pieces import shared_pieces
 
 
@@ -107,3 +107,4 @@ def test_a_plan_without_a_bound_is_not_certified(coefficients: Array, duration: 
     proof = certify(beside_rest(coefficients, duration), Cylinder())
     assert not proof.holds
     assert proof.clearance == -np.inf
+    assert proof.not_computed == NOT_BOUNDED

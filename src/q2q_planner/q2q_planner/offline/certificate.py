@@ -23,7 +23,7 @@ from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, TOLERANCE, StretchBounds, least
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
-from q2q_planner.offline.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
+from q2q_planner.offline.rounding_bound import MOST_ROUNDING, NOT_BOUNDED, ROUNDING, rounding_slack
 from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
 
 LIKELY = 256
@@ -36,11 +36,13 @@ class Certificate:
 
     clearance: float
     """Lower bound of every pair's distance to the zone at any t [m]; infinite for one vehicle, -infinite if
-    rounding is above MOST_ROUNDING, or there are more than MOST_STRETCHES."""
+    none is computed."""
     pair: tuple[str, str] | None
     """The pair that comes nearest."""
     t: float
     """Time of its least distance [s]."""
+    not_computed: str = ""
+    """Why no clearance is computed; empty where one is."""
 
     @property
     def holds(self) -> bool:
@@ -54,16 +56,22 @@ def certify(plan: SwarmPlan, zone: Zone, tolerance: float = TOLERANCE) -> Certif
         return Certificate(np.inf, None, 0.0)
     rounding = rounding_slack(plan.trajectories)
     if not rounding < MOST_ROUNDING:
-        return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0)
+        return _without_clearance(plan, NOT_BOUNDED)
     lathe, shared = lathe_around(zone), shared_pieces(plan.trajectories)
-    if len(shared.durations) * len(plan.names) * (len(plan.names) - 1) > 2 * MOST_STRETCHES:
-        return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0)
+    count = len(shared.durations) * len(plan.names) * (len(plan.names) - 1) // 2
+    if count > MOST_STRETCHES:
+        words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
+        return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
     stretches = _stretches(shared, lathe)
     found = least(stretches.points, lambda points: _stretch_bounds(points, lathe), tolerance)
     pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
     piece = stretches.piece[found.row]
     t = shared.starts[piece] + found.share * shared.durations[piece]
     return Certificate(found.bound - rounding, pair, float(t))
+
+
+def _without_clearance(plan: SwarmPlan, why: str) -> Certificate:
+    return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0, why)
 
 
 def as_certified(plan: SwarmPlan, lathe: Lathe) -> SwarmPlan:

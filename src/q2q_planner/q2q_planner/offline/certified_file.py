@@ -35,5 +35,6 @@ def load_plan(path: Path) -> SwarmPlan:
     if not proof.holds:
         pair = " and ".join(proof.pair or ())
         proven = f"{pair} have a proven clearance of {proof.clearance:.3g} m at {proof.t:.2f} s"
-        raise ValueError(f"{path} states that it is certified, and is not: {proven}; {plan_file.REMEDY}")
+        why = proof.not_computed or proven
+        raise ValueError(f"{path} states that it is certified, and is not: {why}; {plan_file.REMEDY}")
     return plan

@@ -45,6 +45,12 @@ ROUNDING = 1e-9
 MOST_ROUNDING = 1.0
 """Rounding beyond which nothing is computed, so that nothing overflows [m]."""
 
+NOT_BOUNDED = (
+    f"positions may be rounded by more than {MOST_ROUNDING:g} m: coefficients are too large or too many, or "
+    f"a piece is shorter than {SHORTEST:g} s"
+)
+"""Why nothing is proven of such a plan."""
+
 UNDERFLOW = 1e-200
 """What products below the normal numbers are off by [m]: 5e-324 for each, times powers of a duration."""
 

@@ -124,6 +124,8 @@ def _duration(here: Array, there: Array, params: GlideParams) -> float:
 
 
 def _told(proof: Certificate, zone: Cylinder) -> str:
+    if proof.not_computed:
+        return f"no glide is proven: {proof.not_computed}"
     pair = " and ".join(proof.pair or ())
     near = f"{pair} would enter each other's zone by {-proof.clearance:.2f} m at {proof.t:.1f} s"
     return f"{near} (radius {zone.eps:.2f} m, half height {zone.d:.2f} m), in every order"

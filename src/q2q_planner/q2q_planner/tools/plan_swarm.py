@@ -21,7 +21,7 @@ from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_feasible, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.offline.rounding_bound import MOST_ROUNDING
+from q2q_planner.offline.rounding_bound import NOT_BOUNDED
 from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.tools.risk_options import risk_facts, terms_of, zone_by_risk
@@ -179,8 +179,8 @@ def _verdict(made: Planned) -> str:
     proof = made.proof
     if proof.pair is None:
         return "one vehicle: no pair to certify"
-    if not isfinite(proof.clearance):
-        return f"NOT proven: coefficients so large that positions are rounded by more than {MOST_ROUNDING} m"
+    if proof.not_computed:
+        return f"NOT proven: {proof.not_computed}"
     nearest = f"{' and '.join(proof.pair)} at {proof.t:.2f} s"
     if proof.holds:
         return f"certified out of the zone for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"
@@ -192,7 +192,7 @@ def _wall_verdict(proof: WallProof) -> str:
     if proof.holds:
         return f"certified within the walls for every t; nearest {proof.clearance * 1e3:.2f} mm, {nearest}"
     if not isfinite(proof.clearance):
-        return f"NOT proven within the walls: positions are rounded by more than {MOST_ROUNDING} m"
+        return f"NOT proven within the walls: {NOT_BOUNDED}"
     return f"NOT within the walls: {-proof.clearance * 1e3:.0f} mm beyond, {nearest}"
 
 

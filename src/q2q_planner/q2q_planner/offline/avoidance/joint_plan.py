@@ -152,6 +152,8 @@ def _explanation(found: Sequence[Attempt]) -> str:
         return f"{nearest.name} cannot be kept within the walls: {beyond} {best}"
     proof = max((attempt.proof for attempt in found), key=lambda proof: proof.clearance)
     first, second = proof.pair or ("", "")
+    if proof.not_computed:
+        return f"no pair is proven to be kept apart, in any of {len(found)} starts: {proof.not_computed}"
     return (
         f"{first} and {second} cannot be kept apart: {-proof.clearance:.3g} m inside each other's zone at "
         f"t = {proof.t:.2f} s {best}"
