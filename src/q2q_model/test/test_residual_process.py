@@ -1,5 +1,6 @@
 """Tests of the fit of the residual process, and the correction of predictions by measured pushes."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from q2q_model.signals.values import (
     Array,
     Interference,
     InterferenceStatus,
+    Names,
     SwarmCommand,
     SwarmImu,
     SwarmState,
@@ -112,6 +114,32 @@ def test_an_offset_seen_in_clear_air_is_no_residual_under_the_wake() -> None:
         answer = block.update(prediction(STEP * k, -2.0))
         block.measure(STEP * k, NAMES, np.array([-1.75, 0.0]))
     assert answer.acc[0, 2] == pytest.approx(-2.0, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["low", "new"])
+def test_a_vehicle_that_appears_or_vanishes_changes_nothing_of_the_others(name: str) -> None:
+    """`top` has an offset of 0.2 m/s^2 and a residual; beside it one vanishes, or comes."""
+
+    def answers(names_at: Callable[[int], Names]) -> list[Interference]:
+        block, found = PredictAndCorrect(PROCESS), []
+        for k in range(1000):
+            names, n = names_at(k), len(names_at(k))
+            acc, std = np.zeros((n, 3)), np.full((n, 3), 0.5)
+            acc[:, 2] = 0.0 if k < 900 else -1.5
+            valid = np.full(n, InterferenceStatus.VALID, dtype=np.uint8)
+            found.append(block.update(Interference(STEP * k, names, acc, std, valid)))
+            block.measure(STEP * k, names, acc[:, 2] + (0.2 if k < 900 else 0.7))
+        return found
+
+    def changing(k: int) -> Names:
+        there = k < 940 if name == "low" else k >= 940
+        return (name, "top") if there else ("top",)
+
+    for k, (one, other) in enumerate(zip(answers(lambda _: ("top",)), answers(changing), strict=True)):
+        row = other.names.index("top")
+        assert other.acc[row, 2] == one.acc[0, 2], k
+        assert other.std[row, 2] == one.std[0, 2], k
+    assert one.acc[0, 2] == pytest.approx(-1.5 + 0.5 * PROCESS.share(STEP), abs=0.05)
 
 
 def test_nothing_old_unknown_or_invalid_corrects() -> None:

@@ -16,6 +16,7 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 | a measurement older than `OLDEST` | the prediction unchanged: nothing of the residual is left |
 | a measurement not later than the last, or of a time without prediction | ignored |
 | a prediction earlier than the last: a late one, or the clock was set back | starts anew |
+| measurements of other vehicles than the last time | what is known of each follows its name |
 | a vehicle without prediction (NO_MODEL) | the prediction unchanged |
 """
 
@@ -115,12 +116,16 @@ class PredictAndCorrect:
         self._offset[clear] += (rate * (missed - self._offset))[clear]
 
     def _follow(self, names: Names) -> None:
-        """Start again with other vehicles."""
-        n = len(names)
-        self._names = names
-        self._residual, self._variance = np.zeros(n), np.full(n, self._process.floor**2)
-        self._offset, self._clear_s = np.zeros(n), np.zeros(n)
-        self._seen = np.zeros(n, dtype=np.bool_)
+        """Reorder what is known by name; nothing is known of new vehicles."""
+        rows = index_of(names, self._names)
+        known, n = rows >= 0, len(names)
+        own = rows[known]
+        residual, variance = np.zeros(n), np.full(n, self._process.floor**2)
+        offset, clear_s, seen = np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.bool_)
+        residual[known], variance[known] = self._residual[own], self._variance[own]
+        offset[known], clear_s[known], seen[known] = self._offset[own], self._clear_s[own], self._seen[own]
+        self._residual, self._variance = residual, variance
+        self._offset, self._clear_s, self._seen, self._names = offset, clear_s, seen, names
 
 
 class CorrectedPredictor:
