@@ -36,7 +36,7 @@ UNUSUAL, WITH_GAPS, WHOLE = 0, 1, 2
 
 
 class Prediction(NamedTuple):
-    """TrackColumns predicted to a tick, and the samples that pass their gates."""
+    """Tracks predicted to a tick, and the samples that pass their gates."""
 
     elapsed: Array
     """Time since each track's last sample [s], (n,)."""
@@ -49,17 +49,17 @@ class Prediction(NamedTuple):
     samples: Array
     """Positions [m], (n, 3); NaN where there is no sample."""
     own: Mask
-    """TrackColumns whose own sample passes the gates, (n,)."""
+    """Tracks whose own sample passes the gates, (n,)."""
     reach: Array
     """Largest believable distance of a sample from the prediction [m], (n,)."""
     lost: Mask
-    """TrackColumns without a sample for longer than coast_s, (n,)."""
+    """Tracks without a sample for longer than coast_s, (n,)."""
     repeated: Mask
     """Poses that equal a recent one bit for bit, (n,)."""
     thawed: Mask
-    """TrackColumns whose own sample shows that the repeated ones before it were old, (n,)."""
+    """Tracks whose own sample shows that the repeated ones before it were old, (n,)."""
     doubtful: Mask
-    """TrackColumns whose own sample passes further than jump_max from the prediction, (n,)."""
+    """Tracks whose own sample passes further than jump_max from the prediction, (n,)."""
     nominal: bool
     """Every track is confirmed, and its own sample passes the gates without thaw or doubt."""
 
@@ -70,9 +70,9 @@ class Association(NamedTuple):
     source: NDArray[np.intp]
     """As TrackUpdate.source."""
     began: Mask
-    """TrackColumns that start, or restart after an unconfirmed first sample, (n,)."""
+    """Tracks that start, or restart after an unconfirmed first sample, (n,)."""
     jumped: Mask
-    """TrackColumns that restart at a true jump or a thaw, (n,)."""
+    """Tracks that restart at a true jump or a thaw, (n,)."""
 
 
 class Offered(NamedTuple):

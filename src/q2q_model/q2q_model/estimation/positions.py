@@ -61,9 +61,9 @@ class TrackUpdate:
     source: Rows
     """Row of the accepted sample, (n,): another row where markers were swapped, -1 where none."""
     restarted: Mask
-    """TrackColumns restarted at a true jump or a thaw, (n,)."""
+    """Tracks restarted at a true jump or a thaw, (n,)."""
     trusted: Mask
-    """TrackColumns with an accepted sample that is not doubtful, and confirmed, (n,)."""
+    """Tracks with an accepted sample that is not doubtful, and confirmed, (n,)."""
     nominal: bool
     """Every track is confirmed, and accepted the sample of its own name."""
 

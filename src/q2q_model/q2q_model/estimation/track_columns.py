@@ -34,7 +34,7 @@ class TrackColumns(NamedTuple):
     seen: Mask
     """(n,)"""
     confirmed: Mask
-    """TrackColumns in which a second sample has passed the gates, a third if one was refuted, (n,)."""
+    """Tracks in which a second sample has passed the gates, a third if one was refuted, (n,)."""
     time: Array
     """Time of the last accepted sample [s], (n,)."""
     since: Array
