@@ -11,15 +11,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.jet import JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.downwash.pairs_in_reach import sweep
-from q2q_model.signals.values import Array, InterferenceStatus, Status, TrackStatus
-
-Rows = NDArray[np.intp]
-Flags = NDArray[np.bool_]
+from q2q_model.signals.values import Array, InterferenceStatus, Mask, Rows, Status, TrackStatus
 
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
 _TRACKED, _STALE_SOURCE = int(TrackStatus.TRACKED), int(InterferenceStatus.STALE_SOURCE)
@@ -32,7 +28,7 @@ class PairInteractions(NamedTuple):
     """[m/s^2], (p, 3)."""
     deviation: Array
     """[m/s^2], (p, 3)."""
-    stale: Flags
+    stale: Mask
     """Source not tracked, (p,)."""
 
 

@@ -6,13 +6,10 @@ dense comparison costs n^2.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import Reach
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
+from q2q_model.signals.values import Array, Rows
 
 
 def pairs_in_reach(pos: Array, reach: Reach) -> tuple[Rows, Rows]:

@@ -23,7 +23,6 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
@@ -33,6 +32,7 @@ from q2q_model.signals.values import (
     Array,
     Interference,
     InterferenceStatus,
+    Mask,
     Names,
     SwarmCommand,
     SwarmImu,
@@ -63,7 +63,7 @@ class PredictAndCorrect:
         self._variance: Array = np.zeros(0)
         self._offset: Array = np.zeros(0)
         self._clear_s: Array = np.zeros(0)
-        self._seen: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._seen: Mask = np.zeros(0, dtype=np.bool_)
 
     def update(self, prediction: Interference) -> Interference:
         """Return a prediction corrected by what has been measured."""
@@ -104,12 +104,12 @@ class PredictAndCorrect:
         self._variance[good] *= (1.0 - gain)[good]
         self._seen |= good
 
-    def _propagate(self, eta: Array, good: NDArray[np.bool_], dt: float) -> None:
+    def _propagate(self, eta: Array, good: Mask, dt: float) -> None:
         share, size = self._process.share(dt), self._process.std(np.where(good, eta, 0.0))
         self._residual *= share
         self._variance = share**2 * self._variance + (1.0 - share**2) * size**2
 
-    def _learn_offset(self, missed: Array, eta: Array, good: NDArray[np.bool_], dt: float) -> None:
+    def _learn_offset(self, missed: Array, eta: Array, good: Mask, dt: float) -> None:
         clear = good & (np.abs(eta) < CLEAR)
         self._clear_s[clear] += dt
         rate = dt / np.minimum(np.maximum(self._clear_s, dt), OFFSET_S)

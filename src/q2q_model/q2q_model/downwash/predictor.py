@@ -19,7 +19,6 @@ observed for less than its delay counts with its first observed state.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
 from q2q_model.downwash.jet import Jet, jet_law
@@ -40,7 +39,7 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Array, Interference, Names, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import Array, Interference, Mask, Names, Rows, SwarmState, TrackStatus, index_of
 
 _TRACKED = int(TrackStatus.TRACKED)  # numpy takes 5 us to read an enumeration
 _NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_))
@@ -104,10 +103,10 @@ class InteractionPredictor:
         if state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _answers(self, state: SwarmState, now: Array, keys: NDArray[np.intp]) -> PairInteractions:
+    def _answers(self, state: SwarmState, now: Array, keys: Rows) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""
         i, j = np.divmod(keys, len(now))
-        stale: NDArray[np.bool_] = np.not_equal(state.status[j], _TRACKED)
+        stale: Mask = np.not_equal(state.status[j], _TRACKED)
 
         def past(delay: Array) -> SourceStates:
             found = self._history.at(state.t - delay, j)
@@ -123,7 +122,7 @@ class InteractionPredictor:
             eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
 
-    def _thrust_ratio(self, t: float, now: Array, keys: NDArray[np.intp], terms: SourceTerms) -> Array:
+    def _thrust_ratio(self, t: float, now: Array, keys: Rows, terms: SourceTerms) -> Array:
         """Return thrust over weight of each pair's source when its air left it, (p, 1); 1 where unknown."""
         if terms.loading == 0.0:
             return np.ones((keys.size, 1))

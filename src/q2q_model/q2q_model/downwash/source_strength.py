@@ -23,15 +23,12 @@ l is about 0.6 and c about 1.5, and both wakes together have about 0.84 of the s
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
-
-Rows = NDArray[np.intp]
 
 HALF_SPAN_S = 0.05
 """Half of the time over which a source's acceleration is measured [s]: below the jet's delay at 0.2 m."""

@@ -5,10 +5,9 @@ are thus contiguous and in order of time, and appending one takes amortised cons
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 
 FIRST_CAPACITY = 64
 """Samples [-]: 0.6 s at 100 Hz; doubled when more are needed."""
@@ -43,7 +42,7 @@ class StateHistory:
         while self._end - self._start > 2 and self._stamps[self._start + 1] <= t - self._span:
             self._start += 1
 
-    def at(self, t: Array, vehicles: NDArray[np.intp]) -> Array:
+    def at(self, t: Array, vehicles: Rows) -> Array:
         """Return pos, vel and axis (p, 9) of rows `vehicles` (p,) at times t (p,) [s], interpolated.
 
         Times outside the history take the oldest or the newest sample. NaN where a sample used is NaN.
@@ -51,7 +50,7 @@ class StateHistory:
         stamps, samples = self._stamps[self._start : self._end], self._samples[self._start : self._end]
         return states_at(stamps, samples, t, vehicles)
 
-    def reordered(self, rows: NDArray[np.intp]) -> "StateHistory":
+    def reordered(self, rows: Rows) -> "StateHistory":
         """Return the history with other rows: row k is old row rows[k], or NaN where that is -1."""
         other = StateHistory(rows.size, self._span)
         for k in range(self._start, self._end):
@@ -70,7 +69,7 @@ class StateHistory:
 
 
 @compiled
-def states_at(times: Array, states: Array, t: Array, vehicles: NDArray[np.intp]) -> Array:
+def states_at(times: Array, states: Array, t: Array, vehicles: Rows) -> Array:
     """Return rows (p, c) of states (K, n, c) at times t (p,) [s], linearly interpolated between times (K,).
 
     Times outside take the first or the last state.

@@ -29,9 +29,8 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
-from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 UNIT_TOLERANCE = 0.05
 """Largest deviation of a valid quaternion's length from 1: float32 has 1e-6, four digits have 1e-3."""

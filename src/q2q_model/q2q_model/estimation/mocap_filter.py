@@ -25,7 +25,6 @@ This file is about frames:
 from dataclasses import fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
 from q2q_model.estimation.attitudes import AttitudeTracks
@@ -43,7 +42,7 @@ from q2q_model.estimation.usual_tick import (
     usual_tick,
     with_more,
 )
-from q2q_model.signals.values import Array, MocapFrame, Names, Status, SwarmState, TrackStatus
+from q2q_model.signals.values import Array, MocapFrame, Names, Rows, Status, SwarmState, TrackStatus
 
 _TRACKED, _COASTING, _LOST = (
     np.uint8(one) for one in (TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.LOST)
@@ -77,7 +76,7 @@ class MocapFilter:
         self._last: SwarmState | None = None
         self._old = ClockResetDetector()
         self._frame_names: Names | None = None
-        self._track_of_row: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
+        self._track_of_row: Rows = np.zeros(0, dtype=np.intp)
         self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
         self._recent = no_poses(count)
         self._find_memory()
@@ -188,7 +187,7 @@ class MocapFilter:
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, _COASTING, _LOST)
         return age, np.where(tracked.trusted, _TRACKED, late)
 
-    def _match(self, names: Names) -> NDArray[np.intp]:
+    def _match(self, names: Names) -> Rows:
         """Return the track of each row of a frame; -1 for rows to ignore."""
         if names != self._frame_names:
             if not self._given:

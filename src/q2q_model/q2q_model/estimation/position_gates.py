@@ -25,8 +25,8 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.flights.outliers import REPEAT_STEP, Mask
-from q2q_model.signals.values import Array
+from q2q_model.flights.outliers import REPEAT_STEP
+from q2q_model.signals.values import Array, Mask
 
 GATE_SIGMAS = 1.0
 """Width of the position gate beyond jump_max in standard deviations of the prediction: after a dropout an

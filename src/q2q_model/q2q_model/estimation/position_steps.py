@@ -17,7 +17,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
@@ -25,8 +24,7 @@ from q2q_model.estimation.position_gates import GATE_SIGMAS, PositionGates, scre
 from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, columns_of
 from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
-from q2q_model.flights.outliers import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 
 THAW_STEP = 0.005
 """Deviation from the prediction of a sample after repeated ones that shows them to be old [m]: 5 standard
@@ -67,7 +65,7 @@ class Prediction(NamedTuple):
 class Association(NamedTuple):
     """Samples assigned to tracks."""
 
-    source: NDArray[np.intp]
+    source: Rows
     """As TrackUpdate.source."""
     began: Mask
     """Tracks that start, or restart after an unconfirmed first sample, (n,)."""

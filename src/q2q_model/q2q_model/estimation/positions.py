@@ -40,8 +40,8 @@ from q2q_model.estimation.position_steps import (
 from q2q_model.estimation.steady_gain import PERIOD
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, unseen
 from q2q_model.estimation.white_jerk import start
-from q2q_model.flights.outliers import Mask, OutlierThresholds
-from q2q_model.signals.values import Array
+from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.signals.values import Array, Mask
 
 Rows = NDArray[np.intp]
 

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import Table
-from q2q_model.flights.outliers import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 
 class TrackParams(NamedTuple):

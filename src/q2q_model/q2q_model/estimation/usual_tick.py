@@ -16,8 +16,7 @@ from q2q_model.estimation.attitudes import follow as follow_attitudes
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE, Offered, TrackMemory
 from q2q_model.estimation.position_steps import follow as follow_positions
 from q2q_model.estimation.track_columns import TrackParams
-from q2q_model.flights.outliers import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 QUAT_AT, POSE_WIDTH = 3, 7
 """Poses are position [m] and orientation x y z w of every vehicle, (n, 7); NaN where absent."""

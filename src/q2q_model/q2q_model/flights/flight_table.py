@@ -24,12 +24,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 from q2q_model.signals.values import (
     Array,
+    Mask,
     MocapFrame,
     Names,
     SwarmCommand,

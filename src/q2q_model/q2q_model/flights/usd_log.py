@@ -77,10 +77,10 @@ def usd_log(data: bytes) -> UsdLog:
     return UsdLog(t[rising], values, tuple(repairs))
 
 
-Rows = NDArray[np.void]
+Records = NDArray[np.void]
 
 
-def _blocks(data: bytes) -> tuple[Array, Rows, list[str]]:
+def _blocks(data: bytes) -> tuple[Array, Records, list[str]]:
     """Return times, rows and repairs of the old format."""
     at, fields = 1, []
     for _ in range(data[0]):
@@ -106,7 +106,7 @@ def _blocks(data: bytes) -> tuple[Array, Rows, list[str]]:
     return rows["tick"] * TICK_S, rows, repairs
 
 
-def _events(data: bytes) -> tuple[Array, Rows, list[str]]:
+def _events(data: bytes) -> tuple[Array, Records, list[str]]:
     """Return times, rows and repairs of version 1 or 2: those of the event type with the most rows."""
     version, count = struct.unpack_from("<HH", data, 1)
     if version not in STAMPS:

@@ -7,12 +7,11 @@ that the controller used, to the last bit.
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
-from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
+from q2q_model.signals.values import Mask, MocapFrame, SwarmState, TrackStatus
 
 
 def with_filtered_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:
@@ -42,5 +41,5 @@ def _frame(flight: Flight, tick: int) -> MocapFrame:
     )
 
 
-def _known(state: SwarmState) -> NDArray[np.bool_]:
+def _known(state: SwarmState) -> Mask:
     return np.asarray(np.not_equal(state.status, TrackStatus.LOST))

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 from q2q_model.signals.cdr import NAMES_AT, START, SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.stamps import NANOSECONDS
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Mask, Names, Rows
 
 MOST_KINDS = 8
 """Most name sets of one message length; a recording with more is decoded message by message."""
 
-Rows = NDArray[np.intp]
 Values = NDArray[np.float64 | np.uint8]
 Number = TypeVar("Number", bound=np.generic)
 
@@ -77,9 +76,7 @@ def _placed(rows: SignalRows, place: Rows) -> SignalRows:
     return SignalRows(rows.names, rows.t, rows.values, place)
 
 
-def _like_first(
-    table: NDArray[np.uint8], first: bytes, kind: type[Signal]
-) -> tuple[SignalRows, NDArray[np.bool_]]:
+def _like_first(table: NDArray[np.uint8], first: bytes, kind: type[Signal]) -> tuple[SignalRows, Mask]:
     """Return the rows with the first message's layout, and the mask of these in the table."""
     signal = SignalReader[Signal](kind).read(first)
     arrays = {column.attribute: getattr(signal, column.attribute) for column in LAYOUTS[kind].columns}

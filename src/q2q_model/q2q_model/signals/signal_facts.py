@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from functools import singledispatch
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
@@ -20,6 +19,7 @@ from q2q_model.signals.values import (
     CommandStatus,
     Interference,
     InterferenceStatus,
+    Mask,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -85,7 +85,7 @@ def smallest_separation(pos: Array) -> float:
     return float(np.linalg.norm(seen[i] - seen[j]))
 
 
-def _count(which: NDArray[np.bool_]) -> str:
+def _count(which: Mask) -> str:
     return str(int(np.count_nonzero(which)))
 
 

@@ -3,15 +3,13 @@
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.values import Rows
 
 S = TypeVar("S", bound=Signal)
 
 
-def of_vehicles(signal: S, rows: NDArray[np.intp]) -> S:
+def of_vehicles(signal: S, rows: Rows) -> S:
     """Return the signal of the vehicles in `rows`, in that order."""
     names = tuple(signal.names[row] for row in rows)
     parts = {

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Status = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
+Rows = NDArray[np.intp]
 Names = tuple[str, ...]
 
 KNOWN_NAMES = 64
@@ -152,13 +154,13 @@ class SwarmImu:
     """Angular velocity [rad/s], body, (n, 3)."""
 
 
-def index_of(names: Sequence[str], among: Sequence[str]) -> NDArray[np.intp]:
+def index_of(names: Sequence[str], among: Sequence[str]) -> Rows:
     """Return a new array of the row in `among` of each of `names`; -1 where it is absent, (len(names),)."""
     return _index_of(tuple(names), tuple(among)).copy()
 
 
 @lru_cache(maxsize=KNOWN_NAMES)
-def _index_of(names: Names, among: Names) -> NDArray[np.intp]:
+def _index_of(names: Names, among: Names) -> Rows:
     if names == among:
         return np.arange(len(names))
     rows = {name: row for row, name in enumerate(among)}

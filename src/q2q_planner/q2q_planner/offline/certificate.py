@@ -15,10 +15,9 @@ computes from them. After their last waypoint vehicles are at rest; that time is
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.geometry.zone import Zone
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, TOLERANCE, StretchBounds, least
@@ -78,9 +77,6 @@ def as_certified(plan: SwarmPlan, lathe: Lathe) -> SwarmPlan:
     """Return a plan marked as certified for a zone, of which its certificate was found to hold."""
     profile = tuple((float(radius), float(height)) for radius, height in lathe.profile)
     return replace(plan, certified=True, zone_profile=profile)
-
-
-Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

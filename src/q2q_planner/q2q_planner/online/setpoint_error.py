@@ -8,9 +8,8 @@ through positions and velocities of both.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Mask, Names, SetpointStatus, SwarmSetpoint, index_of
 
 SHIFT_TOLERANCE = 1e-3
 """Shift above which a vehicle's status is SHIFTED [m]: below VICON's dynamic error of 2 mm."""
@@ -46,7 +45,7 @@ def matched(error: SetpointError, names: Names) -> SetpointError:
     return SetpointError(names, np.where(known, error.pos[rows], 0.0), np.where(known, error.vel[rows], 0.0))
 
 
-def settled(error: SetpointError, pushed: NDArray[np.bool_]) -> SetpointError:
+def settled(error: SetpointError, pushed: Mask) -> SetpointError:
     """Return the error, set to zero where it is small and not pushed (n,)."""
     largest = np.maximum(np.abs(error.pos), np.abs(error.vel)).max(axis=1)
     rest = ((largest < SETTLE_TOLERANCE) & ~pushed)[:, None]

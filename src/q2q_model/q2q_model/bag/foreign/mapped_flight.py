@@ -11,7 +11,6 @@ from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -24,7 +23,7 @@ from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
-from q2q_model.signals.values import Array, MocapFrame
+from q2q_model.signals.values import Array, MocapFrame, Rows
 
 POSES = {
     "PoseStamped": ("pose.position", "pose.orientation"),
@@ -231,7 +230,7 @@ def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal]
     return frames, repairs
 
 
-def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> NDArray[np.intp]:
+def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
     """Return for each tick the nearest row of ascending `t`, (len(ticks),); -1 if none is in tolerance."""
     right = np.clip(np.searchsorted(t, ticks), 0, len(t) - 1)
     left = np.clip(right - 1, 0, None)

@@ -7,8 +7,8 @@ A sample joins a candidate if the vehicle could have moved there, |r - r_last| <
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.flights.outliers import Mask, OutlierThresholds
-from q2q_model.signals.values import Array
+from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.signals.values import Array, Mask
 
 Table = NDArray[np.void]
 

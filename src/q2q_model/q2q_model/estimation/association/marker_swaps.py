@@ -5,15 +5,11 @@ within the track's gate are assigned greedily, nearest first, each sample and tr
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.flights.outliers import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 
 
-def swapped_sources(
-    measured: Array, expected: Array, gate: Array, rejected: Mask, missing: Mask
-) -> NDArray[np.intp]:
+def swapped_sources(measured: Array, expected: Array, gate: Array, rejected: Mask, missing: Mask) -> Rows:
     """Return for each track the row of another name's sample that fits it, (n,); -1 where there is none.
 
     Args:

@@ -15,13 +15,10 @@ moving with its vehicle.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.estimation.association.jump_candidates import Table, joined, mean_velocity
-from q2q_model.flights.outliers import Mask, OutlierThresholds
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
+from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.signals.values import Array, Mask, Rows
 
 FLIES_ON_S = 1.0
 """Time for which an absent vehicle goes on at its last velocity [s]: then it has braked."""

@@ -14,7 +14,6 @@ from functools import cached_property
 from itertools import groupby
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
 from q2q_model.downwash.source_strength import (
@@ -26,9 +25,7 @@ from q2q_model.downwash.source_strength import (
     thrust_ratio,
 )
 from q2q_model.downwash.state_history import states_at
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
+from q2q_model.signals.values import Array, Mask, Rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +131,7 @@ class _EqualSwarms:
         eta[near] = model.acceleration(*pairs)
         return eta.reshape(*rows.shape, 3)
 
-    def _in_reach(self, model: InteractionModel, rows: _PairRows) -> NDArray[np.bool_]:
+    def _in_reach(self, model: InteractionModel, rows: _PairRows) -> Mask:
         """Return where a source may act, (P * k,): within reach, allowing for its motion during the delay."""
         wide, tall = model.reach.horizontal, model.reach.vertical
         moved = model.max_delay * self._fastest[rows.flight, rows.source] if model.max_delay > 0.0 else 0.0

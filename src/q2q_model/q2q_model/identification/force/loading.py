@@ -18,22 +18,19 @@ would bias c. Rows in which no source is exposed identify a, the others c.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import BLOCK
 from q2q_model.identification.intervals import Interval, Stretch, clusters, intervals, least_squares_rows
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
 
 MOST = 2.0
 """Largest loading a controller takes [-]: twice that of momentum theory."""
 LEAST_GROWTH = 1e-6
 """Least growth of the downwash at a loading of 1, relative, for loading to be identifiable [-]."""
-
-Rows = NDArray[np.intp]
 
 
 def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Interval | None:

@@ -13,9 +13,9 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceRecord, Mask
+from q2q_model.identification.force.downwash_force import ForceRecord
 from q2q_model.identification.gains.altitude_record import UP
-from q2q_model.signals.values import Array, CommandStatus
+from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
 
 LOG_MASS = 0.032

@@ -11,10 +11,9 @@ is that of the positions at t: positions extrapolated over 20 ms differ from the
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 HORIZON_S = 0.02
 """h [s]: from a measurement to the effect of the command that uses it, at best."""
@@ -23,7 +22,7 @@ PRIOR = 20.0
 """P [m^2/s^4]: 1 s of residuals of 0.45 m/s^2 at 100 Hz, the rms of real flights."""
 
 
-def predicted_residual(t: Array, residual: Array, usable: NDArray[np.bool_]) -> Array:
+def predicted_residual(t: Array, residual: Array, usable: Mask) -> Array:
     """Return rho r(t - h) [m/s^2], (T,); 0 where no row h before, or up to one period more, is usable.
 
     Args:

@@ -12,13 +12,12 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.force.downwash_force import Mask
 from q2q_model.identification.force.recorded_force import (
     RecordedAcceleration,
     motion_of,
     recorded_acceleration,
 )
-from q2q_model.signals.values import Array, CommandStatus
+from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
 
 CLEAR = 0.5

@@ -10,12 +10,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.geometry.rotations import rotate
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -126,7 +125,7 @@ def _altitude_reference(flight: Flight) -> Array:
     return np.asarray(ref)
 
 
-def _common_rows(flight: Flight, placed: NDArray[np.bool_], ref: Array) -> slice:
+def _common_rows(flight: Flight, placed: Mask, ref: Array) -> slice:
     """Return the rows from the first to the last with position and reference of every vehicle."""
     whole = np.nonzero(placed.all(axis=1) & np.isfinite(ref).all(axis=(1, 2)))[0]
     if whole.size == 0 or flight.t[whole[-1]] - flight.t[whole[0]] < SHORTEST:
@@ -157,5 +156,5 @@ def resampled(t: Array, values: Array, at: Array) -> Array:
     return out.reshape(at.size, *values.shape[1:])
 
 
-def _finite_rows(values: Array) -> NDArray[np.bool_]:
+def _finite_rows(values: Array) -> Mask:
     return np.asarray(np.isfinite(values).all(axis=-1))

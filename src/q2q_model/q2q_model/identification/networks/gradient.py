@@ -15,11 +15,10 @@ theta is the vector of all weights: W1, b1, w2, b2 of the lower network, then of
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.envelope_network import HIDDEN, EnvelopeNetwork, Network
 from q2q_model.downwash.roles import BLEND, lower_share, smooth_gap
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 
 ONE = 4 * HIDDEN + 1
 """Number of weights of one network."""
@@ -42,7 +41,7 @@ class Evaluation:
 class _Part:
     """Samples and hidden units of one role, and the factor of its f in eta."""
 
-    rows: NDArray[np.intp]
+    rows: Rows
     inputs: Array
     hidden: Array
     factor: Array

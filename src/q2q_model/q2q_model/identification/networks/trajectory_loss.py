@@ -24,13 +24,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, thinned
 from q2q_model.identification.gains.impulse_response import free_response, impulse_response
 from q2q_model.identification.networks.gradient import Evaluation, evaluate, pullback
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 WIDE = 6.0
@@ -41,8 +40,6 @@ SETTLED = 1e-9
 """Change of eta that ends the iteration [m/s^2]: at most a nanometre of altitude."""
 SWEEPS = 60
 """Most sweeps; a sweep contracts by at least half if the loop is slower than the encounters."""
-
-Rows = NDArray[np.intp]
 
 
 class DivergingModelError(ValueError):

@@ -16,9 +16,9 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
 from q2q_model.identification.force.along_flight import eta_along, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import ForceSamples, Mask
+from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 MOST_FOLDS = 3

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.signals.values import Rows
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
-from q2q_planner.offline.avoidance.separating_planes import Rows
 from q2q_planner.offline.convex_zone import Lathe
 from q2q_planner.offline.walls import WALLS, Walls
 

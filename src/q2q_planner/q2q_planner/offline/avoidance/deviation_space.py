@@ -14,10 +14,9 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.hermite import end_scales, hermite_matrix, piece_energies, pieces_from_nodes
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_planner.offline.minimum_snap.minimum_snap import POSITION_HALF, Reading
@@ -82,7 +81,7 @@ def bent(trajectory: Trajectory, space: DeviationSpace, y: Array) -> Trajectory:
     return Trajectory(whole.durations, coefficients)
 
 
-def _free(knots: int, pieces: int, reading: Reading) -> NDArray[np.intp]:
+def _free(knots: int, pieces: int, reading: Reading) -> Rows:
     """Return which of the 4 x knots nodal data no waypoint fixes."""
     fixed = np.zeros((knots, POSITION_HALF), dtype=np.bool_)
     fixed[::pieces, 0] = True

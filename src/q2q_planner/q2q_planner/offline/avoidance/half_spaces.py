@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.signals.values import Array
-from q2q_planner.offline.avoidance.near_samples import Mask, is_near, meeting
-from q2q_planner.offline.avoidance.separating_planes import Planes, Rows
+from q2q_model.signals.values import Array, Mask, Rows
+from q2q_planner.offline.avoidance.near_samples import is_near, meeting
+from q2q_planner.offline.avoidance.separating_planes import Planes
 from q2q_planner.offline.convex_zone import Lathe
 
 SPACING = 0.25

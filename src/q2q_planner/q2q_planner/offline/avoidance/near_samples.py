@@ -7,18 +7,14 @@ are looked at sample by sample.
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array
-from q2q_planner.offline.avoidance.separating_planes import Rows
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.offline.convex_zone import Lathe
 
 LOOK = 0.1
 """Samples within this many radii of the zone get a plane before they violate it."""
 BOXED = 16
 """Samples of a box: its vehicle moves by up to four radii meanwhile, and few pairs are looked at closely."""
-
-Mask = NDArray[np.bool_]
 
 
 def meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:

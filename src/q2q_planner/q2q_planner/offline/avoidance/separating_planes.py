@@ -12,13 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import piqp
-from numpy.typing import NDArray
 from scipy import sparse
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples
-
-Rows = NDArray[np.intp]
 
 HARD = 1e-4
 """Least delta, over the mean of AA' 's diagonal."""

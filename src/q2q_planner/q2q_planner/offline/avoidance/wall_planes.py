@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.signals.values import Array
-from q2q_planner.offline.avoidance.near_samples import Mask, deepest_of_runs
-from q2q_planner.offline.avoidance.separating_planes import Planes, Rows
+from q2q_model.signals.values import Array, Mask, Rows
+from q2q_planner.offline.avoidance.near_samples import deepest_of_runs
+from q2q_planner.offline.avoidance.separating_planes import Planes
 from q2q_planner.offline.walls import WALLS, Walls
 
 

@@ -22,10 +22,9 @@ p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). For vehicles above each other
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.broad_phase import Pairs
 
 SWEEPS = 4
@@ -139,9 +138,7 @@ def _share(states: BarrierStates, i: int, j: int, law: BarrierLaw) -> float:
 
 
 @compiled
-def push_apart(
-    acc: Array, states: BarrierStates, pairs: Pairs, wide: Array, law: BarrierLaw
-) -> NDArray[np.bool_]:
+def push_apart(acc: Array, states: BarrierStates, pairs: Pairs, wide: Array, law: BarrierLaw) -> Mask:
     """Correct acc (n, 3) in place to satisfy the barriers; return which vehicles were pushed, (n,).
 
     Args:

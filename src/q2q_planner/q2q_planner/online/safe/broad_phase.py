@@ -8,12 +8,9 @@ differ by less than the largest reach are compared, so at bounded density the co
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
+from q2q_model.signals.values import Array, Rows
 
 
 class Pairs(NamedTuple):

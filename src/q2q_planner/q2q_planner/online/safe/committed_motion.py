@@ -4,15 +4,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Mask, Names, SwarmSetpoint, index_of
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
 from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
-
-Mask = NDArray[np.bool_]
 
 LONGEST_GAP = 5.0
 """Gap between stamps, forwards or back, after which vehicles restart on the reference [s]."""

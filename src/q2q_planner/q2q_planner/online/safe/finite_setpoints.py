@@ -15,8 +15,8 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.some_vehicles import of_vehicles
-from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, index_of
-from q2q_planner.online.safe.committed_motion import CommittedMotion, Mask, ReferenceRows
+from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of
+from q2q_planner.online.safe.committed_motion import CommittedMotion, ReferenceRows
 
 
 @dataclass(frozen=True, slots=True)

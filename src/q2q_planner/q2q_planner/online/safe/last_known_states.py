@@ -12,9 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import KNOWN_NAMES, Array, Names, SwarmState, index_of
-from q2q_planner.online.safe.broad_phase import Rows
-from q2q_planner.online.safe.committed_motion import Mask
+from q2q_model.signals.values import KNOWN_NAMES, Array, Mask, Names, Rows, SwarmState, index_of
 
 UNKNOWN = -np.inf
 """Stamp of a vehicle whose state is not known [s]."""

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
-from q2q_planner.online.safe.broad_phase import Pairs, Rows
+from q2q_model.signals.values import Array, Mask, Rows
+from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.candidate_motions import PairedTraffic, new_motions, old_motions
 from q2q_planner.online.safe.committed_motion import MotionRows
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
@@ -28,7 +28,7 @@ from q2q_planner.online.safe.wanted_motion import WantedMotion
 OLD, NEW, BROKEN = 0, 1, 2
 
 Choices = NDArray[np.int8]
-Proven = NDArray[np.bool_]
+Proven = Mask
 
 
 class ChoiceRule(NamedTuple):

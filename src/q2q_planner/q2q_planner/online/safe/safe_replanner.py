@@ -45,6 +45,7 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
     Array,
+    Mask,
     Names,
     SetpointStatus,
     Status,
@@ -55,7 +56,6 @@ from q2q_model.signals.values import (
 from q2q_planner.online.safe.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
-    Mask,
     ReferenceRows,
     distance,
     propagated,

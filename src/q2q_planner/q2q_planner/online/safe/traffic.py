@@ -15,14 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
-from q2q_planner.online.safe.broad_phase import Pairs, Rows, StoppingSpace, SweepLimits, broad_phase
+from q2q_model.signals.values import Array, Mask, Rows
+from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
     SNAP_VEL,
     CommittedMotion,
     FollowBounds,
-    Mask,
     MotionRows,
     ReferenceRows,
     follow_bounds,

@@ -11,16 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
 from q2q_planner.online.safe.broad_phase import Pairs
-from q2q_planner.online.safe.committed_motion import (
-    CommittedMotion,
-    Mask,
-    MotionRows,
-    ReferenceRows,
-    length,
-)
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, ReferenceRows, length
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.approach_speed import LAG, ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
