@@ -9,9 +9,11 @@ from q2q_model.signals.values import Names, SwarmSetpoint
 from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
     at_reference,
-    can_be_followed,
-    near_reference,
+    follow_bounds,
+    followed_rows,
+    near_rows,
     propagated,
+    reference_rows,
 )
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
@@ -68,7 +70,7 @@ def test_a_vehicle_is_near_its_reference_by_place_and_by_speed_unless_it_is_push
         vel=on.vel + np.array([[0, 4.9e-3, 0], [0, 0, 0], [0, 5.1e-3, 0], [0, 0, 0]]),
         pushed=np.array([False, False, False, True]),
     )
-    assert near_reference(off, asked).tolist() == [True, False, False, False]
+    assert near_rows(off.rows, reference_rows(asked)).tolist() == [True, False, False, False]
 
 
 @pytest.mark.parametrize(
@@ -87,7 +89,8 @@ def test_a_reference_is_followed_within_acceleration_and_speed(
 ) -> None:
     reference = replace(resting(2.0, ("cf1",)), **{name: np.array([asked])})
     same = replace(at_reference(reference), vel=np.zeros((1, 3)))
-    assert can_be_followed(same, reference, PARAMS).tolist() == [followed]
+    may = followed_rows(same.rows, reference_rows(reference), follow_bounds(PARAMS))
+    assert may.tolist() == [followed]
 
 
 @pytest.mark.parametrize(
@@ -105,4 +108,5 @@ def test_a_reference_is_followed_if_its_acceleration_jumps_by_no_more_than_the_j
 ) -> None:
     reference = replace(resting(2.0, ("cf1",)), acc=np.array([[0.0, asked, 0.0]]))
     committed = replace(at_reference(reference), acc=np.array([[0.0, before, 0.0]]))
-    assert can_be_followed(committed, reference, PARAMS).tolist() == [followed]
+    may = followed_rows(committed.rows, reference_rows(reference), follow_bounds(PARAMS))
+    assert may.tolist() == [followed]

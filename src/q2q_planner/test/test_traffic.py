@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from traffic_bench import ON, PARAMS, held, setpoint, state
 
+from q2q_model.signals.values import SwarmSetpoint
+from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.committed_motion import (
-    LONGEST_GAP,
     SNAP_POS,
     SNAP_VEL,
-    near_reference,
+    CommittedMotion,
+    near_rows,
     propagated,
     reference_rows,
 )
@@ -127,16 +129,21 @@ def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references(
     assert propagated(mixed, more, 3.0).on_reference.tolist() == [False, True, True]
 
 
+def near(motion: CommittedMotion, reference: SwarmSetpoint) -> list[bool]:
+    """Return which vehicles may be put onto a reference."""
+    return near_rows(motion.rows, reference_rows(reference)).tolist()
+
+
 def test_who_is_near_its_reference_and_was_not_pushed_may_be_put_onto_it() -> None:
     zero = np.zeros((2, 3))
     aside, away = np.array([[0.6, 0.8, 0.0], [0.6, 0.8, 0.0]]), np.array([[0.99], [1.01]])
     reference = setpoint(1.0, ("a", "b"), zero)
-    assert near_reference(held(SNAP_POS * away * aside, zero), reference).tolist() == [True, False]
-    assert near_reference(held(zero, SNAP_VEL * away * aside), reference).tolist() == [True, False]
-    assert near_reference(held(zero, zero), setpoint(1.0, ("a", "b"), aside)).tolist() == [False, False]
-    assert near_reference(held(zero, zero), setpoint(1.0, ("a", "b"), zero, aside)).tolist() == [False, False]
+    assert near(held(SNAP_POS * away * aside, zero), reference) == [True, False]
+    assert near(held(zero, SNAP_VEL * away * aside), reference) == [True, False]
+    assert near(held(zero, zero), setpoint(1.0, ("a", "b"), aside)) == [False, False]
+    assert near(held(zero, zero), setpoint(1.0, ("a", "b"), zero, aside)) == [False, False]
     pushed = replace(held(zero, zero), pushed=np.array([True, False]))
-    assert near_reference(pushed, reference).tolist() == [False, True]
+    assert near(pushed, reference) == [False, True]
 
 
 def states(ages: list[float], x: list[float], speed: float = 1.0) -> KnownStates:

@@ -17,15 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import PairMotion, Reach
+from q2q_model.downwash.interaction_model import EDGE, PairMotion, Reach
 from q2q_model.downwash.roles import lower_share, smooth_gap
 from q2q_model.signals.values import Array
 
 HIDDEN = 40
 """Units of the hidden layer, section 3.2."""
-
-EDGE = 4.3
-"""Standard deviations at which the envelope has fallen to 1e-4."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,9 @@ class Reach:
     """[m]"""
 
 
+EDGE = 4.3
+"""Standard deviations at which a Gaussian has fallen to 1e-4."""
+
 UP = np.array([0.0, 0.0, 1.0])
 """Body z of a level vehicle."""
 

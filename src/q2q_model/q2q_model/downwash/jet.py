@@ -42,13 +42,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.downwash.interaction_model import PairMotion, Reach
+from q2q_model.downwash.interaction_model import EDGE, PairMotion, Reach
 from q2q_model.downwash.roles import BLEND
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
-
-EDGE = 4.3
-"""Standard deviations at which a Gaussian has fallen to 1e-4."""
 
 STEEPEST = 0.5
 """Largest slope b_xy / b_z that a jet follows [-], 27 degrees; steeper slopes are clipped."""

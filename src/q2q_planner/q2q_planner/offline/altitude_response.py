@@ -12,9 +12,7 @@ import numpy as np
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
 from q2q_model.downwash.source_strength import PAIRS_ALONE, source_terms, strengths
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
-
-__all__ = ["PAPER_LOOP", "AltitudeLoop", "altitude_errors", "altitude_rms"]
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 
 def altitude_errors(pos: Array, step: float, model: InteractionModel, loop: AltitudeLoop) -> Array:

@@ -20,7 +20,7 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, TOLERANCE, StretchBounds, least
+from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, StretchBounds, least
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
 from q2q_planner.offline.rounding_bound import MOST_ROUNDING, NOT_BOUNDED, ROUNDING, rounding_slack
 from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
@@ -49,7 +49,7 @@ class Certificate:
         return self.clearance > ROUNDING
 
 
-def certify(plan: SwarmPlan, zone: Zone, tolerance: float = TOLERANCE) -> Certificate:
+def certify(plan: SwarmPlan, zone: Zone) -> Certificate:
     """Return the proven clearance of a plan from a zone."""
     if len(plan.names) < 2:
         return Certificate(np.inf, None, 0.0)
@@ -62,7 +62,7 @@ def certify(plan: SwarmPlan, zone: Zone, tolerance: float = TOLERANCE) -> Certif
         words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
         return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
     stretches = _stretches(shared, lathe)
-    found = least(stretches.points, lambda points: _stretch_bounds(points, lathe), tolerance)
+    found = least(stretches.points, lambda points: _stretch_bounds(points, lathe))
     pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
     piece = stretches.piece[found.row]
     t = shared.starts[piece] + found.share * shared.durations[piece]

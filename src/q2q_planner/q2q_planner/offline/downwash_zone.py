@@ -29,7 +29,7 @@ from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
-__all__ = ["PAPER_LOOP", "AltitudeLoop", "DownwashPlan", "LearnedDownwash", "avoid_downwash"]
+__all__ = ["PAPER_LOOP", "DownwashPlan", "LearnedDownwash", "avoid_downwash"]
 
 HARMLESS = 1e-3
 """Height error that needs no reduction [m]: below VICON's 2 mm dynamic error."""

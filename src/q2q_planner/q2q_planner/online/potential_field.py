@@ -36,6 +36,7 @@ from q2q_model.downwash.pairs_in_reach import pairs_in_reach
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.setpoint_error import (
     SetpointError,
     matched,
@@ -47,8 +48,6 @@ from q2q_planner.online.setpoint_error import (
 
 STEP = 0.01
 """Longest step of the integrator [s]: one tick at 100 Hz."""
-LONGEST_GAP = 5.0
-"""Longest gap between stamps that is integrated [s]; a longer one restarts on the reference."""
 CUTOFF = 1e-12
 """Smallest Gaussian that is computed: below 1e-11 m/s^2 with the paper's stiffness."""
 

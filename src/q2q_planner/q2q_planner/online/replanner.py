@@ -4,6 +4,9 @@ from typing import Protocol
 
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
+LONGEST_GAP = 5.0
+"""Gap between stamps, forwards or back, after which vehicles restart on the reference [s]."""
+
 
 class Replanner(Protocol):
     """Block that moves setpoints out of interference zones, tick by tick."""

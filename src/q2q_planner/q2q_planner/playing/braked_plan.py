@@ -17,26 +17,26 @@ BRAKE_S = 1.0
 """T [s]: adds an acceleration of v / T to the plan's own, 1 m/s^2 at 1 m/s."""
 
 
-def braked(plan: SwarmPlan, s: float, duration: float = BRAKE_S) -> SwarmPlan:
-    """Return the plan that starts at plan time s [s] of `plan` and comes to rest within `duration` [s]."""
-    curves = tuple(_braked(one, s, duration) for one in plan.trajectories)
+def braked(plan: SwarmPlan, s: float) -> SwarmPlan:
+    """Return the plan that starts at plan time s [s] of `plan` and comes to rest within BRAKE_S."""
+    curves = tuple(_braked(one, s) for one in plan.trajectories)
     return replace(plan, trajectories=curves)
 
 
-def _braked(curve: Trajectory, s: float, duration: float) -> Trajectory:
+def _braked(curve: Trajectory, s: float) -> Trajectory:
     ends = np.cumsum(curve.durations)
-    begin, last = float(np.clip(s, 0.0, ends[-1])), min(s + 0.5 * duration, float(ends[-1]))
+    begin, last = float(np.clip(s, 0.0, ends[-1])), min(s + 0.5 * BRAKE_S, float(ends[-1]))
     knots = np.array([begin, *ends[(ends > begin + _LEAST) & (ends < last - _LEAST)], last])
     if last - begin <= _LEAST:  # at rest before its start or after its end
         point = curve.at(np.array(begin))
-        return Trajectory(np.array([duration]), point.reshape(1, AXES, 1))
-    tau = duration - np.sqrt(np.maximum(duration**2 - 2.0 * duration * (knots - s), 0.0))
+        return Trajectory(np.array([BRAKE_S]), point.reshape(1, AXES, 1))
+    tau = BRAKE_S - np.sqrt(np.maximum(BRAKE_S**2 - 2.0 * BRAKE_S * (knots - s), 0.0))
     order = 2 * curve.coefficients.shape[-1] - 1
     pieces = np.zeros((len(knots) - 1, AXES, order))
     for k in range(len(knots) - 1):
         piece = min(int(np.searchsorted(ends, knots[k] + 0.5 * _LEAST, side="right")), len(ends) - 1)
         start = ends[piece] - curve.durations[piece]
-        inner = np.array([knots[k] - start, 1.0 - tau[k] / duration, -0.5 / duration])
+        inner = np.array([knots[k] - start, 1.0 - tau[k] / BRAKE_S, -0.5 / BRAKE_S])
         for axis in range(AXES):
             composed = _composed(curve.coefficients[piece, axis], inner)
             pieces[k, axis, : len(composed)] = composed

@@ -2,7 +2,7 @@
 
 All vehicles move at once on straight lines if the certificate holds; else one after another, each on a
 straight line or by a waypoint beside its middle, in the first order in which every vehicle has a certified
-path. A minimum-snap piece from rest to rest over a distance s in a time T peaks at 35/16 s/T.
+path.
 """
 
 from collections.abc import Sequence
@@ -16,11 +16,10 @@ from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.minimum_snap.flight_limits import PEAK_SPEED
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
-PEAK = 35.0 / 16.0
-"""Ratio of largest to mean speed of a minimum-snap piece from rest to rest."""
 ORDERS = 24
 """Most orders that are tried: all of four vehicles."""
 ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
@@ -120,7 +119,7 @@ def _way(name: str, points: Sequence[Array], times: Sequence[float]) -> VehicleW
 
 def _duration(here: Array, there: Array, params: GlideParams) -> float:
     length = float(np.linalg.norm(there[:3] - here[:3]))
-    return max(PEAK * length / params.glide_speed, params.glide_s)
+    return max(PEAK_SPEED * length / params.glide_speed, params.glide_s)
 
 
 def _told(proof: Certificate, zone: Cylinder) -> str:

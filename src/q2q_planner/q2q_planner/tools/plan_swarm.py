@@ -13,11 +13,12 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import lathe_around
-from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
+from q2q_planner.offline.convex_zone import LARGEST, lathe_around
+from q2q_planner.offline.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_feasible, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -26,9 +27,6 @@ from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.tools.risk_options import risk_facts, terms_of, zone_by_risk
 from q2q_planner.tools.waypoint_file import read_waypoints
-
-LARGEST = 5.0
-"""Largest zone [m]: far beyond any measured downwash."""
 
 DRAFT = "paper_law"
 """Downwash of Figs 11 and 13 without --model."""

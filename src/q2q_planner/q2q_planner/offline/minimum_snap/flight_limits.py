@@ -24,7 +24,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
 from q2q_planner.offline.minimum_snap.waypoints import SHORTEST_PIECE, VehicleWaypoints, Waypoint
 
 PEAK_SPEED = 35.0 / 16.0
-"""max s' of the rest-to-rest piece."""
+"""Ratio of largest to mean speed of a rest-to-rest piece: max s'."""
 PEAK_ACC = 84.0 * sqrt(5.0) / 25.0
 """max s'' of the rest-to-rest piece."""
 TOLERANCE = 1e-6

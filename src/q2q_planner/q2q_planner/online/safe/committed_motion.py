@@ -7,12 +7,11 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Names, SwarmSetpoint, index_of
+from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
 from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 
-LONGEST_GAP = 5.0
-"""Gap between stamps, forwards or back, after which vehicles restart on the reference [s]."""
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
 
@@ -155,19 +154,6 @@ def follow_bounds(params: SafeReplannerParams) -> FollowBounds:
     return FollowBounds(params.jerk_max * params.hold, params.acc_max, params.speed_max)
 
 
-def near_reference(committed: CommittedMotion, setpoint: SwarmSetpoint) -> Mask:
-    """Return which vehicles may snap onto their reference: near it and not pushed, (n,)."""
-    return near_rows(committed.rows, reference_rows(setpoint))
-
-
-def can_be_followed(committed: CommittedMotion, setpoint: SwarmSetpoint, params: SafeReplannerParams) -> Mask:
-    """Return whose reference keeps the bounds of jerk, acceleration and speed at this tick, (n,).
-
-    An acceleration that jumps by no more than the jerk changes it within `hold` keeps that of the jerk.
-    """
-    return followed_rows(committed.rows, reference_rows(setpoint), follow_bounds(params))
-
-
 @compiled
 def length(x: float, y: float, z: float) -> float:
     """Return the length of a vector."""
@@ -182,7 +168,7 @@ def distance(some: Array, other: Array, row: int) -> float:
 
 @compiled
 def near_rows(rows: MotionRows, reference: ReferenceRows) -> Mask:
-    """Return the result of near_reference."""
+    """Return which vehicles may snap onto their reference: near it and not pushed, (n,)."""
     near = np.empty(rows.hold.size, np.bool_)
     for row in range(near.size):
         pos, vel = distance(rows.pos, reference.pos, row), distance(rows.vel, reference.vel, row)
@@ -192,7 +178,10 @@ def near_rows(rows: MotionRows, reference: ReferenceRows) -> Mask:
 
 @compiled
 def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBounds) -> Mask:
-    """Return the result of can_be_followed."""
+    """Return whose reference keeps the bounds of jerk, acceleration and speed at this tick, (n,).
+
+    An acceleration that jumps by no more than the jerk changes it within `hold` keeps that of the jerk.
+    """
     followed = np.empty(rows.hold.size, np.bool_)
     acc, vel = reference.acc, reference.vel
     for row in range(followed.size):

@@ -27,10 +27,6 @@ class LostVehicles:
     """Which vehicles of a swarm were lost at the last tick."""
 
     def __init__(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all vehicles."""
         self._names: Names = ()
         self._lost: Mask = np.zeros(0, np.bool_)
 

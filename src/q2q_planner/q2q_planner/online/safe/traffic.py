@@ -72,11 +72,6 @@ class TrafficTable:
         """Return the arrays of all rows."""
         return TrafficRows(self.pos, self.vel, self.growth)
 
-    @property
-    def meets(self) -> Mask:
-        """Return which vehicles of the swarm are in a pair, (own,)."""
-        return in_pairs(self.pairs, len(self.pos))[: self.own]
-
 
 _ALONE = TrafficTable(
     0,
