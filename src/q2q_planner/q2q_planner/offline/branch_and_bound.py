@@ -46,14 +46,26 @@ class Least(NamedTuple):
     """No value is below this [m]; within the tolerance if there were no more than MOST_STRETCHES."""
 
 
-def least(points: Array, bounds: Callable[[Array], StretchBounds], tolerance: float = TOLERANCE) -> Least:
-    """Return the least value on stretches of control points (m, ..., order); `bounds` takes such arrays."""
+def least(
+    points: Array,
+    bounds: Callable[[Array], StretchBounds],
+    tolerance: float = TOLERANCE,
+    relative: float = 0.0,
+) -> Least:
+    """Return the least value on stretches.
+
+    Args:
+        points: control points, (m, ..., order).
+        bounds: bounds of the value, of such arrays.
+        tolerance: how far the bound may lie below the true least value.
+        relative: the same, as a share of it; added.
+    """
     row, share, length = np.arange(len(points)), np.zeros(len(points)), 1.0
     found, floor = Least(np.inf, 0, 0.0), np.inf
     for _ in range(DEEPEST):
         here = bounds(points)
         found = _improved(found, here, row, share + length * here.share)
-        split = here.lower < found.value - tolerance
+        split = here.lower < found.value - (tolerance + relative * abs(found.value))
         floor = min(floor, float(here.lower[~split].min(initial=np.inf)))
         if not split.any():
             return found._replace(bound=min(floor, found.value))

@@ -1,7 +1,7 @@
 """Flight limits: peak speed, acceleration and thrust of a plan, and waypoint times that keep them.
 
-Peaks are bounded by branch and bound over Bernstein hulls (`bernstein`): the norm of a curve is at most the
-largest norm of its control points, and a stretch whose bound is below a norm already found is discarded.
+Peaks are bounded by `branch_and_bound` over Bernstein hulls (`bernstein`): the norm of a curve is at most the
+largest norm of its control points.
 
 Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a length D in time T peaks at
 35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
@@ -20,8 +20,9 @@ from q2q_model.trajectory.bernstein import control_points, halves
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, derive
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_planner.offline.branch_and_bound import StretchBounds, least
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
-from q2q_planner.offline.minimum_snap.waypoints import SHORTEST_PIECE, VehicleWaypoints, Waypoint
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 PEAK_SPEED = 35.0 / 16.0
 """Ratio of largest to mean speed of a rest-to-rest piece: max s'."""
@@ -29,6 +30,8 @@ PEAK_ACC = 84.0 * sqrt(5.0) / 25.0
 """max s'' of the rest-to-rest piece."""
 TOLERANCE = 1e-6
 """Relative excess of a bound over the true peak."""
+SMALLEST = 1e-12
+"""Absolute excess of a bound over a peak of zero, in the unit of the norm."""
 TIME_STEP = 0.01
 """Allocated times are rounded up to a tick [s]."""
 ROUNDING = 1e-9
@@ -62,22 +65,17 @@ def peak_norm(trajectory: Trajectory, derivative: int, offset: Array | None = No
     if offset is not None:
         derived[..., 0] += offset
     points = control_points(derived, trajectory.durations[:, None])  # (pieces, 3, order)
-    start, length = np.cumsum(trajectory.durations) - trajectory.durations, trajectory.durations
-    best, when, done = 0.0, 0.0, 0.0
-    while True:
-        first, second = halves(points)
-        seen = np.sqrt((first[..., -1] ** 2).sum(-1))
-        if seen.max() >= best:
-            at = int(seen.argmax())
-            best, when = float(seen[at]), float(start[at] + 0.5 * length[at])
-        bound = np.sqrt((points**2).sum(1)).max(-1)
-        near = bound > best * (1.0 + TOLERANCE) + 1e-12
-        done = max(done, float(bound[~near].max(initial=0.0)))
-        if not near.any() or length[near].max() < SHORTEST_PIECE * TOLERANCE:
-            return Peak(max(done, float(bound.max() if near.any() else 0.0), best), when)
-        points = np.concatenate([first[near], second[near]])
-        start = np.concatenate([start[near], start[near] + 0.5 * length[near]])
-        length = np.tile(0.5 * length[near], 2)
+    found = least(points, _norm_bounds, SMALLEST, TOLERANCE)
+    start = np.cumsum(trajectory.durations) - trajectory.durations
+    t = start[found.row] + found.share * trajectory.durations[found.row]
+    return Peak(-found.bound, float(t))
+
+
+def _norm_bounds(points: Array) -> StretchBounds:
+    """Return the bounds of the negative norm: that in the middle, and that of the largest control point."""
+    middle = halves(points)[0][..., -1]
+    norms = np.sqrt((points**2).sum(1)).max(-1)
+    return StretchBounds(-np.sqrt((middle**2).sum(-1)), np.full(len(points), 0.5), -norms)
 
 
 def check_feasible(
