@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe.found_again import BLIND_S
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
@@ -78,6 +79,19 @@ def test_it_sinks_no_faster_than_it_can_stop_above_the_floor(height: float) -> N
     assert -1.1 <= first.vel[0, 2] <= 0.0
     assert stop >= -1e-12
     assert first.vel[0, 2] == -1.1 or stop == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("lost_s", [BLIND_S + 0.2, PARAMS.forget + 0.2])
+def test_it_starts_where_it_is_also_if_the_swarm_changes_meanwhile(lost_s: float) -> None:
+    """The second vehicle leaves the swarm in the tick before the first is measured again, or in that tick."""
+    for early in (0, 1):
+        replanner, begin = SafeReplanner(PARAMS), round(lost_s / TICK) + 1
+        for k in range(begin - early):
+            replanner.update(setpoint_at(k * TICK), state_at(k * TICK, k * TICK))
+        for k in range(begin - early, begin + 1):
+            state = state_at(k * TICK, 0.0, OFF) if k == begin else state_at(k * TICK, k * TICK)
+            first = replanner.update(of_vehicles(setpoint_at(k * TICK), np.array([0])), state)
+        np.testing.assert_allclose(first.pos[0] - SENT[0], OFF, atol=1e-12)
 
 
 def test_one_that_was_flown_all_the_time_is_led_on_and_announced() -> None:
