@@ -82,16 +82,16 @@ ROOMS = (
     ),
     Room(
         tuple(
-            f"q2q_planner.online.safe.{name}"
+            f"q2q_planner.online.{name}"
             for name in (
-                "safe_replanner",
+                "safe.safe_replanner",
                 "last_known_states",
-                "committed_motion",
-                "decision",
-                "tracking_uncertainty",
-                "found_again",
-                "traffic",
-                "wanted_motion",
+                "safe.committed_motion",
+                "safe.decision",
+                "safe.tracking_uncertainty",
+                "safe.found_again",
+                "safe.traffic",
+                "safe.wanted_motion",
             )
         ),
         tuple(

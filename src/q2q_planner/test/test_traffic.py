@@ -7,6 +7,7 @@ import pytest
 from traffic_bench import ON, PARAMS, held, setpoint, state
 
 from q2q_model.signals.values import SwarmSetpoint
+from q2q_planner.online.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
@@ -16,7 +17,6 @@ from q2q_planner.online.safe.committed_motion import (
     propagated,
     reference_rows,
 )
-from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
 

@@ -3,10 +3,10 @@
 import numpy as np
 
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
+from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
 )
-from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(

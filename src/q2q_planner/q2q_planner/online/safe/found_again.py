@@ -13,8 +13,8 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Array, Mask, Names, index_of
+from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.committed_motion import CommittedMotion
-from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s

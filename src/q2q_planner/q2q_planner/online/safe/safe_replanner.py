@@ -53,6 +53,7 @@ from q2q_model.signals.values import (
     SwarmState,
     index_of,
 )
+from q2q_planner.online.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
@@ -70,7 +71,6 @@ from q2q_planner.online.safe.finite_setpoints import (
     off_reference,
 )
 from q2q_planner.online.safe.found_again import LostVehicles, restarted
-from q2q_planner.online.safe.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw

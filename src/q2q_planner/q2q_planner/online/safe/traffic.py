@@ -16,6 +16,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
+from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
@@ -29,7 +30,6 @@ from q2q_planner.online.safe.committed_motion import (
     length,
     near_rows,
 )
-from q2q_planner.online.safe.last_known_states import KnownStates
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 
