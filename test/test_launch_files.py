@@ -20,6 +20,7 @@ from q2q_sim.launching.launch_plan import (
     folder_of,
     room_nodes,
     scenario_nodes,
+    undeclared,
 )
 from q2q_sim.loop import assembly
 from q2q_sim.processes.processes import NodeSpec, find_executable
@@ -96,6 +97,28 @@ def test_a_real_room_starts_nodes_that_exist_and_a_trajectory_that_waits(
     assert started.keys() & {"pid", "radio", "crazyswarm", "simulator"} == flown
     assert started["trajectory"].parameters["wait"] is True
     assert ENDS_ALL & started.keys() == {"bag_record", "trajectory", *flown - {"pid"}}
+
+
+@pytest.mark.parametrize("asked", ["true", "false"])
+@pytest.mark.parametrize(("by", "given", "told"), [
+    ("radio", {"mode": "command"}, {"pid", "radio"}),
+    ("radio", {"mode": "setpoint"}, {"radio"}),
+    ("crazyswarm", {}, {"crazyswarm"}),
+])  # fmt: skip
+def test_whether_the_downwash_is_compensated_is_told_to_every_node_that_does(
+    room: dict[str, str], by: str, given: dict[str, str], told: set[str], asked: str
+):
+    arguments, made = MADE[by]
+    specs = made(defaults(arguments) | room | given | {"aware": asked})
+    aware = {spec.executable: spec.parameters["aware"] for spec in specs if "aware" in spec.parameters}
+    assert aware == dict.fromkeys(told, asked == "true")
+
+
+def test_arguments_that_a_launch_file_does_not_have_are_named_in_a_warning():
+    declared = ("plan", "aware")
+    assert undeclared(declared, declared) == ""
+    warning = undeclared(("plan", "awre", "Plan"), declared)
+    assert warning == "ignored: Plan:=, awre:=; arguments are aware, plan"
 
 
 @pytest.mark.parametrize("made", [room_nodes, crazyswarm_nodes])

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
-from q2q_sim.launching.launch_plan import COMMON_ARGUMENTS, ENDS_ALL, YES, Argument
+from q2q_sim.launching.launch_plan import COMMON_ARGUMENTS, ENDS_ALL, YES, Argument, undeclared
 from q2q_sim.processes.processes import NodeSpec
 
 
@@ -17,7 +17,7 @@ def describe(
     renamed: Mapping[str, str] | None = None,
     others: Callable[[Mapping[str, str]], list[LaunchDescriptionEntity]] = lambda _: [],
 ) -> LaunchDescription:
-    """Return the description.
+    """Return the description; arguments that it does not have are ignored, with a warning.
 
     Args:
         arguments: of the launch file; `namespace` and `use_sim_time` are added.
@@ -28,8 +28,10 @@ def describe(
 
     def start(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         given = {one.name: LaunchConfiguration(one.name).perform(context) for one in every}
+        warning = undeclared(context.launch_configurations, given)
         names = [(topic, given[argument]) for topic, argument in (renamed or {}).items()]
-        return [*(_node(spec, names, given) for spec in nodes(given)), *others(given)]
+        started = [*(_node(spec, names, given) for spec in nodes(given)), *others(given)]
+        return [*([LogInfo(msg=warning)] if warning else []), *started]
 
     every = (*arguments, *COMMON_ARGUMENTS)
     return LaunchDescription([*map(_declared, every), OpaqueFunction(function=start)])

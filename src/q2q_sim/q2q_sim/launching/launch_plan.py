@@ -4,7 +4,7 @@
 `crazyswarm` leaves the radios to Crazyswarm2's server. Arguments are strings, as from `ros2 launch`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -35,6 +35,7 @@ class Argument:
 FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; empty: out/launch/ and the date")
 VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
 FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
+AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
 
 SCENARIO_ARGUMENTS = (
@@ -54,6 +55,7 @@ ROOM_ARGUMENTS = (
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
     Argument("vehicle", "crazyflie_2_0", "vehicle constants"),
+    AWARE,
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
     Argument("model", "measured_law", MODEL.description),
     FOLDER,
@@ -73,6 +75,7 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
     Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
     Argument("motion_capture", "", "its motion_capture.yaml, in place of poses_version"),
+    AWARE,
     Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
     Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
     Argument("model", "measured_law", MODEL.description),
@@ -113,13 +116,9 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """
     folder = _checked(given)
     by_stick = given["mode"] == "command"
-    flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": True, "live": True}
-    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown)]
-    radio: dict[str, ParameterValue] = {
-        "crazyflies": given["crazyflies"],
-        "mode": given["mode"],
-        "vehicle": given["vehicle"],
-    }
+    flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": given["aware"] == YES}
+    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown | {"live": True})]
+    radio: dict[str, ParameterValue] = flown | {"crazyflies": given["crazyflies"], "mode": given["mode"]}
     return [
         *_control_loop(given, folder, FlightFacts(vehicle=given["vehicle"], model=given["model"])),
         *(pid if by_stick else []),
@@ -143,6 +142,7 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "poses_out": "/poses_filtered",
         "poses_version": _whole(given["poses_version"], "poses_version"),
         "motion_capture": given["motion_capture"],
+        "aware": given["aware"] == YES,
     }
     room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
     return [
@@ -202,6 +202,15 @@ def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) ->
         NodeSpec("q2q_planner", "trajectory", {"plan": given["plan"], "wait": True}),
         NodeSpec("q2q_planner", "replanner", {}),
     ]
+
+
+def undeclared(given: Collection[str], declared: Collection[str]) -> str:
+    """Return a warning of the arguments that a launch file does not have; empty if there are none."""
+    others = sorted(set(given) - set(declared))
+    words = (
+        f"ignored: {', '.join(f'{name}:=' for name in others)}; arguments are {', '.join(sorted(declared))}"
+    )
+    return words if others else ""
 
 
 def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
