@@ -127,13 +127,23 @@ def test_filtered_poses_go_out_where_measured_and_come_back_the_same() -> None:
     node = _Node(poses_out="/poses_filtered")
     Crazyswarm(node)
     state = replace(
-        rehearsal(SwarmState, 0.0, NAMES), status=np.array([TrackStatus.TRACKED, TrackStatus.LOST], np.uint8)
+        rehearsal(SwarmState, 0.0, NAMES),
+        quat=np.tile([0.0, 0.6, 0.0, 0.8], (2, 1)),
+        status=np.array([TrackStatus.TRACKED, TrackStatus.LOST], np.uint8),
     )
     node.give(state)
     (message,) = node.out["/poses_filtered"].messages
     types = find_pose_types()
     assert [types.read(one) for one in message.poses] == poses_of(state)
     assert [types.read(one).name for one in message.poses] == ["cf1"]
+
+
+def test_a_pose_has_no_orientation_where_none_was_ever_measured() -> None:
+    state = rehearsal(SwarmState, 0.0, NAMES)
+    state.quat[:] = [[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.6, 0.8]]
+    lone, body = poses_of(replace(state, status=np.zeros(2, np.uint8)))
+    assert np.isnan(lone.quat).all()  # one server checks x, the other w
+    assert body.quat == (0.0, 0.0, 0.6, 0.8)
 
 
 def test_the_writer_of_poses_offers_the_deadline_that_the_servers_ask_for() -> None:

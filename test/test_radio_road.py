@@ -185,3 +185,19 @@ def test_acc_less_eta_on_mellingers_loop_cuts_the_error_as_the_aware_pid_does() 
     assert ignoring[0] > 0.003  # 0.392 m/s^2 over 37 /s^2, for the seconds of the passage
     assert aware[0] / ignoring[0] < by_pid
     assert aware[0] < 5e-4  # VICON's noise through the filter
+
+
+def test_a_lone_marker_reaches_the_vehicle_as_a_position_without_attitude() -> None:
+    road = _Road(_room(), 0, "external")
+    link, firmware = road.link(0), road.fleet.vehicles[0].firmware
+    before, turn = np.array(firmware.external.quat), (0.0, 0.0, 0.6, 0.8)
+
+    def fed(quat: tuple[float, ...] | None) -> Array:
+        link.send_place((1.0, 2.0, 3.0), quat)
+        for _ in range(10):
+            road.advance()
+        return np.array(firmware.external.quat)
+
+    np.testing.assert_array_equal(fed(None), before)
+    np.testing.assert_allclose(firmware.external.pos, (1.0, 2.0, 3.0), atol=1e-6)
+    np.testing.assert_allclose(fed(turn), turn, atol=1e-2)  # compressed to 32 bit

@@ -47,9 +47,9 @@ class FakeLink:
         """Keep a setpoint."""
         self.sent.append(demanded)
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
+    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
         """Keep a place."""
-        self.sent.append(("place", tuple(pos), tuple(quat)))
+        self.sent.append(("place", tuple(pos), None if quat is None else tuple(quat)))
 
     def arm(self) -> None:
         """Keep the word."""

@@ -18,6 +18,7 @@ from q2q_control.radio.setpoints import (
 from q2q_control.radio.vehicle_record import Phase
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import (
+    SwarmState,
     TrackStatus,
 )
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -145,10 +146,23 @@ def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
 def test_places_are_sent_once_a_frame_and_only_where_measured() -> None:
     bench = Bench()
     for t in (1.0, 1.0, 1.01):
-        bench.pilot.update_state(state(t), bench.t)
-    bench.pilot.update_state(state(1.02, TrackStatus.COASTING), bench.t)
-    expected = ("place", (4.0, 5.0, 6.0), (0.0, 0.0, 0.0, 1.0))
+        bench.pilot.update_state(turned(t), bench.t)
+    bench.pilot.update_state(turned(1.02, TrackStatus.COASTING), bench.t)
+    expected = ("place", (4.0, 5.0, 6.0), (0.0, 0.6, 0.0, 0.8))
     assert bench.links["cf2"].sent == [expected, expected]
+
+
+def test_the_position_alone_is_sent_where_no_attitude_was_ever_measured() -> None:
+    bench, one = Bench(), turned(1.0)
+    one.quat[0] = [0.0, 0.0, 0.0, 1.0]
+    bench.pilot.update_state(one, bench.t)
+    assert bench.links["cf1"].sent == [("place", (1.0, 2.0, 3.0), None)]
+    assert bench.links["cf2"].sent == [("place", (4.0, 5.0, 6.0), (0.0, 0.6, 0.0, 0.8))]
+
+
+def turned(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
+    """Return a state with measured attitudes."""
+    return replace(state(t, status), quat=np.tile([0.0, 0.6, 0.0, 0.8], (2, 1)))
 
 
 def test_places_are_moved_on_by_their_delay() -> None:

@@ -18,6 +18,7 @@ from mocap_frames import (
     truth_at,
 )
 
+from q2q_model.estimation.attitudes import measured_attitudes
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply
@@ -283,3 +284,16 @@ def test_bad_arguments_are_named():
         MocapFilterParams(speed_max=-1.0)
     with pytest.raises(ValueError, match=r"2 names, pos \(1, 3\)"):
         flown_until(1).update(MocapFrame(1.0, PAIR, np.zeros((1, 3)), np.zeros((2, 4))))
+
+
+def test_an_attitude_counts_as_measured_from_its_first_sample_on_and_through_dropouts() -> None:
+    block, turn = MocapFilter(IDEAL_SENSING, PAIR), quat_from_euler(0.01, -0.02, 0.3)
+    lone = np.full((2, 4), np.nan)
+    for tick in range(20):
+        quat = lone.copy()
+        if tick in {5, 6, 7, 15}:
+            quat[1] = turn
+        state = block.update(frame_at(tick, quat=quat))
+        assert measured_attitudes(state).tolist() == [False, tick >= 5]
+        np.testing.assert_array_equal(state.quat[0], identity_quat())
+        np.testing.assert_array_equal(state.ang_vel_body[0], 0.0)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_model.estimation.attitudes import measured_attitudes
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
 
@@ -56,9 +57,10 @@ def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> Moca
 
 
 def poses_of(state: SwarmState) -> list[NamedPose]:
-    """Return the filtered poses of the vehicles measured in this frame."""
+    """Return the filtered poses of the vehicles measured in this frame; orientation NaN for lone markers."""
     rows = np.flatnonzero(state.status == TrackStatus.TRACKED)
-    pos, quat = state.pos[rows].tolist(), state.quat[rows].tolist()
+    known = np.where(measured_attitudes(state)[:, None], state.quat, np.nan)
+    pos, quat = state.pos[rows].tolist(), known[rows].tolist()
     return [
         NamedPose(state.names[row], (x, y, z), (qx, qy, qz, qw))
         for row, (x, y, z), (qx, qy, qz, qw) in zip(rows, pos, quat, strict=True)

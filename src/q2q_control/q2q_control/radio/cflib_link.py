@@ -154,8 +154,8 @@ class CflibLink:
         """Send a full state."""
         self._mailbox.put("setpoint", lambda: self._sender.send_full_state(full_state))
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
-        """Send an external pose."""
+    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+        """Send an external pose, or a position alone."""
         self._mailbox.put("place", lambda: self._sender.send_place(pos, quat))
 
     def arm(self) -> None:

@@ -46,8 +46,8 @@ class VehicleLink(Protocol):
     def send_full_state(self, full_state: FullState) -> None:
         """Send a full state."""
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
-        """Send an external pose: position [m], world, and orientation x y z w."""
+    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+        """Send an external pose: position [m], world, and orientation x y z w; None: unknown."""
 
     def arm(self) -> None:
         """Request arming."""
@@ -100,6 +100,9 @@ class CflibHighLevelCommander(Protocol):
 class Localization(Protocol):
     """cflib.crazyflie.localization.Localization."""
 
+    def send_extpos(self, pos: Sequence[float]) -> None:
+        """Send a position."""
+
     def send_extpose(self, pos: Sequence[float], quat: Sequence[float]) -> None:
         """Send a pose."""
 
@@ -135,9 +138,12 @@ class CflibSender:
             full_state.pos, full_state.vel, full_state.acc, full_state.quat, p, q, r
         )
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float]) -> None:
-        """Send an external pose."""
-        self.place.send_extpose(pos, quat)
+    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+        """Send an external pose, or a position alone."""
+        if quat is None:
+            self.place.send_extpos(pos)
+        else:
+            self.place.send_extpose(pos, quat)
 
     def arm(self) -> None:
         """Request arming."""

@@ -23,7 +23,7 @@ start after the first command in flight, and end with the next command before th
 decides whether vehicles may be armed (q2q_control.flight_procedure).
 
 A vehicle's pose is sent once per frame, and only if it was measured in that frame, moved on by
-pose_delay_s (q2q_model.geometry.pose_ahead).
+pose_delay_s (q2q_model.geometry.pose_ahead); where no attitude was ever measured, only its position is.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -38,6 +38,7 @@ from q2q_control.radio.link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
+from q2q_model.estimation.attitudes import measured_attitudes
 from q2q_model.geometry.pose_ahead import moved_on
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
@@ -144,12 +145,14 @@ class RadioPilot:
         again = state.t == self._last_stamp or not send
         self._last_stamp = state.t
         pos, quat = moved_on(state, self._params.pose_delay_s)
+        turned = measured_attitudes(state)
         for row, name in enumerate(state.names):
             if name not in self._vehicles or not fresh[row] or not np.isfinite(state.pos[row]).all():
                 continue
             self._vehicles[name].measured_at, self._vehicles[name].height = t, float(state.pos[row, 2])
             if not again and self._vehicles[name].phase is not Phase.OFFLINE:
-                self._links[name].send_place(pos[row].tolist(), quat[row].tolist())
+                attitude = quat[row].tolist() if turned[row] else None
+                self._links[name].send_place(pos[row].tolist(), attitude)
 
     def fly_rpyt(self, names: Names, rpyt_setpoints: list[RpytSetpoint], t: float) -> None:
         """Send a tick's RPYT setpoints, received at time t [s], to the flying vehicles."""

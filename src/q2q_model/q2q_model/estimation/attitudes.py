@@ -30,7 +30,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
-from q2q_model.signals.values import Array, Mask
+from q2q_model.signals.values import Array, Mask, SwarmState
 
 UNIT_TOLERANCE = 0.05
 """Largest deviation of a valid quaternion's length from 1: float32 has 1e-6, four digits have 1e-3."""
@@ -63,6 +63,16 @@ ATTITUDE = np.dtype(
     align=True,
 )
 """Row of a table of attitude tracks: one array, as q2q_model.estimation.track_columns.TRACK."""
+
+
+def measured_attitudes(state: SwarmState) -> Mask:
+    """Return which vehicles of a filtered state ever had a measured attitude, (n,).
+
+    A vehicle without is level to the last bit and has no body rate; measured attitudes have noise. Drivers
+    that report a lone marker as level, in place of NaN, are so recognised, too.
+    """
+    level = (state.quat == identity_quat(())).all(axis=1)
+    return np.asarray(~(level & (state.ang_vel_body == 0.0).all(axis=1)))
 
 
 class Attitudes(NamedTuple):

@@ -81,7 +81,7 @@ class SwarmState:
     vel: Array
     """Velocity [m/s], world, (n, 3)."""
     quat: Array
-    """Orientation x y z w, body to world, (n, 4)."""
+    """Orientation x y z w, body to world, (n, 4); level, at rest, where none was ever measured."""
     ang_vel_body: Array
     """Angular velocity [rad/s], body, (n, 3)."""
     age: Array
