@@ -9,6 +9,7 @@ import pytest
 from fresh_checkout import ROOT
 
 from q2q_model.trajectory import plan_file
+from q2q_sim.flight.scenario_flight import FlightRequest
 from q2q_sim.launching.launch_plan import (
     COMMON_ARGUMENTS,
     CRAZYSWARM_ARGUMENTS,
@@ -112,6 +113,17 @@ def test_whether_the_downwash_is_compensated_is_told_to_every_node_that_does(
     specs = made(defaults(arguments) | room | given | {"aware": asked})
     aware = {spec.executable: spec.parameters["aware"] for spec in specs if "aware" in spec.parameters}
     assert aware == dict.fromkeys(told, asked == "true")
+
+
+@pytest.mark.parametrize("by", ["radio", "crazyswarm"])
+def test_the_replanner_moves_no_setpoint_unless_asked_to(room: dict[str, str], by: str):
+    arguments, made = MADE[by]
+    given = defaults(arguments) | room
+    assert given["replan"] == "none" == FlightRequest("table6").replan
+    for asked, law, enabled in (("none", "paper", False), ("paper", "paper", True), ("safe", "safe", False)):
+        specs = made(given | {"replan": asked})
+        replanner = next(spec for spec in specs if spec.executable == "replanner")
+        assert replanner.parameters == {"law": law, "enabled": enabled}
 
 
 def test_arguments_that_a_launch_file_does_not_have_are_named_in_a_warning():

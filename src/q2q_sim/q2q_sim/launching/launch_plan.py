@@ -18,6 +18,7 @@ from q2q_sim.flight.running_nodes import RECORDER
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
+from q2q_sim.scenarios.choices import REPLANNERS
 
 YES, NO = "true", "false"
 
@@ -36,6 +37,7 @@ FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; emp
 VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
 FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
 AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
+REPLAN = Argument("replan", REPLANNERS[0], "law that moves setpoints out of zones online", REPLANNERS)
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
 
 SCENARIO_ARGUMENTS = (
@@ -56,6 +58,7 @@ ROOM_ARGUMENTS = (
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
     Argument("vehicle", "crazyflie_2_0", "vehicle constants"),
     AWARE,
+    REPLAN,
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
     Argument("model", "measured_law", MODEL.description),
     FOLDER,
@@ -76,6 +79,7 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
     Argument("motion_capture", "", "its motion_capture.yaml, in place of poses_version"),
     AWARE,
+    REPLAN,
     Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
     Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
     Argument("model", "measured_law", MODEL.description),
@@ -200,8 +204,13 @@ def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) ->
         NodeSpec("q2q_model", "mocap_filter", {}),
         NodeSpec("q2q_model", "interference", {"model": given["model"]}),
         NodeSpec("q2q_planner", "trajectory", {"plan": given["plan"], "wait": True}),
-        NodeSpec("q2q_planner", "replanner", {}),
+        NodeSpec("q2q_planner", "replanner", _replanner(given["replan"])),
     ]
+
+
+def _replanner(replan: str) -> dict[str, ParameterValue]:
+    """Return the node's parameters; with "none" it passes setpoints on."""
+    return {"law": "safe" if replan == "safe" else "paper", "enabled": replan == "paper"}
 
 
 def undeclared(given: Collection[str], declared: Collection[str]) -> str:
