@@ -126,6 +126,33 @@ def test_the_replanner_moves_no_setpoint_unless_asked_to(room: dict[str, str], b
         assert replanner.parameters == {"law": law, "enabled": enabled}
 
 
+@pytest.mark.parametrize(("by", "twin", "given", "vehicle"), [
+    ("radio", "false", "crazyflie_2_1", "crazyflie_2_1"),
+    ("crazyswarm", "false", "crazyflie_2_1", "crazyflie_2_1"),
+    ("crazyswarm", "false", "", "crazyflie_2_0"),
+    ("crazyswarm", "true", "", "textbook_065"),
+    ("crazyswarm", "true", "crazyflie_2_1", "crazyflie_2_1"),
+])  # fmt: skip
+def test_every_node_that_scales_thrust_has_the_same_vehicle_and_firmware(
+    room: dict[str, str], by: str, twin: str, given: str, vehicle: str
+):
+    arguments, made = MADE[by]
+    firmware = "stock" if vehicle == "textbook_065" else "stock_2025_09"
+    specs = made(defaults(arguments) | room | {"vehicle": given, "firmware": firmware, "twin": twin})
+    told = [spec.parameters for spec in specs if "vehicle" in spec.parameters]
+    assert len(told) == (1 if (by, twin) == ("crazyswarm", "false") else 2)
+    assert {(one["vehicle"], one["firmware"]) for one in told} == {(vehicle, firmware)}
+    facts = next(one.parameters["facts"] for one in specs if "facts" in one.parameters)
+    assert isinstance(facts, tuple)
+    assert (f"vehicle={vehicle}" in facts) == bool(given or twin == "true")
+
+
+def test_a_firmware_that_the_vehicle_does_not_have_is_refused_before_any_node_starts(room: dict[str, str]):
+    given = defaults(ROOM_ARGUMENTS) | room | {"vehicle": "crazyflie_brushless", "firmware": "thrust_upgrade"}
+    with pytest.raises(ValueError, match=r"firmware 'thrust_upgrade' of crazyflie_brushless: known are"):
+        room_nodes(given)
+
+
 def test_arguments_that_a_launch_file_does_not_have_are_named_in_a_warning():
     declared = ("plan", "aware")
     assert undeclared(declared, declared) == ""

@@ -5,14 +5,15 @@
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.tunable import ParameterValue
-from q2q_model.vehicle.constants import firmware_of
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, firmware_of, vehicle_by_name
+from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 from q2q_planner.offline.certified_file import load_plan
 from q2q_sim.flight.running_nodes import RECORDER
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
@@ -37,6 +38,7 @@ FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; emp
 VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
 FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
 AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
+FIRMWARE = Argument("firmware", STOCK, "its thrust per PWM", FIRMWARES)
 REPLAN = Argument("replan", REPLANNERS[0], "law that moves setpoints out of zones online", REPLANNERS)
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
 
@@ -56,7 +58,8 @@ ROOM_ARGUMENTS = (
     Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
-    Argument("vehicle", "crazyflie_2_0", "vehicle constants"),
+    Argument("vehicle", DEFAULT_VEHICLE, "vehicle constants", tuple(VEHICLES)),
+    FIRMWARE,
     AWARE,
     REPLAN,
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
@@ -75,6 +78,8 @@ COMMON_ARGUMENTS = (
 CRAZYSWARM_ARGUMENTS = (
     Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
+    Argument("vehicle", "", f"vehicle constants; empty: the twin's, or {DEFAULT_VEHICLE}", ("", *VEHICLES)),
+    FIRMWARE,
     Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
     Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
     Argument("motion_capture", "", "its motion_capture.yaml, in place of poses_version"),
@@ -120,11 +125,13 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """
     folder = _checked(given)
     by_stick = given["mode"] == "command"
-    flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "aware": given["aware"] == YES}
+    facts = FlightFacts(vehicle=given["vehicle"], firmware=given["firmware"], model=given["model"])
+    flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "firmware": given["firmware"]}
+    flown |= {"aware": given["aware"] == YES}
     pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown | {"live": True})]
     radio: dict[str, ParameterValue] = flown | {"crazyflies": given["crazyflies"], "mode": given["mode"]}
     return [
-        *_control_loop(given, folder, FlightFacts(vehicle=given["vehicle"], model=given["model"])),
+        *_control_loop(given, folder, facts),
         *(pid if by_stick else []),
         NodeSpec("q2q_control", "radio", radio),
         *_viewers(given),
@@ -138,7 +145,7 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         ValueError: a file is not given or missing, the bag exists, the model is unknown.
     """
     folder = _checked(given)
-    twin = given["twin"] == YES
+    twin, vehicle = given["twin"] == YES, _bridged_vehicle(given)
     bridge: dict[str, ParameterValue] = {
         "crazyflies": given["crazyflies"],
         "backend": "cflib" if twin else given["backend"],
@@ -147,8 +154,11 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "poses_version": _whole(given["poses_version"], "poses_version"),
         "motion_capture": given["motion_capture"],
         "aware": given["aware"] == YES,
+        "vehicle": vehicle,
+        "firmware": given["firmware"],
     }
-    room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
+    room: dict[str, ParameterValue] = {"scenario": given["scenario"], "vehicle": vehicle, "crtp": True}
+    room |= {"firmware": given["firmware"]}
     return [
         *_control_loop(given, folder, _twin_facts(given)),
         NodeSpec("q2q_control", "crazyswarm", bridge),
@@ -173,6 +183,7 @@ def _checked(given: Mapping[str, str]) -> Path:
             raise ValueError(f"{name}:={given[name]}: there is no such file")
     load_plan(Path(given["plan"]))
     find_model(given["model"])
+    vehicle_by_name(given["vehicle"] or DEFAULT_VEHICLE, given["firmware"])
     folder = folder_of(given["folder"])
     if (folder / "bag").exists():
         raise ValueError(f"bag {folder / 'bag'} exists: choose another folder or delete it")
@@ -181,16 +192,22 @@ def _checked(given: Mapping[str, str]) -> Path:
 
 
 def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
-    """Return the metadata of a flight beside Crazyswarm2; only a twin's vehicle is known."""
-    if given["twin"] != YES:
-        return FlightFacts(model=given["model"])
-    vehicle = library.load(given["scenario"]).vehicle
-    return FlightFacts(
-        vehicle=vehicle.name,
-        firmware=firmware_of(vehicle),
-        scenario=given["scenario"],
-        model=given["model"],
-    )
+    """Return the metadata of a flight beside Crazyswarm2; the vehicle is known if given, or a twin's."""
+    if given["twin"] == YES:
+        vehicle = vehicle_by_name(_bridged_vehicle(given), given["firmware"])
+        known = FlightFacts(vehicle.name, firmware_of(vehicle), scenario=given["scenario"])
+    elif given["vehicle"]:
+        known = FlightFacts(given["vehicle"], given["firmware"])
+    else:
+        known = FlightFacts()
+    return replace(known, model=given["model"])
+
+
+def _bridged_vehicle(given: Mapping[str, str]) -> str:
+    """Return the vehicle given, else that of the twin's scenario, else the default."""
+    if given["vehicle"]:
+        return given["vehicle"]
+    return library.load(given["scenario"]).vehicle.name if given["twin"] == YES else DEFAULT_VEHICLE
 
 
 def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
