@@ -21,6 +21,7 @@ from q2q_sim.launching.launch_plan import (
     folder_of,
     room_nodes,
     scenario_nodes,
+    server_arguments,
     undeclared,
 )
 from q2q_sim.loop import assembly
@@ -175,6 +176,19 @@ def test_files_and_bag_are_looked_at_before_any_node_starts(
     (Path(room["folder"]) / "bag").mkdir(parents=True)
     with pytest.raises(ValueError, match="exists: choose another folder"):
         made(given)
+
+
+def test_the_server_reads_the_motion_capture_file_that_the_bridge_reads(room: dict[str, str], tmp_path: Path):
+    given = defaults(CRAZYSWARM_ARGUMENTS) | room
+    assert "motion_capture_yaml_file" not in server_arguments(given)
+    file = tmp_path / "motion_capture.yaml"
+    with pytest.raises(ValueError, match=f"motion_capture:={file}: there is no such file"):
+        crazyswarm_nodes(given | {"motion_capture": str(file)})
+    file.touch()
+    given |= {"motion_capture": str(file)}
+    bridge = next(spec for spec in crazyswarm_nodes(given) if spec.executable == "crazyswarm")
+    assert server_arguments(given)["motion_capture_yaml_file"] == bridge.parameters["motion_capture"]
+    assert server_arguments(given)["crazyflies_yaml_file"] == bridge.parameters["crazyflies"]
 
 
 def test_the_default_folder_is_dated():

@@ -15,22 +15,14 @@ from launch_ros.actions import SetRemap
 
 from launch import LaunchDescription, LaunchDescriptionEntity
 from q2q_sim.launching.launch_description import describe
-from q2q_sim.launching.launch_plan import CRAZYSWARM_ARGUMENTS, YES, crazyswarm_nodes
+from q2q_sim.launching.launch_plan import CRAZYSWARM_ARGUMENTS, crazyswarm_nodes, server_arguments
 
 
 def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:
     """Return Crazyswarm2's own launch file; its server receives our filtered poses."""
     file = Path(get_package_share_directory("crazyflie"), "launch", "launch.py")
-    twin = given["twin"] == YES
-    arguments = {
-        "crazyflies_yaml_file": given["crazyflies"],
-        "backend": "cflib" if twin else given["backend"],
-        "mocap": "False" if twin else "True",
-        "gui": "False",
-        "teleop": "False",
-    }
     included = IncludeLaunchDescription(
-        PythonLaunchDescriptionSource(str(file)), launch_arguments=list(arguments.items())
+        PythonLaunchDescriptionSource(str(file)), launch_arguments=list(server_arguments(given).items())
     )
     return [GroupAction([SetRemap("crazyflie_server:poses", "/poses_filtered"), included])]
 

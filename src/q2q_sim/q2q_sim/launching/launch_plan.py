@@ -82,7 +82,7 @@ CRAZYSWARM_ARGUMENTS = (
     FIRMWARE,
     Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
     Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
-    Argument("motion_capture", "", "its motion_capture.yaml, in place of poses_version"),
+    Argument("motion_capture", "", "motion_capture.yaml of server and bridge, in place of poses_version"),
     AWARE,
     REPLAN,
     Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
@@ -167,6 +167,19 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     ]
 
 
+def server_arguments(given: Mapping[str, str]) -> dict[str, str]:
+    """Return the arguments of Crazyswarm2's launch file; a twin needs no motion capture, but its QoS."""
+    twin = given["twin"] == YES
+    file = {"motion_capture_yaml_file": given["motion_capture"]} if given["motion_capture"] else {}
+    return file | {
+        "crazyflies_yaml_file": given["crazyflies"],
+        "backend": "cflib" if twin else given["backend"],
+        "mocap": "False" if twin else "True",
+        "gui": "False",
+        "teleop": "False",
+    }
+
+
 def folder_of(asked: str, now: datetime | None = None) -> Path:
     """Return the folder of a launch: the requested one, or a new one named by the time `now`."""
     if asked:
@@ -181,6 +194,9 @@ def _checked(given: Mapping[str, str]) -> Path:
             raise ValueError(f"give {name}:=FILE")
         if not Path(given[name]).is_file():
             raise ValueError(f"{name}:={given[name]}: there is no such file")
+    tracking = given.get("motion_capture", "")
+    if tracking and not Path(tracking).is_file():
+        raise ValueError(f"motion_capture:={tracking}: there is no such file")
     load_plan(Path(given["plan"]))
     find_model(given["model"])
     vehicle_by_name(given["vehicle"] or DEFAULT_VEHICLE, given["firmware"])
