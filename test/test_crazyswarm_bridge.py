@@ -235,7 +235,7 @@ def test_the_tutorials_file_has_two_vehicles_to_fly_and_a_wand_to_leave_alone() 
     found = crazyflies_from_document(yaml.safe_load(block))
     assert [(one.name, one.uri, one.start) for one in found] == [
         ("cf1", "radio://0/80/2M/E7E7E7E701", (0.0, 0.0, 0.0)),
-        ("cf2", "radio://0/80/2M/E7E7E7E702", (1.0, 0.0, 0.0)),
+        ("cf2", "radio://0/80/2M/E7E7E7E702", (-1.0, 0.0, 0.0)),
     ]
 
 

@@ -3,18 +3,21 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+import yaml
 from documentation import blocks
 from fresh_checkout import ROOT
 
 from q2q_model.files.find_model import find_model
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.air.find_air import find_air
-from q2q_sim.loop.assembly import Mode
+from q2q_sim.loop.assembly import Mode, plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics import VehicleMetrics, measure
 from q2q_sim.scenarios import library
 
+CRAZYSWARM = ROOT / "docs/tutorials/real_vehicles_with_crazyswarm2.md"
 TUTORIAL = ROOT / "docs/tutorials/fly_your_scenario.md"
 QUOTED = re.compile(
     r"`cf2` has a height error of (\d+) mm rms and sinks by (\d+) cm.*?Aware of it, the error is (\d+) mm",
@@ -35,7 +38,7 @@ def flown(path: Path, mode: Mode, controller: str = "pid", replan: str = "none")
     scenario = library.load(str(path))
     model, air = find_model(scenario.model).interaction, find_air(scenario.air)
     options = FlightOptions(mode, controller, replan, model=model, air=air)
-    return measure(fly(scenario, options), CRAZYFLIE_2_0).vehicles["cf2"]
+    return measure(fly(scenario, options), scenario.vehicle).vehicles["cf2"]
 
 
 def test_the_errors_of_the_tutorials_first_two_flights_are_those_quoted(tmp_path: Path) -> None:
@@ -70,3 +73,19 @@ def test_the_error_with_its_faults_is_that_quoted(tmp_path: Path) -> None:
     found = re.search(r"with both changes \(the error is (\d+) mm\)", TUTORIAL.read_text(encoding="utf-8"))
     assert found is not None
     assert 1000.0 * flown(path, "aware").z_rmse_m == pytest.approx(float(found[1]), abs=0.5)
+
+
+def test_the_pair_of_the_crazyswarm_tutorial_has_the_errors_quoted_above_its_initial_positions(
+    tmp_path: Path,
+) -> None:
+    written = {one.file: one.text for one in blocks(CRAZYSWARM) if one.action == "write"}
+    path = tmp_path / "pair.yaml"
+    path.write_text(written["out/pair.yaml"])
+    found = re.search(r"error of (\d+) mm rms, then (\d+) mm", CRAZYSWARM.read_text(encoding="utf-8"))
+    assert found is not None
+    assert 1000.0 * flown(path, "ignoring").z_rmse_m == pytest.approx(float(found[1]), abs=0.5)
+    assert 1000.0 * flown(path, "aware").z_rmse_m == pytest.approx(float(found[2]), abs=0.5)
+    robots = yaml.safe_load(written["crazyflies.yaml"])["robots"]
+    first = setpoint_at(plan_of(library.load(str(path))), 0.0)
+    on_ground = [robots[name]["initial_position"][:2] for name in first.names]
+    np.testing.assert_allclose(first.pos[:, :2], on_ground, atol=1e-9)
