@@ -1,6 +1,6 @@
 """Fly Crazyflies in a real room: ros2 launch q2q_sim real_room.launch.py plan:=FILE crazyflies:=FILE.
 
-Motion capture comes from outside on the topic `mocap:=`; the vehicles start when `/radio/start` is called.
+Motion capture comes from outside on the topic `mocap:=`. Nothing moves before `/radio/take_off` is called.
 """
 
 from launch import LaunchDescription
