@@ -10,6 +10,7 @@ from documentation import blocks
 from fresh_checkout import ROOT
 
 from q2q_model.files.find_model import find_model
+from q2q_model.identification.selection.candidates import FORMS
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.air.find_air import find_air
 from q2q_sim.loop.assembly import Mode, plan_of
@@ -18,6 +19,8 @@ from q2q_sim.monitors.metrics import VehicleMetrics, measure
 from q2q_sim.scenarios import library
 
 CRAZYSWARM = ROOT / "docs/tutorials/real_vehicles_with_crazyswarm2.md"
+IDENTIFY = ROOT / "docs/tutorials/identify_your_bag.md"
+REAL_FLIGHTS = ROOT / "docs/real_flights.md"
 TUTORIAL = ROOT / "docs/tutorials/fly_your_scenario.md"
 QUOTED = re.compile(
     r"`cf2` has a height error of (\d+) mm rms and sinks by (\d+) cm.*?Aware of it, the error is (\d+) mm",
@@ -89,3 +92,19 @@ def test_the_pair_of_the_crazyswarm_tutorial_has_the_errors_quoted_above_its_ini
     first = setpoint_at(plan_of(library.load(str(path))), 0.0)
     on_ground = [robots[name]["initial_position"][:2] for name in first.names]
     np.testing.assert_allclose(first.pos[:, :2], on_ground, atol=1e-9)
+
+
+def test_the_scores_quoted_for_real_flights_are_the_extremes_of_their_table() -> None:
+    rows = re.findall(
+        r"^\| `dc\d\d_\w+` \| \d+ \| ([\d.]+) \|", REAL_FLIGHTS.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert len(rows) == 16
+    quoted = re.search(r"R2 of (\d\.\d+) to (\d\.\d+)", IDENTIFY.read_text(encoding="utf-8"))
+    assert quoted is not None
+    assert quoted.groups() == (min(rows), max(rows))
+
+
+def test_the_forms_quoted_are_those_that_are_fitted() -> None:
+    text = IDENTIFY.read_text(encoding="utf-8")
+    assert "fits five forms of the jet (four if no flight has measured forces)" in text
+    assert (len(FORMS), sum(not form.loaded for form in FORMS.values())) == (5, 4)
