@@ -50,6 +50,14 @@ def test_a_plan_too_large_for_the_proof_is_said_to_be_that(
     assert "NOT proven: 3 pieces of 2 vehicles are 3 stretches of pairs, more than 1 (" in output
 
 
+def test_a_hover_costs_nothing_and_is_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = tmp_path / "hover.yaml", tmp_path / "plan.json"
+    path.write_text("vehicles: {cf1: [{t: 0, pos: [0, 0, 0.5]}, {t: 20, pos: [0, 0, 0.5]}]}")
+    assert main([str(path), "--out", str(out)]) == 0
+    assert capsys.readouterr().out.splitlines()[:2] == [f"{out}: 1 vehicle, 20 s", "  snap cost 0"]
+    assert load(out).duration == pytest.approx(20.0)
+
+
 def test_with_avoidance_it_is_certified_in_plan_file_and_json(crossing: Path, tmp_path: Path) -> None:
     out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
     assert main([str(crossing), "--out", str(out), "--json", str(facts)]) == 0

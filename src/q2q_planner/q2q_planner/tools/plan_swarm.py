@@ -146,8 +146,10 @@ def run(asked: Namespace) -> int:
     _write_others(asked, made)
     if asked.figures:
         _draw(asked, made, swarm, zone)
-    print(f"{asked.out}: {len(made.plan.names)} vehicles, {made.plan.duration:g} s")
-    print(f"  snap cost {made.cost:.6g}, {made.cost / made.infimum:.4f} times that without avoidance")
+    count = len(made.plan.names)
+    print(f"{asked.out}: {count} vehicle{'s' if count > 1 else ''}, {made.plan.duration:g} s")
+    more = f", {made.cost / made.infimum:.4f} times that without avoidance" if made.infimum > 0.0 else ""
+    print(f"  snap cost {made.cost:.6g}{more}")
     print(f"  {_verdict(made)} ({words})")
     if made.within:
         print(f"  {_wall_verdict(made.within)} ({made.within.walls})")
