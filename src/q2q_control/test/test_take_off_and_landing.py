@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from procedure_bench import END, FIRST, HOME, PLAN, STEP, WELL, Bench, up, up_to
 
+from q2q_control.flight_procedure.arrival import heights_text
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
-from q2q_control.flight_procedure.rest import places
 from q2q_control.flight_procedure.steps import Act, Call, Step
 from q2q_model.node.reply import Reply
 
@@ -132,4 +132,4 @@ def test_a_room_without_an_inside_is_refused() -> None:
 
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
     observation = replace(Bench().observe(), pos=HOME + up(-0.001))
-    assert places(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"
+    assert heights_text(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"

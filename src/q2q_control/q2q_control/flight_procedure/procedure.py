@@ -22,12 +22,12 @@ flight can begin (land_home); so it does from any step if vehicles overlap horiz
 them where they are.
 """
 
+from q2q_control.flight_procedure.arrival import at_height, at_points, heights_text, setpoints_rest
 from q2q_control.flight_procedure.checks import apart_refusal, setpoint_refusal, unchecked
 from q2q_control.flight_procedure.ground_check import GroundCheck
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.procedure_state import ProcedureState
-from q2q_control.flight_procedure.rest import at_height, at_points, places, setpoints_rest
 from q2q_control.flight_procedure.setpoint_stream import SetpointStream
 from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Order, Step
 from q2q_control.flight_procedure.transitions import ACTS_OF, check_refusal, order_of, step_refusal
@@ -208,9 +208,9 @@ class FlightProcedure:
     def _climb(self, observation: Observation, t: float) -> None:
         height = self._params.ground + self._params.take_off_height
         off = at_height(observation, height, self._params, self._landing)
-        if self.state.rest.lasts(not off, t):
+        if self.state.settled.update(not off, t):
             self.state.enter(Step.HOVER, t)
-            self.state.answer(granted=True, reason=f"hovering: {places(observation)}")
+            self.state.answer(granted=True, reason=f"hovering: {heights_text(observation)}")
         elif self.state.late(self._params.take_off_s, t):
             self.state.answer(granted=False, reason=f"take-off failed: {off}; landing")
             self._land(observation, t, off)
@@ -228,7 +228,7 @@ class FlightProcedure:
         first = observation.first_points()
         arrived = setpoints_rest(observation, self._params, first)
         off = at_points(observation, first, self._params, self._landing)
-        if self.state.rest.lasts(arrived and not off, t):
+        if self.state.settled.update(arrived and not off, t):
             self._arrive(observation, t)
         elif not setpoints_rest(observation, self._params):
             self.state.moving(t)
@@ -255,7 +255,7 @@ class FlightProcedure:
                 self.state.answer(granted=False, reason="the setpoints do not come to rest; call land again")
             return
         if self.state.pending is Call.HOLD:
-            self.state.answer(granted=True, reason=f"holding: {places(observation)}")
+            self.state.answer(granted=True, reason=f"holding: {heights_text(observation)}")
         elif self.state.pending is Call.LAND and self._lands_after_glide:
             self._give(Act.GLIDE, observation, t)
 
@@ -263,7 +263,7 @@ class FlightProcedure:
         off = at_height(
             observation, self._params.ground, self._params, self._landing, self._params.near_ground
         )
-        if self.state.rest.lasts(not off, t):
+        if self.state.settled.update(not off, t):
             self.state.enter(Step.DISARMING, t)
             self._give(Act.DISARM, observation, t)
         elif (
@@ -277,7 +277,7 @@ class FlightProcedure:
 
     def _on_the_ground(self, observation: Observation, outcome: Reply, t: float) -> None:
         how = "disarmed" if outcome.granted else f"not disarmed: {outcome.reason}"
-        self.state.answer(granted=True, reason=f"on the ground: {places(observation)}; {how}")
+        self.state.answer(granted=True, reason=f"on the ground: {heights_text(observation)}; {how}")
         self.state.enter(Step.CONNECTED, t, how)
         self.ground.reset()
 

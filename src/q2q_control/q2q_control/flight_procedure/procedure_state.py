@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.flight_procedure.rest import Rest
+from q2q_control.flight_procedure.settle_timer import SettleTimer
 from q2q_control.flight_procedure.steps import Call, Order, Step
 from q2q_model.node.reply import Reply
 
@@ -16,8 +16,8 @@ class ProcedureState:
         self.since = -np.inf
         """Time at which the step began [s]."""
         self._moving_at = -np.inf
-        self.rest = Rest(settle_s)
-        """Time at rest within the step, or since the last order."""
+        self.settled = SettleTimer(settle_s)
+        """Whether vehicles have long been where the step sends them."""
         self.pending: Call | None = None
         """Call that is not answered yet."""
         self.waiting: Order | None = None
@@ -30,14 +30,14 @@ class ProcedureState:
     def enter(self, step: Step, t: float, why: str = "") -> None:
         """Enter a step at time t [s]."""
         self.step, self.since, self._moving_at = step, t, t
-        self.rest.reset()
+        self.settled.reset()
         self.log.append(f"step {step.value}{': ' if why else ''}{why}")
 
     def give(self, order: Order, t: float) -> None:
         """Give an order at time t [s]."""
         self.waiting, self._ordered = order, t
         self._orders.append(order)
-        self.rest.reset()
+        self.settled.reset()
 
     def answer(self, *, granted: bool, reason: str) -> None:
         """Answer the pending call, if there is one."""

@@ -1,4 +1,4 @@
-"""Whether vehicles are at rest at their points, and for how long."""
+"""Whether vehicles are at rest at their points."""
 
 import numpy as np
 
@@ -6,23 +6,6 @@ from q2q_control.flight_procedure.checks import state_refusal
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_model.signals.values import Array
-
-
-class Rest:
-    """Time for which a condition has held."""
-
-    def __init__(self, settle_s: float) -> None:
-        self._settle_s = settle_s
-        self._since = np.inf
-
-    def lasts(self, holds: bool, t: float) -> bool:
-        """Return whether the condition has held for settle_s [s] up to t [s]."""
-        self._since = min(self._since, t) if holds else np.inf
-        return t - self._since >= self._settle_s
-
-    def reset(self) -> None:
-        """Start again."""
-        self._since = np.inf
 
 
 def at_height(
@@ -72,7 +55,7 @@ def setpoints_rest(
     return bool(near.all() and still.all())
 
 
-def places(observation: Observation) -> str:
+def heights_text(observation: Observation) -> str:
     """Return the height of every vehicle as text."""
     return ", ".join(
         f"{name} at {height:z.2f} m"
