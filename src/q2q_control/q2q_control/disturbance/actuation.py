@@ -23,7 +23,7 @@ import numpy as np
 
 from q2q_control.disturbance.thrust_acceleration import Command, thrust_acc_of_command
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Names, SwarmCommand, index_of
+from q2q_model.signals.values import Array, Names, SwarmCommand, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 
 LONGEST_GAP = 0.5
@@ -123,11 +123,13 @@ class Actuation:
         return parts
 
     def _reorder(self, names: Names) -> None:
-        rows = index_of(names, self._names)
-        hover = self._vehicle.hover_thrust
-        known = np.append(self.thrust, hover)  # row -1 is a new vehicle: it hovers
+        have, hover = self._names, self._vehicle.hover_thrust  # a new vehicle hovers
         self._sent = [
-            _Sent(sent.t, np.append(sent.thrust, hover)[rows], np.vstack([sent.acc, np.zeros((1, 3))])[rows])
+            _Sent(
+                sent.t,
+                rows_by_name(sent.thrust, have, names, hover),
+                rows_by_name(sent.acc, have, names),
+            )
             for sent in self._sent
         ]
-        self.thrust, self._names = known[rows], names
+        self.thrust, self._names = rows_by_name(self.thrust, have, names, hover), names

@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.downwash.residual_process import OLDEST
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.recent_ticks import RecentTicks
-from q2q_model.signals.values import Array, Names, SwarmImu, index_of
+from q2q_model.signals.values import Array, Names, SwarmImu, rows_by_name
 
 
 class ExplainedTick(NamedTuple):
@@ -55,6 +55,5 @@ class FeltPush:
         tick = self._ticks.at(imu.t)
         if tick is None:
             return None
-        rows = index_of(tick.names, imu.names)
-        force = np.concatenate([imu.specific_force_body, np.full((1, 3), np.nan)])[rows]
+        force = rows_by_name(imu.specific_force_body, imu.names, tick.names, np.nan)
         return tick.t, rotate(tick.quat, force)[:, 2] - tick.acc

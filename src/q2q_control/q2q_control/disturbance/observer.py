@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Names, index_of
+from q2q_model.signals.values import Array, Names, rows_by_name
 
 JUMP = 0.1
 """Largest error of an estimated position that a disturbance may have made [m]: 3 m/s^2 do in 0.26 s."""
@@ -122,16 +122,13 @@ class DisturbanceObserver:
         return self.estimate
 
     def _reorder(self, names: Names) -> None:
-        rows = index_of(names, self._names)
-        known = np.append(self._known, False)
-        pad = np.zeros((1, 3))
-        old = self.estimate
+        have, old = self._names, self.estimate
         self.estimate = Estimate(
-            pos=np.vstack([old.pos, pad])[rows],
-            vel=np.vstack([old.vel, pad])[rows],
-            disturbance=np.vstack([old.disturbance, pad])[rows],
+            pos=rows_by_name(old.pos, have, names),
+            vel=rows_by_name(old.vel, have, names),
+            disturbance=rows_by_name(old.disturbance, have, names),
         )
-        self._known, self._names = known[rows], names
+        self._known, self._names = rows_by_name(self._known, have, names), names
 
 
 @lru_cache(maxsize=64)

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from q2q_control.disturbance.observer import GAP_MAX, Measurement
 from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
-from q2q_model.signals.values import Array, Names, index_of
+from q2q_model.signals.values import Array, Names, rows_by_name
 
 HEIGHT_STD = 1e-3
 """Deviation of a measured height [m], as in the mocap filter (VICON: 0.15 mm static, under 2 mm dynamic)."""
@@ -117,12 +117,9 @@ class ResidualObserver:
         feel_push(self.belief, self._known & np.isfinite(push), push, noise, share)
 
     def _reorder(self, names: Names) -> None:
-        rows = index_of(names, self._names)
-        self._known = np.append(self._known, False)[rows]
-        self.belief = Belief(
-            np.concatenate([self.belief.state, np.zeros((1, 4))])[rows],
-            np.concatenate([self.belief.cov, np.zeros((1, 4, 4))])[rows],
-        )
+        have, old = self._names, self.belief
+        self._known = rows_by_name(self._known, have, names)
+        self.belief = Belief(rows_by_name(old.state, have, names), rows_by_name(old.cov, have, names))
         self._names = names
 
 

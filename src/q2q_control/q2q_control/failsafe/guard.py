@@ -53,7 +53,8 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
-    index_of,
+    TrackStatus,
+    rows_by_name,
 )
 
 NEW_FLIGHT_S = 1.0
@@ -228,8 +229,7 @@ class Guard:
         if command.names == self._names:
             return
         self._cut.update(name for name, down in zip(self._names, self._down, strict=True) if down)
-        rows = index_of(command.names, self._names)
-        self._measured_at = np.append(self._measured_at, command.t)[rows]
+        self._measured_at = rows_by_name(self._measured_at, self._names, command.names, command.t)
         self._down = np.array([name in self._cut for name in command.names], dtype=np.bool_)
         self._names = command.names
 
@@ -253,9 +253,9 @@ def _again(last: SwarmCommand, t: float) -> SwarmCommand:
 
 def _ages(state: SwarmState, names: Names) -> Array:
     """Return the age of each vehicle's measurement [s], (n,); infinite if there is none."""
-    return np.asarray(np.append(state.age, np.inf)[index_of(names, state.names)])
+    return rows_by_name(state.age, state.names, names, np.inf)
 
 
 def _track(state: SwarmState, names: Names) -> Status:
     """Return the TrackStatus of each vehicle, (n,); LOST if there is none."""
-    return np.append(state.status, LOST)[index_of(names, state.names)]
+    return rows_by_name(state.status, state.names, names, TrackStatus.LOST)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, CommandStatus, Names, Status, index_of
+from q2q_model.signals.values import Array, CommandStatus, Names, Status, rows_by_name
 
 Flags = NDArray[np.bool_]
 Last = tuple[Array, Array]
@@ -60,10 +60,9 @@ class LastCommands:
         return self._values, self._stamps
 
     def _reorder(self, names: Names) -> None:
-        rows = index_of(names, self._names)
-        values = np.vstack([self._values, np.zeros((1, 4))])  # row -1 is a vehicle never seen
-        stamps = np.append(self._stamps, -np.inf)
-        self._names, self._values, self._stamps = names, values[rows], stamps[rows]
+        self._values = rows_by_name(self._values, self._names, names)
+        self._stamps = rows_by_name(self._stamps, self._names, names, -np.inf)
+        self._names = names
 
 
 @compiled

@@ -3,7 +3,15 @@
 import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import (
+    Array,
+    Names,
+    SwarmSetpoint,
+    SwarmState,
+    TrackStatus,
+    index_of,
+    rows_by_name,
+)
 
 
 class FlightView:
@@ -28,9 +36,8 @@ class FlightView:
 
     def store_setpoint(self, setpoint: SwarmSetpoint, t: float) -> Array:
         """Store a setpoint received at time t [s]; return each vehicle's position, NaN if it has none."""
-        rows, absent = index_of(self._names, setpoint.names), np.full((1, 3), np.nan)
-        self._setpoint_pos = np.concatenate((setpoint.pos, absent))[rows]
-        self._setpoint_vel = np.concatenate((setpoint.vel, absent))[rows]
+        self._setpoint_pos = rows_by_name(setpoint.pos, setpoint.names, self._names, np.nan)
+        self._setpoint_vel = rows_by_name(setpoint.vel, setpoint.names, self._names, np.nan)
         self._setpoint_at = t
         return self._setpoint_pos
 

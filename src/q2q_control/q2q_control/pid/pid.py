@@ -38,7 +38,7 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
-    index_of,
+    rows_by_name,
 )
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
@@ -137,8 +137,7 @@ class Pid:
         return self._last
 
     def _reorder(self, names: Names) -> None:
-        known = np.vstack([self._integral, np.zeros((1, 3))])  # row -1 is a new vehicle
-        self._integral, self._names = known[index_of(names, self._names)], names
+        self._integral, self._names = rows_by_name(self._integral, self._names, names), names
 
 
 def pid_gains(params: PidParams) -> PidGains:

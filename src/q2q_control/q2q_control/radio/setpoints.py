@@ -26,7 +26,7 @@ from q2q_model.signals.values import (
     Names,
     SwarmCommand,
     SwarmSetpoint,
-    index_of,
+    rows_by_name,
 )
 
 LARGEST = 32.767
@@ -105,8 +105,7 @@ def _downwash(names: Names, interference: Interference | None) -> Array:
     """Return eta of each vehicle [m/s^2], (n, 3); 0 without a prediction."""
     if interference is None:
         return np.zeros((len(names), 3))
-    known = np.vstack([interference.acc, np.zeros((1, 3))])  # row -1 is a vehicle without prediction
-    eta = known[index_of(names, interference.names)]
+    eta = rows_by_name(interference.acc, interference.names, names)
     return np.asarray(np.where(np.isfinite(eta), eta, 0.0))
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ Status = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 Names = tuple[str, ...]
+Value = TypeVar("Value", np.float64, np.uint8, np.bool_)
+"""Of an array with a row for each vehicle."""
 
 KNOWN_NAMES = 64
 """Pairs of name lists whose rows are remembered: those of a flight's signals seldom change."""
@@ -157,6 +160,14 @@ class SwarmImu:
 def index_of(names: Sequence[str], among: Sequence[str]) -> Rows:
     """Return a new array of the row in `among` of each of `names`; -1 where it is absent, (len(names),)."""
     return _index_of(tuple(names), tuple(among)).copy()
+
+
+def rows_by_name(
+    values: NDArray[Value], have: Names, names: Names, missing: float | NDArray[Value] = 0.0
+) -> NDArray[Value]:
+    """Return the rows of `names` of values (m, ...), whose rows are `have`; `missing` where there is none."""
+    absent = np.full((1, *values.shape[1:]), missing, dtype=values.dtype)
+    return np.concatenate((values, absent))[index_of(names, have)]
 
 
 @lru_cache(maxsize=KNOWN_NAMES)

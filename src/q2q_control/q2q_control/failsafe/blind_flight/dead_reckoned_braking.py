@@ -43,6 +43,7 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
     index_of,
+    rows_by_name,
 )
 
 LONGEST_STEP = MocapFilterParams().coast_s
@@ -114,7 +115,7 @@ class DeadReckonedBraking:
 
     def predicted(self, state: SwarmState) -> SwarmState:
         """Return the state with dead-reckoned positions and velocities where vehicles are not measured."""
-        track = np.vstack((self._track, UNKNOWN))[index_of(state.names, self._names)]
+        track = rows_by_name(self._track, self._names, state.names, UNKNOWN)
         rows = (state.status != TRACKED) & np.isfinite(track[:, POS])
         if not rows.any():
             return state
@@ -197,11 +198,8 @@ def _sight(state: SwarmState | None, names: Names) -> Sight:
     if state is None:
         n = len(names)
         return np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST)
-    rows = index_of(names, state.names)
-    none = np.zeros((1, 4))
-    pos, vel = (np.vstack((part, none[:, :3]))[rows] for part in (state.pos, state.vel))
-    quat = np.vstack((state.quat, none))[rows]
-    return pos, vel, quat, np.append(state.status, LOST)[rows]
+    pos, vel, quat = (rows_by_name(part, state.names, names) for part in (state.pos, state.vel, state.quat))
+    return pos, vel, quat, rows_by_name(state.status, state.names, names, TrackStatus.LOST)
 
 
 def _measured_others(state: SwarmState, names: Names) -> Places:
@@ -218,4 +216,4 @@ def _eta(interference: Interference | None, names: Names) -> Array:
         return np.zeros((len(names), 3))
     if interference.names == names:
         return interference.acc
-    return np.vstack((interference.acc, np.zeros(3)))[index_of(names, interference.names)]
+    return rows_by_name(interference.acc, interference.names, names)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.stacking import Rows, stacked
-from q2q_model.signals.values import Array, Names, index_of
+from q2q_model.signals.values import Array, Names, index_of, rows_by_name
 
 Mask = NDArray[np.bool_]
 
@@ -103,7 +103,7 @@ class FadingDownwash:
         below, above, offset = self._above
         moved = _Above(rows[below], rows[above], offset)
         self._above = moved.of(moved.below >= 0)
-        self._known_at = np.append(self._known_at, np.nan)[index_of(names, self._names)]
+        self._known_at = rows_by_name(self._known_at, self._names, names, np.nan)
         self._names = names
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.evasion.rejoining import Rejoining
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, rows_by_name
 
 BACK = 0.3
 """Height difference from its setpoint within which a vehicle measured again is back [m]."""
@@ -106,7 +106,7 @@ def _held_at(setpoint: SwarmSetpoint, places: dict[str, Array]) -> SwarmSetpoint
 
 def _off_height(setpoint: SwarmSetpoint, state: SwarmState) -> Names:
     """Return the vehicles further than BACK from the heights of their setpoints."""
-    height = np.append(state.pos[:, 2], np.nan)[index_of(setpoint.names, state.names)]
+    height = rows_by_name(state.pos[:, 2], state.names, setpoint.names, np.nan)
     return _named(setpoint, np.abs(height - setpoint.pos[:, 2]) > BACK)
 
 

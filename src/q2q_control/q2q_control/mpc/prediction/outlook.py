@@ -23,7 +23,7 @@ from q2q_model.signals.values import (
     InterferenceStatus,
     Names,
     SwarmSetpoint,
-    index_of,
+    rows_by_name,
 )
 
 
@@ -86,8 +86,9 @@ def correct_downwash(
 
     The predictor does not know where unseen vehicles were going, nor how hard any vehicle pushes.
     """
-    status = np.append(interference.status, InterferenceStatus.NO_MODEL)
-    uncertain = status[index_of(tick.names, interference.names)] != InterferenceStatus.VALID
+    no_model = InterferenceStatus.NO_MODEL
+    status = rows_by_name(interference.status, interference.names, tick.names, no_model)
+    uncertain = status != InterferenceStatus.VALID
     uncertain |= params.loading > 0.0
     eta = downwash.eta[: len(tick.names)]
     early = 0.5 + params.latency / params.step  # stages from now to the first one's middle
@@ -103,8 +104,7 @@ def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array, 
     """
     if setpoint.names == tick.names and tick.all_usable:
         return np.ascontiguousarray(references)
-    none = np.zeros((1, *references.shape[1:]))
-    found = np.concatenate((references, none))[index_of(tick.names, setpoint.names)]
+    found = rows_by_name(references, setpoint.names, tick.names)
     found = np.where(np.isfinite(found), found, 0.0)
     stray = tick.seen & ~tick.usable
     pos, vel = tick.table[stray, None, POS], tick.table[stray, None, VEL]

@@ -15,7 +15,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.some_vehicles import of_vehicles
-from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of, rows_by_name
 from q2q_planner.online.safe.committed_motion import CommittedMotion, ReferenceRows
 
 
@@ -63,7 +63,7 @@ def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> Co
     """
     if committed is None:
         return None
-    bad = np.append(spoilt(given), False)[index_of(committed.names, given.names)]
+    bad = rows_by_name(spoilt(given), given.names, committed.names)
     return replace(committed, on_reference=committed.on_reference & ~bad)
 
 

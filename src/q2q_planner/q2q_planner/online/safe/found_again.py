@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.signals.values import Array, Mask, Names, index_of
+from q2q_model.signals.values import Array, Mask, Names, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.committed_motion import CommittedMotion
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -34,7 +34,7 @@ class LostVehicles:
         """Return the vehicles that were lost and are measured now, (n,)."""
         before = self._lost
         if known.names != self._names:
-            before = np.append(before, False)[index_of(known.names, self._names)]
+            before = rows_by_name(before, self._names, known.names)
         self._names, self._lost = known.names, np.empty_like(before)
         return _found(known.age, before, self._lost)
 
