@@ -12,6 +12,7 @@ from q2q_control.flight_procedure.steps import Call
 from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 EXAMPLE = """  ros2 run q2q_control call take_off
+  ros2 run q2q_control call emergency --on-enter
   ros2 run q2q_control call emergency --node crazyswarm"""
 
 
@@ -31,6 +32,11 @@ def parser() -> CommandLine:
     made = CommandLine("call", __doc__, EXAMPLE)
     made.add_argument("call", choices=[one.value for one in Call], help="the call to make")
     made.add_argument("--node", default="radio", help="node that flies the vehicles: radio or crazyswarm")
+    made.add_argument(
+        "--on-enter",
+        action="store_true",
+        help="find the service now, and call it when Enter is pressed: an emergency stop at hand",
+    )
     return made
 
 

@@ -1,0 +1,86 @@
+"""`call --on-enter` finds its service first and calls it when Enter is pressed."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from threading import Event, Thread
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from q2q_model.ros.node.run import WAKE_S, make_executor
+from q2q_sim.processes.domain import own_domain
+
+PATIENCE_S = 120.0
+"""A process and its discovery on a busy machine [s]."""
+READY = "radio/emergency is ready: press Enter to call it, Ctrl-C to leave"
+
+
+@dataclass
+class Pilot:
+    """Service that counts its calls."""
+
+    called: list[str] = field(default_factory=list)
+
+    def answer(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Grant the call."""
+        self.called.append("emergency")
+        response.success, response.message = True, "motors stopped"
+        return response
+
+
+@pytest.fixture
+def pilot() -> Iterator[Pilot]:
+    with own_domain():
+        rclpy.init(args=[])
+        node, executor, made = Node("radio"), make_executor(), Pilot()
+        node.create_service(Trigger, "radio/emergency", made.answer)
+        executor.add_node(node)
+        over = Event()
+        thread = Thread(target=_spin, args=(executor, over))
+        thread.start()
+        try:
+            yield made
+        finally:
+            over.set()
+            thread.join(PATIENCE_S)
+            rclpy.try_shutdown()
+
+
+def _spin(executor: Executor, over: Event) -> None:
+    while not over.is_set():
+        never: Future[None] = Future()
+        executor.spin_until_future_complete(never, WAKE_S)
+
+
+def waiting_call() -> subprocess.Popen[str]:
+    """Return the command once it is ready to call."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "q2q_control.commands.call", "emergency", "--on-enter"],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stdout is not None
+    assert process.stdout.readline().strip() == READY
+    return process
+
+
+def test_it_calls_when_enter_is_pressed_and_not_before(pilot: Pilot) -> None:
+    process = waiting_call()
+    assert pilot.called == []
+    output, _ = process.communicate("\n", timeout=PATIENCE_S)
+    assert (output.strip(), process.returncode) == ("radio/emergency: motors stopped", 0)
+    assert pilot.called == ["emergency"]
+
+
+def test_the_end_of_the_input_calls_nothing(pilot: Pilot) -> None:
+    _, error = (process := waiting_call()).communicate("", timeout=PATIENCE_S)
+    assert (error.strip(), process.returncode) == ("radio/emergency: not sent", 1)
+    assert pilot.called == []
