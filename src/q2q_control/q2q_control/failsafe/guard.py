@@ -92,7 +92,7 @@ class Guard:
         self._braking = DeadReckonedBraking(hover_thrust)
         self._evasion = DescentEvasion()
         self._last: SwarmCommand | None = None
-        self._nominal: SwarmState | None = None  # state of the last tick, if it was nominal
+        self._was_nominal = False  # in the last tick everybody was measured, commanded and on
         self._clock_reset = ClockResetDetector()
         self._clock = StandingClock()
         self._names: Names = ()
@@ -125,7 +125,7 @@ class Guard:
                 return repeated
             last = self._last
         self._clock_reset.reset()
-        if last is not None and (self._nominal is None or self._evasion.active):
+        if last is not None and (not self._was_nominal or self._evasion.active):
             cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
             absent = InFallback(self._blind(state, last), cut)
             setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
@@ -136,9 +136,9 @@ class Guard:
         age = state.age if state.names == command.names else _ages(state, command.names)
         if self._is_nominal(command, state, age, known):
             self._braking.record_nominal(state, command)
-            self._last, self._nominal = command, state
+            self._last, self._was_nominal = command, True
             return command
-        self._nominal = None
+        self._was_nominal = False
         fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
         self._last = self._braking.update(state, fallback)
         return self._last
@@ -151,7 +151,7 @@ class Guard:
         ages = last.t - self._measured_at + age
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
-        self._nominal = None
+        self._was_nominal = False
         descending = descended(held, ages, self._down, self._params, self._hover_thrust)
         self._braking.advance(None, None, held.t)
         return self._braking.update(None, descending)
@@ -180,7 +180,7 @@ class Guard:
 
     def _forget(self) -> None:
         self._last, self._names = None, ()
-        self._nominal = None
+        self._was_nominal = False
         self._clock = StandingClock()
         self._braking.reset()
         self._evasion.reset()

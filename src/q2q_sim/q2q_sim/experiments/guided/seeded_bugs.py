@@ -111,9 +111,8 @@ def _held_unreported(last: SwarmCommand, t: float) -> SwarmCommand:
     return replace(last, t=t)
 
 
-def _ages_unshifted(self: Guard, last: SwarmCommand, t: float) -> SwarmCommand:
+def _ages_unshifted(self: Guard, last: SwarmCommand, t: float) -> None:
     self._last = replace(last, t=t)
-    return self._last
 
 
 def _no_braking(_: DeadReckonedBraking, __: SwarmState | None, command: SwarmCommand) -> SwarmCommand:
