@@ -6,7 +6,7 @@ import pytest
 from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.prediction.neighbours import (
-    FADE,
+    LATE_FADE,
     TRACKING,
     HeardPath,
     HeardPredictions,
@@ -92,7 +92,7 @@ def test_of_a_tick_to_come_nothing_is_used_yet() -> None:
 def test_a_late_prediction_turns_into_what_is_known_and_its_spread_into_the_trackings() -> None:
     heard = HeardPredictions(PERIOD)
     heard.hear(prediction(t=0.5))
-    late = PERIOD + FADE
+    late = PERIOD + LATE_FADE
     found = neighbours(heard, 0.5 + late, known(x=1.0))
     share = np.exp(-1.0)
     assert found.path[0, :, 0] == pytest.approx(1.0 - share, abs=1e-5)

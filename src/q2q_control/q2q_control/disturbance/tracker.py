@@ -16,6 +16,7 @@ from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, Meas
 from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RESIDUAL, ResidualObserver
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
+from q2q_control.inputs.controller import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, TrackStatus
@@ -31,7 +32,7 @@ _TRACKED = int(TrackStatus.TRACKED)
 class TrackerParams:
     """Delay and lag of the command path, and bandwidths of the disturbance estimates."""
 
-    latency: float = tunable(0.026, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
+    latency: float = tunable(LATENCY_S, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
     state_bandwidth: float = tunable(
         20.0, "bandwidth of estimated position and velocity", unit="rad/s", low=0.1, high=100.0
     )

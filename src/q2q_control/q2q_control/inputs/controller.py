@@ -4,6 +4,9 @@ from typing import Protocol, runtime_checkable
 
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
+LATENCY_S = 0.026
+"""Time from a tick's stamp to its command's effect [s]: camera (10 ms) and radio (16) of the room `real`."""
+
 
 @runtime_checkable
 class Controller(Protocol):

@@ -20,7 +20,7 @@ from q2q_control.inputs.shifted_setpoint import ShiftedSetpoint
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
 
-FADE = 1.0
+OFF_PLAN_FADE = 1.0
 """Time constant of a difference between setpoint and plan [s]: above the replanner's k_d / k_p = 0.6 s."""
 SAME = 1e-6
 """A setpoint as near as this to its plan [SI] has not been moved: tables are interpolated linearly."""
@@ -94,7 +94,7 @@ def _ahead(here: Array, names: Names, preview: ReferencePreview | None, asked: A
 def _off_plan(here: Array, plan: Array, ahead: Array) -> Array:
     """Return the references of setpoints (n, 9) moved off their plan (n, 1 + K, 9), `ahead` (K, 1) [s]."""
     off = here - plan[:, 0]
-    fade = np.exp(-ahead / FADE)
+    fade = np.exp(-ahead / OFF_PLAN_FADE)
     shifted = plan[:, 1:].copy()
     shifted[..., :3] += (off[:, None, :3] + off[:, None, 3:6] * ahead) * fade
     shifted[..., 3:6] += off[:, None, 3:6] * fade

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from q2q_control.inputs.controller import LATENCY_S
 from q2q_model.tunable import check_bounds, tunable
 
 
@@ -44,7 +45,7 @@ class MpcParams:
         low=0.0,
         high=2.0,
     )
-    latency: float = tunable(0.026, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
+    latency: float = tunable(LATENCY_S, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
     attitude_lag: float = tunable(
         0.12, "lag of tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0
     )

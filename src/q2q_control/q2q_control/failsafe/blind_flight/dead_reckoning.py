@@ -44,12 +44,13 @@ import math
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams
+from q2q_control.inputs.controller import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Status, TrackStatus
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
-THRUST_LAG_S = 0.026 + CRAZYFLIE_2_0.thrust_lag
-"""From a command to its thrust [s]: camera and radio (settings), and the rotors (quadcopter)."""
+THRUST_LAG_S = LATENCY_S + CRAZYFLIE_2_0.thrust_lag
+"""From a command to its thrust [s]: camera, radio, and the rotors of a Crazyflie 2.0, for every vehicle."""
 _LOOP = AttitudeParams()
 _LOOP_S = 2.0 * _LOOP.damping / _LOOP.frequency
 LAG_S = THRUST_LAG_S + _LOOP_S

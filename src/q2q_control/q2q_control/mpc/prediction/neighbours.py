@@ -5,7 +5,7 @@ Every MPC sends the paths it has solved for its own vehicles, once in each slot 
 distributed flight does not depend on which of two messages of one tick arrives first. A path that is older
 than T turns into what is known without it, and its position becomes uncertain:
 
-    w = exp(-a / FADE),   r_j = w r_heard + (1 - w) r_known,   sigma = (1 - w) TRACKING
+    w = exp(-a / LATE_FADE),   r_j = w r_heard + (1 - w) r_known,   sigma = (1 - w) TRACKING
 
 r_known is the neighbour's reference or, without one, its measured position at constant velocity. The
 uncertainty widens the downwash of the neighbour (q2q_control.mpc.prediction.downwash_horizon).
@@ -30,10 +30,10 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
 
-FADE = 0.2
-"""Time constant of a late prediction [s]: the MPC's shift_time, as long as it follows its own last plan."""
+LATE_FADE = 0.2
+"""Time constant of a late prediction [s]: the default shift_time, for which an MPC follows its own last plan."""
 TRACKING = 0.05
-"""Spread of a neighbour about its reference [m]: the `tracking` of the safe replanner."""
+"""Spread of a neighbour about its reference [m]: the default `tracking` of the safe replanner."""
 CLOCK_JUMP = 1.0
 """A prediction older than the last one by more [s] is of a clock that was set back."""
 
@@ -116,7 +116,7 @@ class HeardPredictions:
             heard = self._before(t, name)
             if heard is not None and abs(path[row, 0, 2]) < FAR:
                 positions_at(heard, times, path[row])
-                share[row] = math.exp(-max(t - heard.t - self._period - SAME_STAMP, 0.0) / FADE)
+                share[row] = math.exp(-max(t - heard.t - self._period - SAME_STAMP, 0.0) / LATE_FADE)
         return neighbours._replace(path=path, inputs=accelerations_along(path, times)), share
 
     def _before(self, t: float, name: str) -> HeardPath | None:

@@ -21,7 +21,7 @@ from q2q_model.vehicle.constants import GRAVITY
 
 FAR = 1e6
 """Position of a vehicle without state [m]: out of everybody's reach."""
-FADE = 0.5
+UNSEEN_FADE = 0.5
 """Time constant of the fading downwash of an unseen vehicle [s]: above dropouts of 0.1 to 0.3 s."""
 NEGLIGIBLE = 0.02
 """Weight of downwash below which it is neglected [-]."""
@@ -124,7 +124,7 @@ class Surroundings:
                 self._unseen.pop(name, None)
                 continue
             since = self._unseen.setdefault(name, tick.t if name in self._names else -np.inf)
-            trust[row] = np.exp((since - tick.t) / FADE)
+            trust[row] = np.exp((since - tick.t) / UNSEEN_FADE)
             if trust[row] < NEGLIGIBLE or not np.isfinite(path[row]).all():
                 trust[row], path[row] = 0.0, FAR * (1.0 + row)
         return trust
