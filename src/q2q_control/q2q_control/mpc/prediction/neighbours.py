@@ -31,7 +31,7 @@ from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
 
 LATE_FADE = 0.2
-"""Time constant of a late prediction [s]: the default shift_time, for which an MPC follows its own last plan."""
+"""Time constant of a late prediction [s]: that for which an MPC follows its own last plan by default."""
 TRACKING = 0.05
 """Spread of a neighbour about its reference [m]: the default `tracking` of the safe replanner."""
 CLOCK_JUMP = 1.0
