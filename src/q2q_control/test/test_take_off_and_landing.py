@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from procedure_bench import END, FIRST, HOME, PLAN, STEP, WELL, Bench, up, up_to
 
-from q2q_control.flight_procedure.arrival import heights_text
+from q2q_control.flight_procedure.checks.arrival import heights_text
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
 from q2q_control.flight_procedure.steps import Act, Call, Step

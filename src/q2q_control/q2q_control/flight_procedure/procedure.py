@@ -22,9 +22,9 @@ flight can begin (land_home); so it does from any step if vehicles overlap horiz
 them where they are.
 """
 
-from q2q_control.flight_procedure.arrival import at_height, at_points, heights_text, setpoints_rest
-from q2q_control.flight_procedure.checks import apart_refusal, setpoint_refusal, unchecked
-from q2q_control.flight_procedure.ground_check import GroundCheck
+from q2q_control.flight_procedure.checks.arrival import at_height, at_points, heights_text, setpoints_rest
+from q2q_control.flight_procedure.checks.ground_check import GroundCheck
+from q2q_control.flight_procedure.checks.refusals import apart_refusal, setpoint_refusal, unchecked
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.procedure_state import ProcedureState

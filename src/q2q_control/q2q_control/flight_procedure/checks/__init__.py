@@ -1,0 +1,1 @@
+"""Checks of a flight procedure: before take-off, before setpoints are flown, and of arrival."""
