@@ -57,6 +57,11 @@ class Aligned:
     downwash's acceleration ETA (0 where none is predicted), and the state's TRACK status, in the units and
     frames of the signals, (n, 25)."""
 
+    @property
+    def stray(self) -> NDArray[np.bool_]:
+        """Return which vehicles are seen but have no usable setpoint, (n,)."""
+        return self.seen & ~self.usable
+
 
 def align(
     state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None, vehicles: Names = ()

@@ -38,6 +38,7 @@ from q2q_model.signals.values import (
     SwarmImu,
     SwarmState,
     index_of,
+    rows_by_name,
 )
 from q2q_model.vehicle.constants import Vehicle
 
@@ -117,15 +118,13 @@ class PredictAndCorrect:
 
     def _follow(self, names: Names) -> None:
         """Reorder what is known by name; nothing is known of new vehicles."""
-        rows = index_of(names, self._names)
-        known, n = rows >= 0, len(names)
-        own = rows[known]
-        residual, variance = np.zeros(n), np.full(n, self._process.floor**2)
-        offset, clear_s, seen = np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.bool_)
-        residual[known], variance[known] = self._residual[own], self._variance[own]
-        offset[known], clear_s[known], seen[known] = self._offset[own], self._clear_s[own], self._seen[own]
-        self._residual, self._variance = residual, variance
-        self._offset, self._clear_s, self._seen, self._names = offset, clear_s, seen, names
+        have = self._names
+        self._residual = rows_by_name(self._residual, have, names)
+        self._variance = rows_by_name(self._variance, have, names, self._process.floor**2)
+        self._offset = rows_by_name(self._offset, have, names)
+        self._clear_s = rows_by_name(self._clear_s, have, names)
+        self._seen = rows_by_name(self._seen, have, names)
+        self._names = names
 
 
 class CorrectedPredictor:

@@ -27,7 +27,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
-from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
+from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 
@@ -104,11 +104,7 @@ class LiveRefinement:
         """Reorder the sums by name; those of new vehicles are zero."""
         if names == self._names:
             return
-        rows = index_of(names, self._names)
-        known = rows >= 0
-        sums = np.zeros((len(names), 5))
-        sums[known] = self._sums[rows[known]]
-        self._names, self._sums = names, sums
+        self._names, self._sums = names, rows_by_name(self._sums, self._names, names)
 
     def _estimate(self) -> LiveEstimate:
         weight = np.maximum(self._sums[:, WEIGHT], 1e-12)

@@ -165,9 +165,15 @@ def index_of(names: Sequence[str], among: Sequence[str]) -> Rows:
 def rows_by_name(
     values: NDArray[Value], have: Names, names: Names, missing: float | NDArray[Value] = 0.0
 ) -> NDArray[Value]:
-    """Return the rows of `names` of values (m, ...), whose rows are `have`; `missing` where there is none."""
-    absent = np.full((1, *values.shape[1:]), missing, dtype=values.dtype)
-    return np.concatenate((values, absent))[index_of(names, have)]
+    """Return the rows of `names` of values (m, ...), whose rows are `have`, (len(names), ...).
+
+    A name that is not among them gets `missing`: a number, a row, or its row of an array for all names.
+    """
+    rows = index_of(names, have)
+    found = np.empty((len(rows), *values.shape[1:]), dtype=values.dtype)
+    found[:] = missing
+    found[rows >= 0] = values[rows[rows >= 0]]
+    return found
 
 
 @lru_cache(maxsize=KNOWN_NAMES)

@@ -28,7 +28,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import TRACKED
 from q2q_control.failsafe.evasion.climb_back import BACK, ClimbBack, InFallback
 from q2q_control.failsafe.evasion.evasion_direction import across, evasion_direction
 from q2q_control.failsafe.evasion.evasion_shift import EvasionShift, Place
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, index_of, rows_by_name
 
 REACH = 0.6
 """Horizontal distance to keep [m]: two vehicles in contact, 0.14, and the drift in 1 s of blindness, 0.4."""
@@ -166,8 +166,7 @@ def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Ar
 
 def _sent(setpoint: SwarmSetpoint, names: Names, pos: Array) -> Array:
     """Return where vehicles are sent, and the positions of those that are not [m], (n, 3)."""
-    rows = index_of(names, setpoint.names)
-    return np.where((rows >= 0)[:, None], np.vstack((setpoint.pos, np.full(3, np.nan)))[rows], pos)
+    return rows_by_name(setpoint.pos, setpoint.names, names, pos)
 
 
 def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:

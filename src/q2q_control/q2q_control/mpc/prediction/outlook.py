@@ -60,8 +60,7 @@ class Forecaster:
         plan = self._plans.shifted(tick.names, float(times[0]))
         path = reference[..., :3] + plan.offset
         if not tick.all_usable:
-            stray = tick.seen & ~tick.usable
-            path[stray] = reference[stray, :, :3]
+            path[tick.stray] = reference[tick.stray, :, :3]
         future = Future(times, path, plan.inputs)
         tracks = self._surroundings.tracks(tick, future, neighbours)
         others = None
@@ -106,7 +105,7 @@ def future_reference(tick: Aligned, setpoint: SwarmSetpoint, references: Array, 
         return np.ascontiguousarray(references)
     found = rows_by_name(references, setpoint.names, tick.names)
     found = np.where(np.isfinite(found), found, 0.0)
-    stray = tick.seen & ~tick.usable
+    stray = tick.stray
     pos, vel = tick.table[stray, None, POS], tick.table[stray, None, VEL]
     found[stray, :, :3] = pos + vel * (times - tick.t)[:, None]
     found[stray, :, 3:6], found[stray, :, 6:] = vel, 0.0

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Mask, Names, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Mask, Names, SwarmSetpoint, rows_by_name
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
@@ -127,20 +127,17 @@ def _carried(rows: MotionRows, passed: float, law: BrakingLaw) -> tuple[Array, A
 
 def _with_new_vehicles(moved: CommittedMotion, setpoint: SwarmSetpoint) -> CommittedMotion:
     """Return the motion of the setpoint's vehicles; those that are new start on the reference."""
-    fresh = at_reference(setpoint)
-    rows = index_of(setpoint.names, moved.names)
-    known = rows >= 0
-    col = known[:, None]
+    fresh, have, names = at_reference(setpoint), moved.names, setpoint.names
     return CommittedMotion(
         setpoint.t,
-        setpoint.names,
-        np.where(col, moved.pos[rows], fresh.pos),
-        np.where(col, moved.vel[rows], fresh.vel),
-        np.where(col, moved.acc[rows], fresh.acc),
-        np.where(known, moved.hold[rows], 0.0),
-        moved.on_reference[rows] | ~known,
-        moved.pushed[rows] & known,
-        np.where(col, moved.jerk[rows], 0.0),
+        names,
+        rows_by_name(moved.pos, have, names, fresh.pos),
+        rows_by_name(moved.vel, have, names, fresh.vel),
+        rows_by_name(moved.acc, have, names, fresh.acc),
+        rows_by_name(moved.hold, have, names, fresh.hold),
+        rows_by_name(moved.on_reference, have, names, fresh.on_reference),
+        rows_by_name(moved.pushed, have, names, fresh.pushed),
+        rows_by_name(moved.jerk, have, names, fresh.jerk),
     )
 
 

@@ -69,22 +69,17 @@ def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> Co
 
 def announced(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
     """Return the answer for all vehicles given; those without finite setpoints broke the promise."""
-    rows = index_of(given.names, answer.names)
-    flown = rows >= 0
-    col = flown[:, None]
-    status = np.full(len(rows), SetpointStatus.PROMISE_BROKEN, dtype=np.uint8)
-    kept = flown & ~spoilt(given)
-    status[kept] = answer.status[rows[kept]]
-    if not answer.names:
-        return replace(given, status=status)
+    have, names = answer.names, given.names
+    status = rows_by_name(answer.status, have, names, SetpointStatus.PROMISE_BROKEN)
+    status[spoilt(given)] = SetpointStatus.PROMISE_BROKEN
     return SwarmSetpoint(
         given.t,
-        given.names,
-        np.where(col, answer.pos[rows], given.pos),
-        np.where(col, answer.vel[rows], given.vel),
-        np.where(col, answer.acc[rows], given.acc),
-        np.where(flown, answer.yaw[rows], given.yaw),
-        np.where(flown, answer.yaw_rate[rows], given.yaw_rate),
+        names,
+        rows_by_name(answer.pos, have, names, given.pos),
+        rows_by_name(answer.vel, have, names, given.vel),
+        rows_by_name(answer.acc, have, names, given.acc),
+        rows_by_name(answer.yaw, have, names, given.yaw),
+        rows_by_name(answer.yaw_rate, have, names, given.yaw_rate),
         status,
     )
 
