@@ -35,7 +35,7 @@ def test_a_weak_vehicle_gains_as_much_by_its_tilt_as_its_thrust_holds() -> None:
         assert track[0, VEL + 2] == pytest.approx(0.0, abs=1e-9 if not weak else 0.2)
 
 
-def test_a_command_that_was_held_through_a_gap_counts_for_all_of_it() -> None:
+def test_a_command_that_was_held_while_frames_were_late_counts_for_all_of_it() -> None:
     """Frames stopped for 0.25 s while a vehicle leaned: it is reckoned as one of which every tick came."""
     speeds = []
     for gap in (TICK, 0.25):
@@ -43,11 +43,27 @@ def test_a_command_that_was_held_through_a_gap_counts_for_all_of_it() -> None:
         block.update(state_at(0.0, np.zeros(2)), level_at(0.0, CommandStatus.OK, roll=0.3))
         for k in range(1, round(0.5 / gap) + 1):
             t = k * gap
+            for _ in range(round(gap / TICK) - 1):
+                block.wait()
             block.advance(state_at(t, np.zeros(2), age=t), None, t)
             block.record_nominal(state_at(t, np.zeros(2)), level_at(t, CommandStatus.OK, roll=0.3))
         speeds.append(block.predicted(state_at(0.5, np.zeros(2), age=0.5)).vel[0, 1])
     assert speeds[0] == pytest.approx(-GRAVITY * np.sin(0.3) * (0.5 - LAG_S), rel=0.1)
     assert speeds[1] == pytest.approx(speeds[0], rel=1e-9)
+
+
+def test_a_clock_set_ahead_while_a_vehicle_leans_unseen_is_not_flown() -> None:
+    """Stamps leap by 0.34 s: it is reckoned as one whose clock did not."""
+    speeds = []
+    for leap in (0.0, 0.34):
+        block, t = DeadReckonedBraking(HOVER), 0.0
+        block.update(state_at(t, np.zeros(2)), level_at(t, CommandStatus.OK, roll=0.3))
+        for k in range(1, 31):
+            t = k * TICK + (leap if k >= 10 else 0.0)
+            block.advance(state_at(t, np.zeros(2), age=t), None, t)
+            block.record_nominal(state_at(t, np.zeros(2)), level_at(t, CommandStatus.OK, roll=0.3))
+        speeds.append(block.predicted(state_at(t, np.zeros(2), age=t)).vel[0, 1])
+    assert speeds[1] == pytest.approx(speeds[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])

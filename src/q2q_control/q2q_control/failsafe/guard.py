@@ -159,6 +159,7 @@ class Guard:
     def _repeated(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Return the command of a tick t [s] that is not newer; None to compute it."""
         stood, late = self._clock.stand(last.t), t < last.t
+        self._braking.wait()
         if late and (last.t - t > NEW_FLIGHT_S or self._clock_reset.rise(t)):
             self._set_back(last, t)
             return None

@@ -22,17 +22,19 @@ from q2q_control.failsafe.blind_flight.braking_law import (
 )
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
     BALANCE,
+    LAG_S,
     POS,
     SEEN,
     TRACKED,
     UNKNOWN,
+    UNSETTLED,
     VEL,
     Asked,
     Sight,
     reckon,
 )
 from q2q_control.failsafe.blind_flight.fading_downwash import FadingDownwash, Places
-from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_control.failsafe.blind_flight.flown_time import GAP_S, FlownTime
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -46,9 +48,6 @@ from q2q_model.signals.values import (
     rows_by_name,
 )
 
-LONGEST_STEP = MocapFilterParams().coast_s
-"""Longest time between ticks for which the last command is integrated [s]: that for which the filter coasts.
-A longer gap, or jump of the clock, counts as this."""
 LOST = np.uint8(TrackStatus.LOST)
 LEVEL, LAND = int(CommandStatus.LEVEL), int(CommandStatus.LAND)
 
@@ -80,11 +79,16 @@ class DeadReckonedBraking:
         self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
         self._predicted = self._blind = False
         self._t = math.inf
+        self._flown = FlownTime()
 
     def set_back(self, by: float) -> None:
         """Shift stored times back by `by` [s]: the clock was."""
         self._t -= by
         self._fading.set_back(by)
+
+    def wait(self) -> None:
+        """Take a frame that is not newer than the last one: the vehicles fly on."""
+        self._flown.wait()
 
     def advance(self, state: SwarmState | None, interference: Interference | None, t: float) -> None:
         """Advance all motions to the tick at t [s], and correct those of measured vehicles.
@@ -96,8 +100,10 @@ class DeadReckonedBraking:
         """
         names = self._names
         sight = _sight(state, names)
-        elapsed = min(max(t - self._t, 0.0), LONGEST_STEP)
-        self._t = t
+        step, self._t = max(t - self._t, 0.0), t
+        elapsed = self._flown.update(step, told=state is not None)
+        if step > GAP_S:
+            self._track[:, UNSETTLED] = 2.0 * LAG_S + elapsed
         unmeasured = reckon(self._track, self._asked, self._push, (elapsed, self._hover_thrust), sight)
         if state is not None:
             self._eta, self._predicted = _eta(interference, names), interference is not None

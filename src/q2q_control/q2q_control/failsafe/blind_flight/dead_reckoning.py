@@ -19,7 +19,7 @@ that b is 0 counts as much as those of the time L. With h between measurements:
     s = k^3 / (k^3 + L^3)             o += max(1 - e^(-2 w h), (1 + 3 s) h / k) (v - o)
                                       b -= max((1 - e^(-w h))^2 / h, 6 s h / k^2) (v - o)
 
-For 2 L after a gap of GAP_S or more nothing is learned: what was in effect meanwhile is not known. Without
+For 2 L after a gap (flown_time) nothing is learned: what was in effect meanwhile is not known. Without
 measurements the motion is integrated, with the balance of the last one. Thrust that b_z takes away is
 taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 
@@ -68,9 +68,6 @@ OUTLIER_SPEED = 2.0
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-GAP_S = 0.05
-"""Longest time between ticks for which the command in effect is known [s]: a longer one may be a jump of the
-clock, in which it was not in effect for as long."""
 POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN_S, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
 TRACK_WIDTH = 21
@@ -116,7 +113,7 @@ def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], 
 def _propagate(one: Array, command: tuple[float, float, float], push: Array, elapsed: float) -> None:
     """Propagate a track (TRACK_WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
-    one[UNSETTLED] = 2.0 * LAG_S if elapsed > GAP_S else max(one[UNSETTLED] - elapsed, 0.0)
+    one[UNSETTLED] = max(one[UNSETTLED] - elapsed, 0.0)
     level = GRAVITY * share / (1.0 + one[BALANCE + 2] / GRAVITY)  # a weak rotor or battery gives less
     ahead, aside = level * math.sin(pitch) * math.cos(roll), -level * math.sin(roll)
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])

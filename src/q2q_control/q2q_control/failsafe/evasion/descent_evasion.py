@@ -55,13 +55,9 @@ class DescentEvasion:
         """Drop all shifts and climbs."""
         self._shifts: dict[str, EvasionShift] = {}
         self._climbs = ClimbBack()
-        self._active = False
+        self.active = False
+        """Whether any setpoint is shifted, or any vehicle climbs back."""
         self._t: float | None = None
-
-    @property
-    def active(self) -> bool:
-        """Return whether any setpoint is shifted, or any vehicle climbs back."""
-        return self._active
 
     def update(
         self, setpoint: SwarmSetpoint, state: SwarmState, fallback: InFallback, known: Mapping[str, Reckoned]
@@ -78,7 +74,7 @@ class DescentEvasion:
         dt = 0.0 if self._t is None else min(max(setpoint.t - self._t, 0.0), LONGEST_STEP)
         self._t = setpoint.t
         blind = fallback.blind
-        if not blind and not self._active:
+        if not blind and not self.active:
             return setpoint
         setpoint, returning = self._climbs.update(setpoint, state, fallback)
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
@@ -92,7 +88,7 @@ class DescentEvasion:
         unmeasured = frozenset(state.names[row] for row in np.flatnonzero(state.status != TRACKED))
         moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), unmeasured, dt)
         self._shifts = {name: shift for name, shift in self._shifts.items() if not shift.over}
-        self._active = bool(self._shifts) or self._climbs.active
+        self.active = bool(self._shifts) or self._climbs.active
         return moved
 
     def _end(self, evaded: frozenset[str]) -> None:

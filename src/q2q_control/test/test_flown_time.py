@@ -1,0 +1,59 @@
+"""What vehicles fly between two ticks is told by stamps, but for leaps of the clock."""
+
+import pytest
+
+from q2q_control.failsafe.blind_flight.flown_time import GAP_S, LONGEST_STEP, FlownTime
+from q2q_control.failsafe.standing_clock import PERIOD
+
+
+def flown(steps: list[float]) -> list[float]:
+    """Return what is flown in steps of frames [s]; a step of 0 is a frame that is not newer."""
+    time, found = FlownTime(), []
+    for step in steps:
+        if step == 0.0:
+            time.wait()
+        found.append(time.update(step, told=True) if step else 0.0)
+    return found
+
+
+@pytest.mark.parametrize("step", [PERIOD, 0.004, 0.1, 0.3])
+def test_steps_of_any_rate_are_flown_as_told(step: float) -> None:
+    assert flown([step] * 5)[1:] == [step] * 4
+
+
+def test_a_single_missing_frame_of_a_slow_camera_is_flown() -> None:
+    assert flown([0.1, 0.1, 0.2, 0.1])[2:] == [pytest.approx(0.2), pytest.approx(0.1)]
+
+
+@pytest.mark.parametrize("ahead", [0.06, 0.34, 5.0, 3600.0])
+def test_a_clock_set_ahead_is_flown_as_one_tick(ahead: float) -> None:
+    assert flown([PERIOD, ahead + PERIOD, PERIOD]) == pytest.approx([PERIOD] * 3)
+
+
+def test_a_leap_after_late_frames_is_flown_for_as_long_as_they_were_late() -> None:
+    """Frames come 0.08 s late for 0.2 s and are in time at once: all is flown once, however long it took."""
+    steps = [PERIOD] * 3 + [0.0] * 8 + [PERIOD] * 12 + [PERIOD + 0.08] + [PERIOD] * 3
+    assert flown(steps) == pytest.approx(steps)
+
+
+def test_a_clock_set_ahead_while_frames_are_late_is_told_from_them() -> None:
+    steps = [PERIOD] * 3 + [0.0] * 8 + [PERIOD + 0.34 + 0.08, PERIOD]
+    assert flown(steps)[-2:] == pytest.approx([PERIOD + 0.08, PERIOD])
+
+
+def test_frames_that_overtake_each_other_leave_nothing_for_a_leap() -> None:
+    assert flown([0.02, 0.0] * 50 + [0.5])[-1] == pytest.approx(0.02 + PERIOD)
+
+
+def test_what_a_timer_counted_is_flown_up_to_what_the_filter_coasts() -> None:
+    assert FlownTime().update(GAP_S + 0.1, told=False) == GAP_S + 0.1
+    assert FlownTime().update(1.0, told=False) == LONGEST_STEP
+
+
+def test_a_timer_that_counted_late_frames_leaves_none_of_them_for_a_leap() -> None:
+    time = FlownTime()
+    for _ in range(11):
+        time.wait()
+    assert time.update(0.11, told=False) == 0.11
+    assert time.update(PERIOD, told=True) == PERIOD
+    assert time.update(0.5, told=True) == pytest.approx(2 * PERIOD)
