@@ -15,14 +15,13 @@ from q2q_model.identification.force.along_flight import Motion, eta_along, eta_o
 from q2q_model.identification.force.downwash_force import (
     ForceRecord,
     ForceSamples,
-    Mask,
     force_samples,
     pooled,
     score,
 )
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
 from q2q_model.identification.force.recorded_force import LOG_MASS, lagged, push_of_log
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
 needs_flights = pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")

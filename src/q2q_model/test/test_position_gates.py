@@ -13,8 +13,8 @@ from q2q_model.estimation.positions import PositionTracks
 from q2q_model.estimation.steady_gain import CONVERGED
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.estimation.white_jerk import MotionEstimate
-from q2q_model.flights.outliers import REPEAT_STEP, Mask
-from q2q_model.signals.values import Array
+from q2q_model.flights.outliers import REPEAT_STEP
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 
 NEAR = 1e-9

@@ -9,8 +9,8 @@ from q2q_model.estimation.association.marker_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import CONFIRM_SAMPLES, Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.attitudes import UNIT_TOLERANCE, AttitudeGateParams, AttitudeTracks
-from q2q_model.flights.outliers import Mask, OutlierThresholds
-from q2q_model.signals.values import Array
+from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.signals.values import Array, Mask
 
 LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)
 """Exact in binary, as the times below, so that a bound is met exactly."""

@@ -30,12 +30,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.disturbance.observer import GAP_MAX, Measurement
 from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
-from q2q_model.signals.values import Array, Names, rows_by_name
+from q2q_model.signals.values import Array, Mask, Names, rows_by_name
 
 HEIGHT_STD = 1e-3
 """Deviation of a measured height [m], as in the mocap filter (VICON: 0.15 mm static, under 2 mm dynamic)."""
@@ -47,8 +46,6 @@ OFFSET_S = 5.0
 """Time in which an offset may change [s]: shorter than a battery's discharge, longer than a passage."""
 HEIGHT, CLIMB, RESIDUAL, OFFSET = range(4)
 """Columns of the state."""
-
-Flags = NDArray[np.bool_]
 
 
 class Belief(NamedTuple):
@@ -69,7 +66,7 @@ class Rows(NamedTuple):
     """By thrust and predicted downwash, mean since the last tick [m/s^2]."""
     sigma: Array
     """[m/s^2]"""
-    fresh: Flags
+    fresh: Mask
     """Rows whose height was measured at this tick."""
 
 
@@ -85,7 +82,7 @@ class ResidualObserver:
         """Forget all estimates."""
         self._names: Names = ()
         self._t = self._felt = -np.inf
-        self._known: Flags = np.zeros(0, np.bool_)
+        self._known: Mask = np.zeros(0, np.bool_)
         self._sigma = np.zeros(0)
         self.belief = Belief(np.zeros((0, 4)), np.zeros((0, 4, 4)))
 
@@ -136,7 +133,7 @@ def steady_gain(process: ResidualProcess, eta: float, step: float) -> float:
 
 
 @compiled
-def advance(belief: Belief, known: Flags, rows: Rows, step: float, share: float) -> None:
+def advance(belief: Belief, known: Mask, rows: Rows, step: float, share: float) -> None:
     """Propagate by a step [s] and correct by heights, in place; rows that are not `known` start anew.
 
     `share` is what remains of w [-].
@@ -168,7 +165,7 @@ def advance(belief: Belief, known: Flags, rows: Rows, step: float, share: float)
 
 
 @compiled
-def feel_push(belief: Belief, felt: Flags, push: Array, noise: Array, share: float) -> None:
+def feel_push(belief: Belief, felt: Mask, push: Array, noise: Array, share: float) -> None:
     """Correct the rows `felt` (n,) by y (n,), samples of share w + b with variance `noise` (n,), in place."""
     see = np.array([0.0, 0.0, share, 1.0])
     for i in range(push.size):

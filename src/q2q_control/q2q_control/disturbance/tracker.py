@@ -8,7 +8,6 @@ estimates are those of q2q_control.disturbance.residual_observer, which accelero
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.disturbance.actuation import Actuation, Pending
 from q2q_control.disturbance.felt_push import ExplainedTick, FeltPush
@@ -19,11 +18,9 @@ from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRA
 from q2q_control.inputs.controller import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import ResidualProcess
-from q2q_model.signals.values import Array, SwarmCommand, SwarmImu, TrackStatus
+from q2q_model.signals.values import Array, Mask, SwarmCommand, SwarmImu, TrackStatus
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-
-Flags = NDArray[np.bool_]
 
 _TRACKED = int(TrackStatus.TRACKED)
 
@@ -123,7 +120,7 @@ def _with_vertical(estimate: Estimate, state: Array, most: float) -> Estimate:
 
 @compiled
 def measured_rows(
-    tick: tuple[Array, Flags], before: Array, thrusts: tuple[Array, Array], mass: float
+    tick: tuple[Array, Mask], before: Array, thrusts: tuple[Array, Array], mass: float
 ) -> tuple[MeasuredRows, Array, Array]:
     """Return a tick's measurements, the acceleration by thrust now and the downwash now [m/s^2], (n, 3).
 

@@ -20,10 +20,8 @@ from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solu
 from q2q_control.mpc.receding import SolverFactory
 from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep_chains, sweep_gains
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import Vehicle
-
-Rows = NDArray[np.intp]
 
 
 class ExplicitSolver:

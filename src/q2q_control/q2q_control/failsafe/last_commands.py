@@ -12,12 +12,10 @@ missing from a tick; q2q_control.failsafe.ladder covers missing ticks.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, CommandStatus, Names, Status, rows_by_name
+from q2q_model.signals.values import Array, CommandStatus, Mask, Names, Status, rows_by_name
 
-Flags = NDArray[np.bool_]
 Last = tuple[Array, Array]
 """Last computed commands: thrust [N], roll, pitch [rad], yaw rate [rad/s], (n, 4), and stamps [s], (n,)."""
 
@@ -67,8 +65,8 @@ class LastCommands:
 
 @compiled
 def complete(
-    tick: tuple[float, Flags],
-    computed: tuple[Array, Flags],
+    tick: tuple[float, Mask],
+    computed: tuple[Array, Mask],
     last: Last,
     rule: tuple[float, float],
     out: tuple[Array, Status],

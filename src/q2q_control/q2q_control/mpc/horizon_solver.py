@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chains, axis_chains
 from q2q_control.mpc.group_solve import Group, Modes, solve_group
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Flags
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import (
     CUT_OFF,
     INTERRUPTED,
@@ -28,10 +27,9 @@ from q2q_control.mpc.problem.horizon import (
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
 from q2q_control.mpc.solver.chain_sweep import gains_of_table, gains_table, sweep_chains, sweep_gains
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.constants import Vehicle
 
-Rows = NDArray[np.intp]
 InTime = Callable[[], bool]
 
 
@@ -130,10 +128,10 @@ def groups_of(root: Rows) -> list[list[int]]:
 def _group_and_sweep(
     horizon: Horizon,
     downwash: DownwashHorizon,
-    coupling: tuple[Flags, int],
+    coupling: tuple[Mask, int],
     gains: Array,
     solution: HorizonSolution,
-) -> tuple[Rows, Flags]:
+) -> tuple[Rows, Mask]:
     """Write the chains that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
 
     `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group; `gains` are tables

@@ -10,11 +10,11 @@ import numpy as np
 
 from q2q_control.failsafe.last_commands import Last, complete
 from q2q_control.inputs.alignment import Aligned
-from q2q_control.pid.thrust_vector import Flags, ThrustLimits, command_rows
+from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Status, SwarmCommand
+from q2q_model.signals.values import Array, Mask, Status, SwarmCommand
 
-TickRows = tuple[float, Array, Flags]
+TickRows = tuple[float, Array, Mask]
 """Time [s], table of q2q_control.inputs.alignment, and which of its rows are usable, (n,)."""
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from q2q_control.failsafe.last_commands import Last, complete
 from q2q_control.inputs.alignment import ETA_AT, POS_AT, REF_ACC_AT, REF_POS_AT, REF_VEL_AT, VEL_AT
-from q2q_control.pid.thrust_vector import Excess, Flags, ThrustLimits, write_command
+from q2q_control.pid.thrust_vector import Excess, ThrustLimits, write_command
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array, Status
+from q2q_model.signals.values import Array, Mask, Status
 
 
 class PidGains(NamedTuple):
@@ -28,7 +28,7 @@ class PidGains(NamedTuple):
     """[m/s^2]"""
 
 
-PidTick = tuple[float, float, Array, Flags]
+PidTick = tuple[float, float, Array, Mask]
 """Time, and time since the last tick [s], table, and which of its rows are usable, (n,)."""
 Law = tuple[tuple[Array, Array, Array, Array], tuple[float, float, float, bool, float, float]]
 """PidGains and ThrustLimits."""
@@ -37,7 +37,7 @@ Law = tuple[tuple[Array, Array, Array, Array], tuple[float, float, float, bool, 
 @compiled
 def pid_rows(
     table: Array, integral: Array, gains: PidGains, limits: ThrustLimits, dt: float
-) -> tuple[Array, Flags]:
+) -> tuple[Array, Mask]:
     """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,); advance `integral` (n, 3) in place."""
     n = table.shape[0]
     values, saturated = np.empty((n, 4)), np.empty(n, np.bool_)

@@ -31,14 +31,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
-
-Flags = NDArray[np.bool_]
 
 UPRIGHT_MIN = 0.3
 """cos phi cos theta below which (tilted by 70 deg) thrust is no longer raised for it."""
@@ -79,7 +76,7 @@ class _Tilt(NamedTuple):
 
 
 @compiled
-def command_rows(acc: Array, table: Array, limits: ThrustLimits) -> tuple[Array, Flags]:
+def command_rows(acc: Array, table: Array, limits: ThrustLimits) -> tuple[Array, Mask]:
     """Return thrust, roll, pitch, yaw rate (n, 4) and saturation (n,) of desired accelerations (n, 3).
 
     `table` is that of q2q_control.inputs.alignment.

@@ -21,7 +21,6 @@ Without samples a track coasts for `coast_s`; then it is lost, with its position
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.estimation.association.marker_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
@@ -41,9 +40,7 @@ from q2q_model.estimation.steady_gain import PERIOD
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, unseen
 from q2q_model.estimation.white_jerk import start
 from q2q_model.flights.outliers import OutlierThresholds
-from q2q_model.signals.values import Array, Mask
-
-Rows = NDArray[np.intp]
+from q2q_model.signals.values import Array, Mask, Rows
 
 BORROWED_MOST = 35
 """Samples of other names that a track accepts though it has had fewer of its own: 0.35 s at 100 Hz, the time

@@ -27,12 +27,9 @@ accepted, a marker swap of a few tenths of a second is not.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array, Rows
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.tunable import check_bounds, tunable
-
-Mask = NDArray[np.bool_]
 
 MEDIAN_REACH = 5
 """Half width of the median [samples]: robust to bursts of up to 5 samples, 50 ms at 100 Hz."""

@@ -14,10 +14,9 @@ import numpy as np
 
 from q2q_model.geometry.rotations import quat_multiply
 from q2q_model.signals.stamps import time_from_stamp
-from q2q_model.signals.values import Array, MocapFrame, Names
+from q2q_model.signals.values import Array, Mask, MocapFrame, Names
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.random_streams import stream
-from q2q_sim.sensors.episodes import Mask
 from q2q_sim.sensors.vicon import Flags, Injected
 
 HALF_TURN_ABOUT_X = np.array([1.0, 0.0, 0.0, 0.0])

@@ -29,7 +29,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.rotations import (
     integrate_quat,
     matrix_from_quat,
@@ -38,7 +37,7 @@ from q2q_model.geometry.rotations import (
     quat_from_vector,
     quat_multiply,
 )
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import COVARIANCE_MAX, DT, NOISE_STEPS, START_STD, START_VEL_STD, VARIANCE_MIN

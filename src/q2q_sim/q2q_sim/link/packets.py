@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
 
 DEGREES, RADIANS = 180.0 / math.pi, math.pi / 180.0
@@ -29,21 +29,19 @@ LEVEL_AFTER_NS = 500_000_000
 CUT_AFTER_NS = 2_000_000_000
 """COMMANDER_WDT_TIMEOUT_SHUTDOWN of the firmware [ns]."""
 
-Flags = NDArray[np.bool_]
 Nanoseconds = NDArray[np.int64]
-Rows = NDArray[np.intp]
 Flying = tuple[Nanoseconds, Array]
 """when, what."""
 Counted = tuple[Nanoseconds, Array, int]
 """when, what, and the number of packets in the air."""
 Asked = tuple[Array, float, float]
 """Commands of a tick, (4, k); largest thrust, and thrust at PWM_FULL, of which 0 rounds nothing [N]."""
-Sent = tuple[Rows, Nanoseconds, Flags]
+Sent = tuple[Rows, Nanoseconds, Mask]
 """Vehicle of each command; next_ns; jammed vehicles, which lose their packets, (n,)."""
 Chance = tuple[Array, float, Array, float]
 """Random numbers from 0 to 1 and the share of packets lost, (n,); others and the largest delay beyond the
 latency [ns], (n,)."""
-Onboard = tuple[Nanoseconds, Flags, Array]
+Onboard = tuple[Nanoseconds, Mask, Array]
 """received_ns, locked, applied."""
 
 

@@ -16,16 +16,12 @@ q2q_sim.link.packets is the only place with degrees and PWM.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array, SwarmCommand
+from q2q_model.signals.values import Array, Mask, Rows, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.link.packets import deliver, put
 from q2q_sim.random_streams import DrawnAhead, stream
-from q2q_sim.sensors.episodes import Mask
-
-Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)

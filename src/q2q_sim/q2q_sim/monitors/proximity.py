@@ -6,13 +6,10 @@ Positions are (T, n, 3) [m], world; a vehicle whose position is unknown (NaN) is
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.values import Array
-
-Mask = NDArray[np.bool_]
+from q2q_model.signals.values import Array, Mask
 
 
 def least_distances(pos: Array) -> Array:

@@ -4,11 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.monitors.exposure import exposure
@@ -16,8 +15,6 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
 from q2q_sim.monitors.metrics import best_position, tick_of
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances
-
-Mask = NDArray[np.bool_]
 
 SAG_SHOWN = 0.02
 """Smallest height below the reference that is told [m]: a hover wanders as much."""

@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.random_streams import AHEAD
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,10 +26,10 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import quat_multiply
-from q2q_model.signals.values import Array, MocapFrame, SwarmState
+from q2q_model.signals.values import Array, Mask, MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.random_streams import DrawnAhead, stream
-from q2q_sim.sensors.episodes import Episodes, Frequency, Mask
+from q2q_sim.sensors.episodes import Episodes, Frequency
 
 
 class Injected(IntFlag):

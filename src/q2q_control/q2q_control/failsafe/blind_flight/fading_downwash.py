@@ -18,12 +18,9 @@ be lifted any longer, as one that rises hits those above. Who comes above later 
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_control.failsafe.blind_flight.stacking import Rows, stacked
-from q2q_model.signals.values import Array, Names, index_of, rows_by_name
-
-Mask = NDArray[np.bool_]
+from q2q_control.failsafe.blind_flight.stacking import stacked
+from q2q_model.signals.values import Array, Mask, Names, Rows, index_of, rows_by_name
 
 JET_WIDTH = 0.076
 """Offset that leaves 1/e of a downwash [m]: sqrt(2) of the 54 mm of the measured jet (q2q_model.downwash)."""

@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
+from q2q_model.signals.values import Array, Rows
 
 
 class Stacked(NamedTuple):

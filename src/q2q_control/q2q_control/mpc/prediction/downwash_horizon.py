@@ -31,7 +31,6 @@ import numpy as np
 from q2q_control.mpc.prediction.downwash_stages import (
     DownwashHorizon,
     Pairs,
-    Rows,
     Tracks,
     bounding_boxes,
     displaced,
@@ -50,7 +49,7 @@ from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.pairs_in_reach import pairs_in_reach
 from q2q_model.downwash.source_strength import SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 
 ALL_PAIRS = 64
 """Up to this many pairs all are checked; above, a sweep over sorted x finds candidates."""

@@ -9,13 +9,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 
-Rows = NDArray[np.intp]
-Flags = NDArray[np.bool_]
 Pairs = tuple[Rows, Rows]
 
 DELTA = 1e-3
@@ -75,7 +72,7 @@ def bounding_boxes(path: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def within_reach(path: Array, pairs: Pairs, reach: tuple[float, float]) -> Flags:
+def within_reach(path: Array, pairs: Pairs, reach: tuple[float, float]) -> Mask:
     """Return the pairs that come within reach (horizontal, vertical [m]) at some stage's middle, (p,)."""
     i, j = pairs
     hit = np.zeros(i.size, np.bool_)
@@ -104,7 +101,7 @@ def displaced(places: Array, moves: Rows) -> Array:
 
 
 @compiled
-def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Flags:
+def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Mask:
     """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint.
 
     `weight` is that of Tracks.

@@ -12,9 +12,7 @@ import numpy as np
 from q2q_control.mpc.prediction.downwash_stages import (
     DELTA,
     DownwashHorizon,
-    Flags,
     Pairs,
-    Rows,
     Tracks,
     add_pair,
     is_strong,
@@ -22,7 +20,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
 )
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.jet import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 
 
 class JetRule(NamedTuple):
@@ -50,7 +48,7 @@ def sum_near_jets(rule: JetRule, tracks: Tracks, pairs: Pairs) -> DownwashHorizo
 
 
 @compiled
-def _sum_jets(rule: JetRule, tracks: Tracks, out: DownwashHorizon) -> Flags:
+def _sum_jets(rule: JetRule, tracks: Tracks, out: DownwashHorizon) -> Mask:
     """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint."""
     law = law_of_numbers(rule.numbers)
     stages, count = tracks.axis.shape[1], 1 + 2 * rule.moves.size

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
-from q2q_control.mpc.prediction.downwash_stages import Flags, Rows, Tracks
+from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import KNOWN_NAMES, Array, Names, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import KNOWN_NAMES, Array, Mask, Names, Rows, SwarmState, TrackStatus, index_of
 from q2q_model.vehicle.constants import GRAVITY
 
 FAR = 1e6
@@ -230,7 +230,7 @@ def _others(names: Names, own: Names) -> tuple[Names, Rows]:
 
 
 @compiled
-def _straight_on(pos: Array, vel: Array, ahead: Array, lost: Flags, rows: Rows) -> Array:
+def _straight_on(pos: Array, vel: Array, ahead: Array, lost: Mask, rows: Rows) -> Array:
     """Return paths (n, K, 3) at times `ahead` (K,) [s].
 
     A vehicle that is lost or not finite is put far away, in `pos` (n, 3) too.

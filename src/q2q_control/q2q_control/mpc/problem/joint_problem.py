@@ -12,16 +12,13 @@ built once for each shape of group; a compiled loop fills in the rest.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chains
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.lq_problem import LqProblem
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
+from q2q_model.signals.values import Array, Rows
 
 
 class GroupShape(NamedTuple):

@@ -16,15 +16,11 @@ chains that cross one are returned, and solved one by one.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.mpc.chain import Chain
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.intp]
-Flags = NDArray[np.bool_]
+from q2q_model.signals.values import Array, Mask
 
 
 class ChainGains(NamedTuple):
@@ -87,8 +83,8 @@ def gains_of_table(table: Array) -> ChainGains:
 
 @compiled
 def sweep_chains(
-    horizon: Horizon, free: Flags, gains: tuple[ChainGains, ChainGains], solution: HorizonSolution
-) -> Flags:
+    horizon: Horizon, free: Mask, gains: tuple[ChainGains, ChainGains], solution: HorizonSolution
+) -> Mask:
     """Write positions and inputs of the chains that are `free` (n, 3); return which cross a bound, (n, 3).
 
     `gains` are those of x and y, then of z.

@@ -21,19 +21,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
 from q2q_model.identification.force.residual import predicted_residual
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Mask, Names
 
 FLOOR = 0.3
 """Height below which there is ground effect [m]."""
 FEWEST_FREE = 200
 """Fewest free rows for the median."""
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import FLOOR, Mask
-from q2q_model.signals.values import Array
+from q2q_model.identification.force.downwash_force import FLOOR
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.learning.evidence.air_record import ALONE, AirRecord, alone
 from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
 from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted

@@ -6,15 +6,18 @@ A group sees its own vehicles only: groups are out of reach of each other's down
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from q2q_model.signals.some_vehicles import of_vehicles
-from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import (
+    Interference,
+    Names,
+    Rows,
+    SwarmCommand,
+    SwarmImu,
+    SwarmSetpoint,
+    SwarmState,
+)
 from q2q_sim.loop.assembly import Blocks
 from q2q_sim.loop.lockstep import joined_command
-
-Rows = NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)

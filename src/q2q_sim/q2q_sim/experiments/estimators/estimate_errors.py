@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.flights.outliers import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, UNCUT, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.experiments.estimators.replayed_estimates import RECORDED, estimates

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from q2q_model.flights.outliers import Mask
+from q2q_model.signals.values import Mask
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.firmware.estimator import DT
 from q2q_sim.random_streams import stream

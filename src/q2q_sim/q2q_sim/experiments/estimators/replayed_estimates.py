@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 from q2q_control.radio.firmware_params import POSE_STD
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.flights.outliers import Mask
 from q2q_model.geometry.pose_ahead import moved_on
-from q2q_model.signals.values import Array, MocapFrame, TrackStatus
+from q2q_model.signals.values import Array, Mask, MocapFrame, TrackStatus
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.firmware.estimator import DT
 from q2q_sim.firmware.extended_kalman import ExtendedKalman, ExtendedKalmanParams

@@ -27,14 +27,15 @@ from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, track_params
-from q2q_model.estimation.positions import PositionTracks, Rows, TrackUpdate
+from q2q_model.estimation.positions import PositionTracks, TrackUpdate
 from q2q_model.estimation.track_columns import TrackParams
-from q2q_model.flights.outliers import Mask
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
+    Mask,
     MocapFrame,
+    Rows,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Mask, Names
 from q2q_sim.experiments.licence.client_commands import ClientCommand
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
 AIRBORNE = 0.06
 """Height from which a vehicle is in the air [m]."""
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)

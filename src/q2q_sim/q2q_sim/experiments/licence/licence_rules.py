@@ -26,10 +26,10 @@ from itertools import combinations
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.licence.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import cause
-from q2q_sim.experiments.licence.licence_log import LicenceLog, Mask
+from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 

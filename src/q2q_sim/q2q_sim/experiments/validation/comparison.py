@@ -19,8 +19,7 @@ from functools import reduce
 import numpy as np
 from scipy.special import stdtrit
 
-from q2q_model.identification.force.downwash_force import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 
 BOOTSTRAP = 1000

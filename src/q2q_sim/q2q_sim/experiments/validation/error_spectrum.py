@@ -8,8 +8,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import spectrogram
 
-from q2q_model.identification.force.downwash_force import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 EDGES = np.array([0.19, 0.4, 0.8, 1.6, 3.2, 6.4, 10.0])
 """Limits of the bands [Hz]; the first lies below the first line, 0.195 Hz."""

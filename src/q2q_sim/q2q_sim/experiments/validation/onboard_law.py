@@ -30,10 +30,9 @@ from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.force.downwash_force import Mask
 from q2q_model.identification.force.recorded_force import lagged
 from q2q_model.identification.gains.altitude_record import UP
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.vehicle_term import LOOP
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag

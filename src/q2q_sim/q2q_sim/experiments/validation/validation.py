@@ -5,8 +5,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.experiments.validation.comparison import (
     Comparison,

@@ -1,10 +1,9 @@
 """Vehicles flown without feedback (blind), and vehicles whose sensors have a steady error."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
-from q2q_model.signals.values import Array, CommandStatus
+from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.monitors.policies.evidence import Evidence
 
@@ -21,8 +20,6 @@ DRIFT_M = 0.4
 """How far a vehicle flown blind may be from where its controller believes it [m] (descent_evasion)."""
 RECOVERY_S = 1.0
 """Longest time after a steady error until the true track is accepted again [s]."""
-
-Mask = NDArray[np.bool_]
 
 
 def blind(evidence: Evidence) -> Mask:

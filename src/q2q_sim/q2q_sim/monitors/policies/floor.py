@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from q2q_sim.monitors.policies.blindness import Mask, sent_down_lately
+from q2q_model.signals.values import Mask
+from q2q_sim.monitors.policies.blindness import sent_down_lately
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.unforeseen import helpless_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation

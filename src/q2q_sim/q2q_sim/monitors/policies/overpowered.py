@@ -9,10 +9,10 @@ of the four. Where the downwash is unknown, no vehicle is pushed.
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import Mask, struck
+from q2q_sim.monitors.policies.blindness import struck
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances
 

@@ -10,13 +10,9 @@ from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Array, Names, index_of
-
-Rows = NDArray[np.intp]
-Mask = NDArray[np.bool_]
+from q2q_model.signals.values import Array, Mask, Names, Rows, index_of
 
 SAME_TICK = 1e-4
 """Stamps closer than this are the same tick [s]: a hundredth of a tick."""

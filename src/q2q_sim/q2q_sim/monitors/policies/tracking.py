@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from q2q_model.signals.values import Array, CommandStatus, TrackStatus
+from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.blindness import (
     RECOVERY_S,
-    Mask,
     blind,
     blind_lately,
     evading_lately,

@@ -11,7 +11,8 @@ judged again `settle` later (helpless_lately), as those are that no command carr
 
 import numpy as np
 
-from q2q_sim.monitors.policies.blindness import Mask, beneath, blind, lately, misplaced
+from q2q_model.signals.values import Mask
+from q2q_sim.monitors.policies.blindness import beneath, blind, lately, misplaced
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered
 from q2q_sim.monitors.policies.violations import Circumstances

@@ -16,13 +16,12 @@ from q2q_model.identification.force.downwash_force import (
     FLOOR,
     ForceRecord,
     ForceSamples,
-    Mask,
     force_samples,
 )
 from q2q_model.identification.force.recorded_force import MOTORS, lagged
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.identification import Recording, force_record
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 

@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.identification.force.downwash_force import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 
 
 class Products(NamedTuple):

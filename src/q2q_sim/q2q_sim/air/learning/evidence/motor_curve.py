@@ -20,14 +20,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from q2q_model.identification.force.downwash_force import FLOOR, Mask
+from q2q_model.identification.force.downwash_force import FLOOR
 from q2q_model.identification.force.recorded_force import FULL_DUTY, lagged
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
 
-Rows = NDArray[np.intp]
 FEWEST = 500
 """Fewest rows of a vehicle in flight: 5 s at 100 Hz."""
 FLYING = 0.7

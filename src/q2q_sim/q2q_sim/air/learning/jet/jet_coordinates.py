@@ -16,13 +16,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.downwash.jet import STEEPEST
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.learning.evidence.air_record import AirRecord
-
-Rows = NDArray[np.intp]
 
 
 class Travel(NamedTuple):

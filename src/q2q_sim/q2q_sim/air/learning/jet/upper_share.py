@@ -4,11 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
 from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
-from q2q_sim.air.learning.jet.jet_coordinates import Rows
 from q2q_sim.air.learning.jet.push_table import REACH, splines
 
 FEWEST = 100

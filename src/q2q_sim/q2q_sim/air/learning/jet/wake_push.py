@@ -6,11 +6,10 @@ c_kj  = max(share exp(-r_kj^2 / 2 w^2), P(gap_kj, r_kj) / g)
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import Mask
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.jet.jet_coordinates import Rows, Travel, jet_place
+from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import push
 from q2q_sim.air.learning.jet.wake_rows import CLOSEST, HIGHEST, NEAR
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import ForceSamples, Mask
-from q2q_model.signals.values import Array
+from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, Row, blocks_of
-from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Rows, Travel, jet_place
+from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Travel, jet_place
 
 NEAR = 0.35
 """Horizontal distance within which a vehicle above is a source [m]: the table's reach and 0.05 m of drift."""

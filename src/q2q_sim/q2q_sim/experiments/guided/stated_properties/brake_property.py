@@ -26,13 +26,12 @@ where a vehicle is lost at speed and is not braked.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
 from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import (
     deceived,
@@ -52,8 +51,6 @@ SHARE = 0.25
 """Least share of the braking that the true speed asks for [-]."""
 STILL = 1e-9
 """Speed that has no direction [m/s]."""
-
-Mask = NDArray[np.bool_]
 
 
 class _Braking(NamedTuple):

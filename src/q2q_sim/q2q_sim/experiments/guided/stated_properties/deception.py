@@ -14,6 +14,7 @@ Jumps of the clock may add up: each counts as longer by the sum of their sizes o
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.signals.values import Mask
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck
 from q2q_sim.faults.faults import Fault
@@ -27,8 +28,6 @@ OF_MOTION = ("clock_jump", "radio_loss")
 """Faults that mislead dead reckoning from it, too: times or commands are not those reckoned with."""
 LEARNT_S = 1.5
 """Time in which 95 % of a balance is learned [s]: three of the observer's time constants, horizontally."""
-
-Mask = NDArray[np.bool_]
 
 
 def last_measured(ticks: RunTicks) -> NDArray[np.intp]:

@@ -20,11 +20,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
-from q2q_model.signals.values import Array, CommandStatus, TrackStatus
+from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import deceived, outdated
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
@@ -47,8 +46,6 @@ STILL = 1e-6
 """Distance that has no direction [m]."""
 LEANING = 2.5
 """Acceleration from which a command may be at its limit of tilt [m/s^2]."""
-
-Mask = NDArray[np.bool_]
 
 
 class _Encounter(NamedTuple):

@@ -12,10 +12,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint
+from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
 from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
@@ -34,8 +33,6 @@ SLACK = 1e-3
 """Rounding and snapping of setpoints [m]."""
 STILL = 1e-3
 """Accelerations that count as none, and their distance from the limit [m/s^2]: limited ones may be equal."""
-
-Mask = NDArray[np.bool_]
 
 
 class _Nearest(NamedTuple):
