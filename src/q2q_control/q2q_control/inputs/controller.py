@@ -7,6 +7,9 @@ from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, 
 LATENCY_S = 0.026
 """Time from a tick's stamp to its command's effect [s]: camera (10 ms) and radio (16) of the room `real`."""
 
+TILT_MAX = 0.35
+"""Largest angle of thrust to vertical that a controller commands unless told otherwise [rad]."""
+
 
 @runtime_checkable
 class Controller(Protocol):

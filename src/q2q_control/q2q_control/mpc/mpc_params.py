@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from q2q_control.inputs.controller import LATENCY_S
+from q2q_control.inputs.controller import LATENCY_S, TILT_MAX
 from q2q_model.tunable import check_bounds, tunable
 
 
@@ -71,7 +71,7 @@ class MpcParams:
         low=0.0,
         high=4.0,
     )
-    tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
+    tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=0.1, high=30.0)
     k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)

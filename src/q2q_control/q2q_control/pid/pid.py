@@ -28,6 +28,7 @@ import numpy as np
 
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
+from q2q_control.inputs.controller import TILT_MAX
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
 from q2q_control.pid.thrust_vector import ThrustLimits
@@ -65,7 +66,7 @@ class PidParams:
     thrust_max: float = tunable(
         6.6, "bound on U1 if thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
     )
-    tilt_max: float = tunable(0.35, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
+    tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
     exact_inverse: bool = tunable(default=False, description="exact attitude instead of small angles")
     stale_fade: float = tunable(

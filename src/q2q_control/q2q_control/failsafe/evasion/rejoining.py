@@ -26,7 +26,7 @@ from q2q_model.signals.values import SwarmSetpoint, SwarmState
 FAR = 0.5
 """Distance from which a vehicle is led back [m]: a step of less does not saturate the tilt for long."""
 ACC_MAX = 2.5
-"""Largest acceleration [m/s^2]: three quarters of that of 0.35 rad, controllers' largest tilt, at hover
+"""Largest acceleration [m/s^2]: three quarters of that of TILT_MAX (q2q_control.inputs.controller) at hover
 thrust, as one that ends its climb has less for a second."""
 PEAK = 10.0 / 3.0**0.5
 """Peak acceleration of the quintic from rest, times T^2 over the distance [-]."""
