@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_control.flight_procedure.flight_view import FlightView
-from q2q_control.flight_procedure.setpoint_stream import SetpointStream
+from q2q_control.flight_procedure.progress.setpoint_stream import SetpointStream
 from q2q_model.signals.values import Array, Names, SwarmSetpoint
 
 PAIR = ("cf1", "cf2")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.flight_procedure.settle_timer import SettleTimer
+from q2q_control.flight_procedure.progress.settle_timer import SettleTimer
 from q2q_control.flight_procedure.steps import Call, Order, Step
 from q2q_model.node.reply import Reply
 

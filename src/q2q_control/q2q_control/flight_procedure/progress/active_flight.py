@@ -1,0 +1,42 @@
+"""Flight in progress: what its calls, the outcomes of its orders and the ends of its steps share."""
+
+from q2q_control.flight_procedure.checks.ground_check import GroundCheck
+from q2q_control.flight_procedure.checks.refusals import apart_refusal
+from q2q_control.flight_procedure.observation import Observation
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_control.flight_procedure.progress.procedure_state import ProcedureState
+from q2q_control.flight_procedure.progress.setpoint_stream import SetpointStream
+from q2q_control.flight_procedure.steps import Act, Order, Step
+from q2q_control.flight_procedure.transitions import order_of
+
+
+class ActiveFlight:
+    """Step of a flight, its stream of setpoints, and where a glide leads."""
+
+    def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
+        self.params, self.landing = params, landing
+        self.state = ProcedureState(params.settle_s, params.patience_s)
+        self.stream = SetpointStream(params.jump, params.lost_s)
+        self.ground = GroundCheck(params, landing)
+        self.lands_after_glide = False
+        """The glide leads to a landing, not to the plan."""
+        self.joins = False
+        """The vehicles were in the air already: no take-off, no glide."""
+
+    def order(self, act: Act, observation: Observation) -> Order:
+        """Return the order of an act."""
+        return order_of(act, observation, self.params, self.landing)
+
+    def give(self, act: Act, observation: Observation, t: float) -> None:
+        """Give the order of an act at time t [s]."""
+        self.state.give(self.order(act, observation), t)
+
+    def land(self, observation: Observation, t: float, why: str = "") -> None:
+        """Land the vehicles where they are, from time t [s] on."""
+        self.stream.stop()
+        self.state.enter(Step.LANDING, t, why)
+        self.give(Act.STOP_STREAM, observation, t)
+
+    def overlap(self, observation: Observation) -> str:
+        """Return which vehicles are too close horizontally to land; empty if none are."""
+        return apart_refusal(observation.names, observation.pos, self.params.apart)

@@ -1,0 +1,116 @@
+"""What ends each step of a flight: vehicles and setpoints that arrive, or too long a time without."""
+
+from collections.abc import Callable
+
+from q2q_control.flight_procedure.checks.arrival import at_height, at_points, heights_text, setpoints_rest
+from q2q_control.flight_procedure.checks.refusals import setpoint_refusal
+from q2q_control.flight_procedure.observation import Observation
+from q2q_control.flight_procedure.progress.active_flight import ActiveFlight
+from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Step
+
+HAND_OVER_S = 1.0
+"""Longest time from the start of a glide until its setpoints are at the vehicles [s]."""
+
+
+def end_step(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    """End the step of a flight at time t [s] if what ends it has happened."""
+    _ENDS.get(flight.state.step, _check_ground)(flight, observation, t)
+
+
+def _climb(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    params, state = flight.params, flight.state
+    off = at_height(observation, params.ground + params.take_off_height, params, flight.landing)
+    if state.settled.update(not off, t):
+        state.enter(Step.HOVER, t)
+        state.answer(granted=True, reason=f"hovering: {heights_text(observation)}")
+    elif state.late(params.take_off_s, t):
+        state.answer(granted=False, reason=f"take-off failed: {off}; landing")
+        flight.land(observation, t, off)
+
+
+def _glide(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    if not flight.stream.on:
+        _hand_over(flight, observation, t)
+        return
+    state, first = flight.state, observation.first_points()
+    arrived = setpoints_rest(observation, flight.params, first)
+    off = at_points(observation, first, flight.params, flight.landing)
+    if state.settled.update(arrived and not off, t):
+        _arrive(flight, observation, t)
+    elif not setpoints_rest(observation, flight.params):
+        state.moving(t)
+    elif state.late(0.0, t):
+        why = off or "the setpoints rest elsewhere than at the first points"
+        then = "call land again to land where they are" if flight.lands_after_glide else "holding"
+        state.answer(granted=False, reason=f"glide failed: {why}; {then}")
+        state.enter(Step.HOLD, t, why)
+
+
+def _hand_over(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    """Stream setpoints once those of the glide are at the vehicles."""
+    refusal = setpoint_refusal(observation, flight.params.reached, flight.landing)
+    if not refusal:
+        flight.joins = False
+        flight.give(Act.STREAM, observation, t)
+    elif t - flight.state.since > HAND_OVER_S:
+        flight.state.enter(Step.HOVER, t, refusal)
+        flight.state.answer(granted=False, reason=refusal)
+
+
+def _arrive(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    if flight.lands_after_glide:
+        flight.land(observation, t)
+    else:
+        flight.give(Act.START, observation, t)
+
+
+def _fly(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    over = observation.plan is not None and t - flight.state.since > observation.plan.duration
+    if over and setpoints_rest(observation, flight.params):
+        flight.state.enter(Step.HOLD, t, "the plan is over")
+
+
+def _hold(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    state = flight.state
+    if not setpoints_rest(observation, flight.params):
+        if state.late(0.0, t):
+            state.answer(granted=False, reason="the setpoints do not come to rest; call land again")
+        return
+    if state.pending is Call.HOLD:
+        state.answer(granted=True, reason=f"holding: {heights_text(observation)}")
+    elif state.pending is Call.LAND and flight.lands_after_glide:
+        flight.give(Act.GLIDE, observation, t)
+
+
+def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    params, state = flight.params, flight.state
+    off = at_height(observation, params.ground, params, flight.landing, params.near_ground)
+    if state.settled.update(not off, t):
+        state.enter(Step.DISARMING, t)
+        flight.give(Act.DISARM, observation, t)
+    elif off and state.pending is Call.LAND and state.late(flight.order(Act.LAND, observation).duration, t):
+        reason = f"not on the ground: {off}; call land again, or emergency"
+        state.answer(granted=False, reason=reason)
+
+
+def _stopped(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    well = all(one.connected and one.locked is False for one in observation.vehicles)
+    if well and t - flight.state.since > flight.params.patience_s:
+        flight.state.enter(Step.CONNECTED, t, "vehicles were restarted")
+
+
+def _check_ground(flight: ActiveFlight, observation: Observation, t: float) -> None:
+    state, ground = flight.state, flight.ground
+    step = ground.update(state.step, observation, t) if state.step in ON_GROUND else None
+    if step is not None:
+        state.enter(step, t, ground.refusal or ground.unchecked)
+
+
+_ENDS: dict[Step, Callable[[ActiveFlight, Observation, float], None]] = {
+    Step.TAKE_OFF: _climb,
+    Step.GLIDE: _glide,
+    Step.FLIGHT: _fly,
+    Step.HOLD: _hold,
+    Step.LANDING: _descend,
+    Step.STOPPED: _stopped,
+}
