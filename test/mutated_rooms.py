@@ -22,6 +22,8 @@ ROOMS = (
             for name in (
                 "ladder",
                 "stamp_delay",
+                "standing_clock",
+                "blind_flight.flown_time",
                 "blind_flight.dead_reckoned_braking",
                 "evasion.climb_back",
                 "evasion.descent_evasion",
@@ -40,6 +42,7 @@ ROOMS = (
                 "tick_watch",
                 "stamp_delay",
                 "ladder",
+                "flown_time",
                 "dead_reckoned_braking",
                 "dead_reckoning",
                 "climb_back",
@@ -90,6 +93,7 @@ ROOMS = (
                 "safe.decision",
                 "safe.tracking_uncertainty",
                 "safe.found_again",
+                "safe.finite_setpoints",
                 "safe.traffic",
                 "safe.wanted_motion",
             )
@@ -101,6 +105,7 @@ ROOMS = (
                 "traffic",
                 "safe_tick",
                 "safe_replanner",
+                "finite_setpoints",
                 "steady_replanner",
                 "encounters",
             )

@@ -23,6 +23,7 @@ def test_steps_of_any_rate_are_flown_as_told(step: float) -> None:
 
 def test_a_single_missing_frame_of_a_slow_camera_is_flown() -> None:
     assert flown([0.1, 0.1, 0.2, 0.1])[2:] == [pytest.approx(0.2), pytest.approx(0.1)]
+    assert flown([0.1, 0.1, 0.21])[2:] == [pytest.approx(0.1)]
 
 
 @pytest.mark.parametrize("ahead", [0.06, 0.34, 5.0, 3600.0])

@@ -81,6 +81,8 @@ def test_a_hover_keeps_the_yaw_where_that_is_not_finite_either() -> None:
     assert answer.yaw.tolist() == [0.3, -0.4]
     turning = replace(apart(2), yaw=np.array([0.5, 0.6]))
     assert replanner.update(without(turning, "pos"), None).yaw.tolist() == [0.5, 0.6]
+    spinning = without(without(apart(3), "pos"), "yaw_rate")
+    assert replanner.update(spinning, None).yaw_rate.tolist() == [0.0, 0.0]
 
 
 @JERKS
