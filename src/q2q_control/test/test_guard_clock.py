@@ -59,6 +59,19 @@ def test_a_clock_set_back_does_not_make_young_who_was_not_seen() -> None:
     assert statuses[10:] == [LAND] * 8  # 1.05 s and more: the 0.1 s before the new time is believed count
 
 
+def test_a_clock_set_back_does_not_age_who_was_just_seen() -> None:
+    guard = guarded()
+    for k in range(300):
+        t = k * TICK
+        guard.update(state_at(t, (max(t - 2.8, 0.0), 0.0), coast=0.35), setpoint_at(t), None)
+    begin, statuses = 2.4, []  # unseen for 0.19 s, by whatever clock
+    for k in range(100):
+        t = begin + k * TICK
+        output = guard.update(state_at(t, (np.inf, 0.0), coast=0.35), setpoint_at(t), None)
+        statuses.append(output.status[0])
+    assert statuses.index(LAND) == pytest.approx((PARAMS.land_s - 0.19) / TICK, abs=1)
+
+
 def test_a_flight_that_begins_again_is_another_one() -> None:
     guard = guarded()
     for k in range(520):
