@@ -78,6 +78,14 @@ def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_lin
     assert f"hits the floor at {fall:.1f}" in found[1].what
 
 
+def test_motors_that_stop_for_a_packet_between_two_commanders_are_not_told():
+    log = hover()
+    log.running[500:504] = False
+    assert findings(log, LIMITS) == ()
+    log.running[500:505] = False
+    assert [(one.rule, one.t) for one in findings(log, LIMITS)] == [("motors", log.t[500])]
+
+
 def test_motors_that_stop_after_two_seconds_without_setpoint_are_blamed_on_the_silence():
     log = fallen(hover())
     late = log.t >= log.t[500]

@@ -2,7 +2,7 @@
 
 | rule | broken when |
 |---|---|
-| motors | the motors stop more than 0.2 m above the floor |
+| motors | the motors stop for 0.05 s more than 0.2 m above the floor |
 | landing | a vehicle reaches the floor faster than 2 m/s, as after a fall from 0.2 m |
 | room | it leaves the room, or is asked to |
 | collision | two vehicles are within 0.15 m of each other |
@@ -15,8 +15,9 @@
 | program | the program fails, or does not end |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
 
-MotionCommander of cflib itself stops the motors 0.1 m above the floor. The ellipsoid is that of Hoenig et
-al., Trajectory Planning for Quadrotor Swarms, IEEE T-RO 2018.
+MotionCommander of cflib itself stops the motors 0.1 m above the floor. Between notify_setpoint_stop and the
+command after it the firmware stops them, too, for a packet or two: a fall of millimetres. The ellipsoid is
+that of Hoenig et al., Trajectory Planning for Quadrotor Swarms, IEEE T-RO 2018.
 """
 
 import math
@@ -25,6 +26,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.licence.client_commands import FLIGHT
@@ -47,6 +49,8 @@ class LicenceLimits:
     """[m]"""
     drop: float = 0.2
     """Height above which motors must not stop [m]."""
+    stopped_s: float = 0.05
+    """Shortest stop of the motors [s]."""
     landing: float = 2.0
     """[m/s]"""
     gap: float = 0.15
@@ -96,8 +100,11 @@ def _first(broken: Mask) -> int:
 
 def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     on, height = log.running[:, row], log.pos[:, row, 2]
+    ticks = round(limits.stopped_s / float(log.t[0]))
+    ahead = sliding_window_view(np.append(on, np.zeros(ticks, np.bool_)), ticks)  # (T + 1, ticks)
+    runs_soon = np.asarray(ahead.any(axis=-1))
     stopped = np.zeros_like(on)
-    stopped[1:] = on[:-1] & ~on[1:] & (height[1:] > limits.drop)
+    stopped[1:] = on[:-1] & ~runs_soon[1:-1] & (height[1:] > limits.drop)
     tick = _first(stopped)
     if tick < 0:
         return None
