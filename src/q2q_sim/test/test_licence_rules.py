@@ -136,7 +136,7 @@ def test_a_target_outside_the_room_is_told_when_it_is_asked_for():
 def test_vehicles_collide_and_the_lower_one_of_a_stack_flies_in_downwash():
     log = hover(2)
     log.pos[UP, 1, 1] = 0.1
-    assert "collision" in [one.rule for one in findings(log, LIMITS)]
+    assert [one.rule for one in findings(log, LIMITS)] == ["collision"]
     stacked = hover(2)
     stacked.pos[UP, 1] = (0.0, 0.0, 1.5)
     found = findings(stacked, LIMITS)
@@ -144,6 +144,16 @@ def test_vehicles_collide_and_the_lower_one_of_a_stack_flies_in_downwash():
     assert found[0].what.startswith("cf1 flies in the downwash of cf2, 0.")
     stacked.pos[UP, 1] = (0.0, 0.3, 1.5)
     assert findings(stacked, LIMITS) == ()
+
+
+def test_a_vehicle_that_lands_on_another_is_the_cause_of_their_collision():
+    log = hover(2)
+    log.pos[300:, 0, 2] = 0.0
+    log.pos[700:, 1, 1] = 0.0
+    landing = replace(command(7.0, CommandKind.PLAN, "land"), vehicle=1)
+    stop = command(9.8, CommandKind.OFF, "high-level stop")
+    found = findings(replace(log, commands=(*log.commands, landing, stop)), LIMITS)[0]
+    assert (found.rule, found.why) == ("collision", "the last command was land at 7.00 s, line 7")
 
 
 def test_a_vehicle_levelled_out_once_is_not_told_and_one_levelled_out_often_is():

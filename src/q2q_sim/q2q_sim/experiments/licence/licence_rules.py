@@ -232,9 +232,10 @@ def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | N
         flying = log.airborne[:, i] | log.airborne[:, j]
         tick = _first(np.asarray(flying & (np.linalg.norm(apart, axis=-1) < limits.gap)))
         if tick >= 0:
-            t, lower = float(log.t[tick]), (i if apart[tick, 2] < 0.0 else j)
-            yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", cause(log, lower, t))
-        if log.trial.kind == TrialKind.NOMINAL:
+            t, (lower, upper) = float(log.t[tick]), ((i, j) if apart[tick, 2] < 0.0 else (j, i))
+            why = cause(log, lower if log.airborne[tick, lower] else upper, t)
+            yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", why)
+        elif log.trial.kind == TrialKind.NOMINAL:
             yield _exposure(log, (i, j), apart, limits)
 
 
