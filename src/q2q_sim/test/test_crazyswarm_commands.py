@@ -1,12 +1,13 @@
 """Commands of Crazyswarm2: packets decode to the numbers given, messages refuse what ROS would garble."""
 
 import math
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.packets.packet import Packet, datagram_of, packet_of
+from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.experiments.licence.client_commands import CommandKind, asked_by
 from q2q_sim.experiments.licence.crazyswarm import server_packets
@@ -17,9 +18,11 @@ from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
 from q2q_sim.experiments.licence.crazyswarm.message_fields import real, three, whole
 from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
-from q2q_sim.experiments.licence.licence_room import runs
+from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom, OpenLink, runs
+from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR
+from q2q_sim.firmware.parameters.uploads import Uploaded
 
 MM = 1e-3
 """Resolution of full states [m], [m/s], [m/s^2], [rad/s]."""
@@ -164,6 +167,40 @@ def test_old_take_offs_are_told_with_their_height_which_may_leave_the_room():
     assert asked is not None
     assert asked.pos is not None
     assert (asked.words, asked.pos[2], asked.yaw_rad) == ("takeoff to 60.00 m in 2.0 s", 60.0, 0.0)
+
+
+def test_the_start_of_a_trajectory_asks_for_one_that_is_defined():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    start = Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBBf", 5, 0, 0, 0, 2, 1.0))
+    for defined, impossible in ((1, "trajectory 2, which is not defined"), (2, "")):
+        pilot.firmware().uploads.defined[defined] = Uploaded(1, 0, 0, 1)
+        asked = asked_by(start, [], pilot.firmware())
+        assert asked is not None
+        assert (asked.words, asked.impossible) == ("start_trajectory", impossible)
+
+
+def test_a_thrust_that_the_firmware_takes_for_none_is_told_and_no_thrust_is_not():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    for thrust, refused in (
+        (0, ""),
+        (36, "the firmware takes a thrust below 1000 of 65535 for none"),
+        (36000, ""),
+    ):
+        packet = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 0.0, 0.0, 0.0, thrust))
+        pilot.fleet.vehicles[0].handle(datagram_of(packet))
+        asked = asked_by(packet, [], pilot.firmware())
+        assert asked is not None
+        assert (asked.kind, asked.refused) == (CommandKind.SETPOINT if thrust else CommandKind.OFF, refused)
+
+
+def test_a_setpoint_that_is_no_number_is_told_as_impossible_and_the_one_before_is_not_repeated():
+    room = LicenceRoom(LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial())
+    for x in (0.25, math.nan):
+        room.deliver(OpenLink(0), datagram_of(server_packets.position((x, 0.0, 0.5), 0.0)), x, (7, False))
+    assert [one.asked.words for one in room.commands] == ["setpoint x 0.25 m, y 0.00 m, z 0.50 m", "setpoint"]
+    assert [one.asked.impossible for one in room.commands] == ["", "a number that is not finite"]
 
 
 def test_motors_count_as_running_while_a_controller_of_the_height_may_run_them():

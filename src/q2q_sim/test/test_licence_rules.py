@@ -177,6 +177,13 @@ def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_told():
     assert [one.rule for one in findings(endless, LIMITS)] == ["end"]
 
 
+def test_what_no_vehicle_can_follow_is_told_with_its_line():
+    lost = command(3.0, CommandKind.PLAN, "start_trajectory", impossible="trajectory 2, which is not defined")
+    found = findings(replace(hover(), commands=(lost,)), LIMITS)
+    sentence = "at 3.00 s cf1 is asked for trajectory 2, which is not defined: start_trajectory, line 7"
+    assert [one.sentence for one in found] == [sentence]
+
+
 def test_a_vehicle_that_stays_down_is_told_with_the_reason():
     log = hover(2)
     log.pos[:, 1, 2] = 0.0

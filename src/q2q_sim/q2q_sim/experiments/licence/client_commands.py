@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from q2q_sim.crtp.packets.packet import Packet, Port
-from q2q_sim.crtp.ports import generic, localization, platform, supervisor_port
+from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerAnswer
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
@@ -18,7 +18,9 @@ from q2q_sim.firmware.firmware import Firmware
 
 _VERTICAL, _GO, _GO_2 = struct.Struct("<Bff?f"), struct.Struct("<BB5f"), struct.Struct("<BBB5f")
 _OLD = struct.Struct("<Bff")
-_TAKE_OFF, _LAND, _LEAVE, _GO_TO, _OTHER_PLANS = (1, 7), (2, 8), 3, (4, 12), (5, 9, 10, 11, 13)
+_TAKE_OFF, _LAND, _LEAVE, _GO_TO, _OTHER_PLANS = (1, 7), (2, 8), 3, (4, 12), (9, 10, 11)
+_STARTS = {5: 3, 13: 4}
+"""Commands that start a trajectory: place of its number among their fields."""
 _UNMASKED = (0, 6)
 """Commands without a mask of groups: to set it, to define a trajectory."""
 NAMES = {
@@ -61,6 +63,8 @@ class Asked:
     """Yaw that the high-level commander is asked for [rad]."""
     refused: str = ""
     """Why the vehicle does not follow; empty if it does."""
+    impossible: str = ""
+    """What no vehicle can follow; empty if it can."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +101,7 @@ def asked_by(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked
     """Return what a packet asked for, after the firmware has handled it; None if it is no command."""
     match packet.port:
         case Port.SETPOINT:
-            asked: Asked | None = _locked(packet) if firmware.thrust_locked else _setpoint(firmware)
+            asked: Asked | None = _thrust(packet, firmware) or _setpoint(firmware)
         case Port.GENERIC if packet.channel == generic.META:
             asked = Asked(CommandKind.RELAX, "notify_setpoint_stop")
         case Port.GENERIC:
@@ -107,6 +111,16 @@ def asked_by(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked
         case _:
             asked = _stopped(packet) or _arming(packet)
     return asked
+
+
+def malformed(packet: Packet) -> Asked | None:
+    """Return what a packet asked for that was not handled, as a number is not finite; None if no command."""
+    if packet.port not in {Port.SETPOINT, Port.GENERIC, Port.HIGH_LEVEL}:
+        return None
+    plan = packet.port == Port.HIGH_LEVEL and packet.data
+    words = NAMES.get(packet.data[0], "command") if plan else "setpoint"
+    kind = CommandKind.PLAN if plan else CommandKind.SETPOINT
+    return Asked(kind, words, refused="a number is not finite", impossible="a number that is not finite")
 
 
 def _stopped(packet: Packet) -> Asked | None:
@@ -127,11 +141,16 @@ def _arming(packet: Packet) -> Asked | None:
     return Asked(CommandKind.OTHER, "arming request" if any(packet.data[1:2]) else "disarming request")
 
 
-def _locked(packet: Packet) -> Asked:
+def _thrust(packet: Packet, firmware: Firmware) -> Asked | None:
+    """Return a setpoint whose thrust the firmware takes for none; None if it is another one."""
     thrust = int.from_bytes(packet.data[-2:], "little")
-    kind = CommandKind.SETPOINT if thrust else CommandKind.OFF
-    why = "no setpoint of thrust 0 has unlocked the thrust"
-    return Asked(kind, f"setpoint of thrust {thrust}", refused=why)
+    if firmware.thrust_locked:
+        why = "no setpoint of thrust 0 has unlocked the thrust"
+    elif 0 < thrust < rpyt.PWM_MIN and _setpoint(firmware).kind == CommandKind.OFF:
+        why = f"the firmware takes a thrust below {rpyt.PWM_MIN} of 65535 for none"
+    else:
+        return None
+    return Asked(CommandKind.SETPOINT, f"setpoint of thrust {thrust}", refused=why)
 
 
 def _setpoint(firmware: Firmware) -> Asked:
@@ -179,8 +198,9 @@ def _planned(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:
         return _vertical(number, fields, refused)
     if number in _GO_TO:
         return _go_to(number, fields, refused)
-    if number in _OTHER_PLANS:
-        return Asked(CommandKind.PLAN, NAMES[number], refused=refused)
+    if number in (*_STARTS, *_OTHER_PLANS):
+        absent = _absent_trajectory(number, fields, firmware)
+        return Asked(CommandKind.PLAN, NAMES[number], refused=refused, impossible=absent)
     return Asked(CommandKind.OTHER, NAMES.get(number, "unknown command"))
 
 
@@ -212,6 +232,14 @@ def _go_to(number: int, fields: bytes, refused: str) -> Asked:
     by = "by" if relative else "to"
     words = f"{NAMES[number]} {by} ({x:.2f}, {y:.2f}, {z:.2f}) m in {duration:.1f} s"
     return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw, refused=refused)
+
+
+def _absent_trajectory(number: int, fields: bytes, firmware: Firmware) -> str:
+    """Return a trajectory that is started but was not defined, which the firmware answers OK; or nothing."""
+    place = _STARTS.get(number, len(fields))
+    if place >= len(fields) or fields[place] in firmware.uploads.defined:
+        return ""
+    return f"trajectory {fields[place]}, which is not defined"
 
 
 def _refusal(answers: list[Packet], firmware: Firmware) -> str:

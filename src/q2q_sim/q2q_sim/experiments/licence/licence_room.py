@@ -15,7 +15,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.packets.packet import MalformedError, packet_of
-from q2q_sim.experiments.licence.client_commands import ClientCommand, asked_by
+from q2q_sim.experiments.licence.client_commands import ClientCommand, asked_by, malformed
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
 from q2q_sim.faults.injection import FaultInjection
@@ -130,10 +130,14 @@ class LicenceRoom:
             sender: line of the program, and whether it closes the link.
         """
         vehicle = self._fleet.vehicles[link.vehicle]
+        refusals = vehicle.refusals.count
         answers = vehicle.handle(datagram, link)
         try:
             packet = packet_of(datagram)
-            asked = asked_by(packet, [packet_of(one) for one in answers], vehicle.firmware)
+            if vehicle.refusals.count > refusals:
+                asked = malformed(packet)
+            else:
+                asked = asked_by(packet, [packet_of(one) for one in answers], vehicle.firmware)
         except MalformedError:
             return
         if asked is not None:

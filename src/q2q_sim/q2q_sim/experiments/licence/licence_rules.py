@@ -11,6 +11,7 @@
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
 | spin | it turns faster than 500 deg/s |
 | yaw | a yaw of more than one turn is asked of the high-level commander, whose unit is rad |
+| command | it is asked for a number that is not finite, or for a trajectory that was not defined |
 | end | it still flies 5 s after the end of the program, or at the time limit |
 | program | the program fails, or does not end |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
@@ -185,6 +186,14 @@ def _yaw(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     return None
 
 
+def _command(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+    for one in log.of(row):
+        if one.asked.impossible:
+            what = f"{log.name(row)} is asked for {one.asked.impossible}"
+            return BrokenRule("command", one.t, what, one.words_without_time)
+    return None
+
+
 def _end(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     if not (log.airborne[-1, row] and log.running[-1, row]):
         return None
@@ -257,5 +266,5 @@ def _exposure(
     return BrokenRule("downwash", t, what, cause(log, below, t))
 
 
-RULES: tuple[Rule, ...] = (_motors, _landing, _room, _tumble, _setpoints, _spin, _yaw, _end, _idle)
+RULES: tuple[Rule, ...] = (_motors, _landing, _room, _tumble, _setpoints, _spin, _yaw, _command, _end, _idle)
 """Rules of one vehicle."""
