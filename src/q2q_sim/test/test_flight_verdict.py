@@ -141,4 +141,4 @@ def test_ticks_that_the_recording_lacks_are_named() -> None:
     whole = verdict_of(flight, AROUND, 0)
     assert with_lost_ticks(whole, flight, TICKS) == whole
     lacking = str(with_lost_ticks(whole, flight, TICKS + 160))
-    assert "not judged: 160 of 1160 ticks, which the recorder lost" in lacking
+    assert "not judged: 160 of 1160 ticks, which the recording lacks" in lacking

@@ -98,7 +98,8 @@ def with_lost_ticks(verdict: FlightVerdict, flight: Flight, flown: int) -> Fligh
     lost = flown - len(flight.t)
     if lost <= 0:
         return verdict
-    return replace(verdict, unjudged=(*verdict.unjudged, f"{lost} of {flown} ticks, which the recorder lost"))
+    words = f"{lost} of {flown} ticks, which the recording lacks"
+    return replace(verdict, unjudged=(*verdict.unjudged, words))
 
 
 def with_finding(verdict: FlightVerdict, finding: Finding) -> FlightVerdict:
