@@ -9,7 +9,7 @@ from crtp_asked import ask
 
 from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.tables.log_table import VARIABLES
+from q2q_sim.crtp.tables.log_table import FREE_MM, VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
 from q2q_sim.firmware.parameters.parameter_table import TABLE
@@ -107,6 +107,8 @@ def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: Pilot) 
     body = rotate_inverse(quat, np.array([0.5, -0.4, 0.3]))
     np.testing.assert_allclose([values[f"kalman.stateP{axis}"] for axis in "XYZ"], body)
     np.testing.assert_allclose([values[f"stateEstimateZ.{axis}"] for axis in "xyz"], [1e3, 2e3, 3e3])
+    assert values["range.zrange"] == pytest.approx(3e3 / (np.cos(0.1) * np.cos(0.2)))
+    assert values["range.front"] == values["range.up"] == FREE_MM
 
 
 def test_logs_of_the_cascade_are_what_it_is_asked_for_and_asks_for() -> None:

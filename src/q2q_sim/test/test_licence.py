@@ -2,18 +2,22 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
+from math import inf
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import numpy as np
 import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
-from q2q_sim.experiments.licence.licence_flights import LicenceOptions, flown, licence
+from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, flown, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,
     report_text,
+    verdict_words,
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams
@@ -125,6 +129,19 @@ def test_a_program_that_ends_in_the_air_fails_with_time_and_reason(tmp_path: Pat
     assert licence_json(found)["passed"] is False
     page = write_licence_page(found, tmp_path / "page").read_text(encoding="utf-8")
     assert "without faults. It failed, so it did not fly with faults." in page
+
+
+def test_a_pass_says_if_no_vehicle_flew(tmp_path: Path):
+    program = hop(tmp_path, LAND)
+    order = FlightOrder(program, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
+    (one,) = flown([order], LicenceOptions(), until=inf)
+    assert one.log is not None
+    found = Licence(program, (one,), (), 1.0)
+    assert verdict_words(found) == "PASS hop.py: 1 flights in 1 s"
+    grounded = replace(one, log=replace(one.log, pos=np.zeros_like(one.log.pos)))
+    found = replace(found, flights=(grounded,))
+    assert (found.passed, licence_json(found)["flew"]) == (True, False)
+    assert verdict_words(found) == "PASS hop.py: 1 flights in 1 s; no vehicle flew"
 
 
 def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path):

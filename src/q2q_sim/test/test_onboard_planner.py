@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import BPoly
 
 from q2q_model.signals.values import Array
 from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import Planner, PlannerAnswer, PlanState, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at, piece_between, resting
@@ -267,9 +269,48 @@ def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded:
         pilot.define_trajectory(number, 0, pieces)
         pilot.start_trajectory(number)
         assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
-    pilot.define_trajectory(3, 0, 1, type=1)
+
+
+def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(grounded: Pilot) -> None:
+    """Axes constant, linear, cubic and of degree 7, in two segments, beside scipy's BPoly."""
+    memory = pytest.importorskip("cflib.crazyflie.mem")
+    commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
+    cubic, seventh = [0.5, 1.0, 1.5], [0.1, 0.2, 0.4, 0.8, 1.0, 1.1, 1.2]
+    segments = [
+        memory.CompressedSegment(2.0, [1.0], cubic, seventh, []),
+        memory.CompressedSegment(0.5, [], [0.25], [], []),
+    ]
+    packed = b"".join(one.pack() for one in [memory.CompressedStart(0.0, 0.0, 0.25, 0.0), *segments])
+    for at in range(0, len(packed), 24):
+        grounded.fleet.vehicles[0].handle(b"\x4e\x00" + struct.pack("<I", at) + packed[at : at + 24])
+    wire, firmware = grounded.wire(), grounded.firmware()
+    pilot = commander(wire)
+    pilot.define_trajectory(3, 0, 3, type=1)
     pilot.start_trajectory(3)
-    assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
+    assert wire.answers[-1][-1] == PlannerAnswer.OK
+    curves = [BPoly(np.c_[axis], [0.0, 2.0]) for axis in ([0.0, 1.0], [0.0, *cubic], [0.25, *seventh])]
+    for since in (0.0, 0.7, 1.9):
+        goal = firmware.planner.goal(firmware.seconds + since)
+        np.testing.assert_allclose(goal.pos, [one(since) for one in curves], atol=1e-6)
+        np.testing.assert_allclose(goal.vel, [one(since, 1) for one in curves], atol=1e-6)
+    for since, y in ((2.25, 0.875), (9.0, 0.25)):  # the second segment, and at rest
+        goal = firmware.planner.goal(firmware.seconds + since)
+        np.testing.assert_allclose((*goal.pos, goal.yaw), [1.0, y, 1.2, 0.0], atol=1e-6)
+    for how in ({"time_scale": 2.0}, {"reversed": True}):
+        pilot.start_trajectory(3, **how)
+        assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
+
+
+def test_a_compressed_trajectory_turns_as_the_firmware_does_and_needs_an_end() -> None:
+    """A quarter turn is 900 tenths of a degree, which the firmware takes for 9000 rad."""
+    ends = bytes(3)
+    one = struct.pack("<4hBHh", 0, 0, 0, 0, 0b01000000, 1000, 900) + ends
+    assert compressed_pieces(one, 0)[0].coefficients[3].tolist() == [0.0, 9000.0, *[0.0] * 6]
+    resting = compressed_pieces(struct.pack("<4h", 500, 0, 0, 0) + ends, 0)
+    assert (resting[0].duration, resting[0].coefficients[0, 0]) == (0.0, 0.5)
+    for lacking in (one[:-1], one[:12], b""):
+        with pytest.raises(ValueError, match="has no end in the memory"):
+            compressed_pieces(lacking, 0)
 
 
 def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined(grounded: Pilot) -> None:

@@ -23,6 +23,13 @@ def control_points(coefficients: Array, durations: Array) -> Array:
     return np.asarray(unit @ _power_to_bernstein(order).T)
 
 
+def ascending_powers(points: Array, durations: Array) -> Array:
+    """Return the ascending powers of t (..., order) of Bernstein coefficients (..., order) on [0, T]."""
+    order = points.shape[-1]
+    unit = points @ _bernstein_to_power(order).T
+    return np.asarray(unit / np.asarray(durations)[..., None] ** np.arange(order))
+
+
 def halves(points: Array) -> tuple[Array, Array]:
     """Return the control points of the first and the second half of the interval, (..., order) each."""
     first = _first_half(points.shape[-1])
@@ -34,6 +41,13 @@ def _power_to_bernstein(order: int) -> Array:
     """Return the matrix b_k = sum_{i <= k} C(k, i) / C(m, i) a_i."""
     degree = order - 1
     return np.array([[comb(k, i) / comb(degree, i) for i in range(order)] for k in range(order)])
+
+
+@cache
+def _bernstein_to_power(order: int) -> Array:
+    """Return the matrix a_i = sum_{k <= i} (-1)^(i - k) C(m, i) C(i, k) b_k."""
+    rows = range(order)
+    return np.array([[(-1) ** (i - k) * comb(order - 1, i) * comb(i, k) for k in rows] for i in rows], float)
 
 
 @cache

@@ -11,14 +11,14 @@ obeys if hlCommander.groupmask shares a bit. Yaw is in radians here, heights are
 | 3 stop | mask: motors off |
 | 4, 12 go to | mask, relative, (12: linear,) x, y, z, yaw, duration |
 | 5, 13 start trajectory | mask, relative position, (13: relative yaw,) reversed, id, time scale |
-| 6 define trajectory | id, location 1, type 0, offset uint32, pieces |
+| 6 define trajectory | id, location 1, type 0 or 1 (compressed), offset uint32, pieces |
 | 7, 8 take off, land | mask, height, yaw, keep the present yaw, duration |
 | 9, 10 the same | mask, height, relative, yaw, keep, velocity |
 | 11 spiral | mask, sideways, clockwise, angle, first and last radius, ascent, duration |
 
-Durations are not checked, and a trajectory that is not defined is answered OK and not flown. Unlike in the
-firmware, compressed trajectories (type 1), those without pieces and those with pieces beyond the memory are
-answered UNKNOWN.
+Durations are not checked, and a trajectory that is not defined is answered OK and not flown. A compressed one
+is flown forwards only, at its own pace, and not rotated (UNKNOWN otherwise). Unlike in the firmware,
+trajectories without pieces and those that leave the memory are answered UNKNOWN.
 """
 
 import struct
@@ -28,6 +28,7 @@ import numpy as np
 
 from q2q_sim.crtp.packets.fields import byte, read
 from q2q_sim.crtp.packets.packet import Packet
+from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Piece
@@ -138,12 +139,23 @@ def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool
     one = firmware.uploads.defined.get(number)
     if one is None or one.location != IN_MEMORY or one.kind not in {POLY4D, COMPRESSED}:
         return PlannerAnswer.OK
-    end = one.offset + one.pieces * PIECE_BYTES
-    if one.kind == COMPRESSED or one.pieces == 0 or end > TRAJECTORY_BYTES:
+    compressed = one.kind == COMPRESSED
+    pieces = () if compressed and (scale != 1.0 or how[2]) else _uploaded(firmware.uploads.memory, one)
+    if not pieces:
         return PlannerAnswer.UNKNOWN
-    pieces = tuple(_piece(firmware.uploads.memory, at) for at in range(one.offset, end, PIECE_BYTES))
     trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2])
-    return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1])
+    return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1] and not compressed)
+
+
+def _uploaded(memory: bytearray, one: Uploaded) -> tuple[Piece, ...]:
+    """Return the pieces of an uploaded trajectory; none if it leaves the memory."""
+    if one.kind == COMPRESSED:
+        try:
+            return compressed_pieces(bytes(memory), one.offset)
+        except ValueError:
+            return ()
+    end = one.offset + one.pieces * PIECE_BYTES
+    return tuple(_piece(memory, at) for at in range(one.offset, end, PIECE_BYTES) if end <= TRAJECTORY_BYTES)
 
 
 def _piece(memory: bytearray, at: int) -> Piece:

@@ -97,6 +97,12 @@ class Licence:
         return all(one.passed for one in self.flights) and not self.left_out
 
     @property
+    def flew(self) -> bool:
+        """Return whether a vehicle was in the air in the flight without faults."""
+        log = self.flights[0].log
+        return log is not None and bool(log.flew.any())
+
+    @property
     def failed(self) -> tuple[FlownTrial, ...]:
         """Return the flights with broken rules."""
         return tuple(one for one in self.flights if not one.passed)

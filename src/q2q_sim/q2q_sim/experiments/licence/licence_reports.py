@@ -26,7 +26,8 @@ def verdict_words(found: Licence) -> str:
         )
     if found.left_out:
         return f"FAIL {name}: no time for {len(found.left_out)} of {count + len(found.left_out)} flights"
-    return f"PASS {name}: {count} flights in {found.seconds:.0f} s"
+    grounded = "" if found.flew else "; no vehicle flew"
+    return f"PASS {name}: {count} flights in {found.seconds:.0f} s{grounded}"
 
 
 def report_text(found: Licence) -> str:
@@ -44,6 +45,7 @@ def licence_json(found: Licence) -> Json:
     return {
         "program": found.program.file.name,
         "passed": found.passed,
+        "flew": found.flew,
         "verdict": verdict_words(found),
         "seconds": found.seconds,
         "flights": [
