@@ -109,6 +109,13 @@ def test_trajectories_alone_give_the_gains_of_a_loop_without_lag():
     assert found["k_d"].value == pytest.approx(0.43, rel=5e-3)
 
 
+def test_positions_in_millimetres_are_named():
+    flight = made_flight(CALM)
+    nothing = np.full_like(flight.pos, np.nan)
+    with pytest.raises(ValueError, match=r"no position of .* is believable; .* are they in metres\?"):
+        altitude_record(replace(flight, mocap_pos=1e3 * flight.mocap_pos, pos=nothing), CRAZYFLIE_2_0)
+
+
 def test_gains_that_a_flight_does_not_show_have_intervals_that_say_so():
     """Both vehicles stay where they should be: no gains are better than any others."""
     still = replace(CALM, start=0.0, noise=0.0)

@@ -102,7 +102,7 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
                 assert np.array_equal(flight.mocap_quat[tick, flight.names.index(name)], _place(tick, k)[1])
 
 
-def _write_ros(writer, store, convert, offset_ns: int = 2_000_000) -> None:  # noqa: ANN001
+def _write_ros(writer, store, convert, offset_ns: int = 2_000_000, step_ns: int = 10_000_000) -> None:  # noqa: ANN001
     """Write PoseStamped of a and Odometry of b, b later by an offset, at 100 Hz."""
     types = store.types
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
@@ -115,7 +115,7 @@ def _write_ros(writer, store, convert, offset_ns: int = 2_000_000) -> None:  # n
     for tick in range(TICKS):
         for k, connection in enumerate(connections):
             pos, quat = _place(tick, k)
-            stamp_ns = tick * 10_000_000 + k * offset_ns
+            stamp_ns = tick * step_ns + k * offset_ns
             time = types["builtin_interfaces/msg/Time"](sec=0, nanosec=stamp_ns)
             head = types["std_msgs/msg/Header"]
             header = (
@@ -206,6 +206,14 @@ def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):
         flight = read_mapped_flight(tmp_path / "near", mapped)
     assert np.isnan(flight.mocap_pos[:10, 1]).all()
     assert np.array_equal(flight.mocap_pos[10, 1], _place(0, 1)[0])
+
+
+def test_headers_that_are_not_filled_are_named(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "still", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, step_ns=0)
+    with pytest.raises(BagError, match=r"all 20 poses of cf1 have the stamp 0 s; .*`stamps: receive`"):
+        read_mapped_flight(tmp_path / "still", TopicMap(vehicles={"cf1": "/a"}))
 
 
 def test_a_topic_without_poses_or_not_there_is_named(tmp_path: Path):

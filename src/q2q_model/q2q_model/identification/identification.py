@@ -41,6 +41,7 @@ from q2q_model.identification.selection.candidates import (
     score_candidates,
     with_deviation,
 )
+from q2q_model.identification.selection.doubts import doubts
 from q2q_model.identification.selection.held_out import Score, score_on
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
@@ -133,7 +134,10 @@ def identify(
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
         file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
-        remarks=(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
+        remarks=(
+            *(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
+            *doubts(gains, best, evidence),
+        ),
     )
 
 

@@ -131,6 +131,11 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
     for vehicle, found in rows.items():
         table = np.array(found)
         table = table[np.argsort(table[:, 0], kind="stable")]
+        if len(table) > 1 and table[0, 0] == table[-1, 0]:
+            raise BagError(
+                f"bag {source.path}: all {len(table)} poses of {vehicle} have the stamp {table[0, 0]:g} s; "
+                "if headers are not filled, add `stamps: receive` to the topic map"
+            )
         tracks[vehicle] = _Poses(table[:, 0], table[:, 1:4], table[:, 4:8])
     return tracks
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.outliers import find_outliers, repair
+from q2q_model.flights.outliers import OutlierThresholds, find_outliers, repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -85,11 +85,12 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     interpolated outliers (section 2.2) and its differences.
 
     Raises:
-        ValueError: no reference, no positions, or less than 2 s of both.
+        ValueError: no reference, no believable positions, or less than 2 s of both.
     """
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
     visible = _finite_rows(mocap)
     bad = find_outliers(flight.t, mocap)
+    _check_believable(flight, visible, bad)
     ref = _altitude_reference(flight)
     rows = _common_rows(flight, visible | _finite_rows(flight.pos), ref)
     repaired = repair(flight.t, mocap, bad)
@@ -113,6 +114,17 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         outliers=int((bad & visible).sum()),
         samples=int(visible.sum()),
     )
+
+
+def _check_believable(flight: Flight, visible: Mask, bad: Mask) -> None:
+    """Raise ValueError if all positions of a vehicle are outliers, and no filtered ones are there."""
+    lost = visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~_finite_rows(flight.pos).any(axis=0)
+    for row in np.flatnonzero(lost):
+        largest = float(np.nanmax(np.abs(flight.mocap_pos[visible[:, row], row])))
+        raise ValueError(
+            f"flight {flight.name}: no position of {flight.names[row]} is believable; the largest coordinate "
+            f"is {largest:g} m, {OutlierThresholds().pos_max:g} m is the most: are they in metres?"
+        )
 
 
 def _altitude_reference(flight: Flight) -> Array:
