@@ -32,6 +32,7 @@ from q2q_model.identification.gains.command_gains import GainFit, gains_from_com
 from q2q_model.identification.gains.trajectory_gains import gains_from_trajectories
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import (
+    NOTHING,
     Candidate,
     Trial,
     candidates,
@@ -41,8 +42,7 @@ from q2q_model.identification.selection.candidates import (
     score_candidates,
     with_deviation,
 )
-from q2q_model.identification.selection.doubts import doubts
-from q2q_model.identification.selection.held_out import Score, score_on
+from q2q_model.identification.selection.held_out import Score, doubts, score_on
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 
@@ -111,14 +111,15 @@ def identify(
     pushed = [sample for samples in pushes for sample in samples]
     evidence = [FlightEvidence(*pair) for pair in zip(records, pushes, strict=True)]
     on_step("zone")
-    decay, decay_remarks = _decay(records)
-    network_remarks = remarks_on_networks(params.model_type, evidence)
+    decay, no_decay = _decay(records)
+    omitted = remarks_on_networks(params.model_type, evidence)
     tried = candidates(params.model_type, evidence, loop)
-    trials, failed_trials = score_candidates(tried, evidence, loop, on_step)
+    trials, failed = score_candidates(tried, evidence, loop, on_step)
     on_step("final fit")
-    best, model, failed_fits = fit_best(trials, evidence)
+    best, model, unfit = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
-    zone, zone_remarks = _learned_zone(model, params.threshold)
+    zone, no_zone = _learned_zone(model, params.threshold)
+    doubted = doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []
     train = score_on(model, evidence, loop)
     spread = parameter_intervals(best.candidate, model, evidence, loop)
     return Identification(
@@ -134,10 +135,7 @@ def identify(
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
         file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
-        remarks=(
-            *(*remarks, *decay_remarks, *network_remarks, *failed_trials, *failed_fits, *zone_remarks),
-            *doubts(gains, best, evidence),
-        ),
+        remarks=(*remarks, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
     )
 
 
