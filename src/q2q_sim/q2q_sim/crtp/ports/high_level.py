@@ -17,7 +17,7 @@ obeys if hlCommander.groupmask shares a bit. Yaw is in radians here, heights are
 | 11 spiral | mask, sideways, clockwise, angle, first and last radius, ascent, duration |
 
 Durations are not checked, and a trajectory that is not defined is answered OK and not flown. A compressed one
-is flown forwards only, at its own pace, and not rotated (UNKNOWN otherwise). Unlike in the firmware,
+is never rotated, and answered UNKNOWN if it is to be reversed or stretched. Unlike in the firmware,
 trajectories without pieces and those that leave the memory are answered UNKNOWN.
 """
 
@@ -151,11 +151,13 @@ def _uploaded(memory: bytearray, one: Uploaded) -> tuple[Piece, ...]:
     """Return the pieces of an uploaded trajectory; none if it leaves the memory."""
     if one.kind == COMPRESSED:
         try:
-            return compressed_pieces(bytes(memory), one.offset)
+            return compressed_pieces(memory, one.offset)
         except ValueError:
             return ()
     end = one.offset + one.pieces * PIECE_BYTES
-    return tuple(_piece(memory, at) for at in range(one.offset, end, PIECE_BYTES) if end <= TRAJECTORY_BYTES)
+    if end > TRAJECTORY_BYTES:
+        return ()
+    return tuple(_piece(memory, at) for at in range(one.offset, end, PIECE_BYTES))
 
 
 def _piece(memory: bytearray, at: int) -> Piece:

@@ -15,9 +15,8 @@ import struct
 
 import numpy as np
 
-from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import ascending_powers
-from q2q_sim.firmware.commander.polynomial import ORDER, Piece
+from q2q_sim.firmware.commander.polynomial import ORDER, Piece, piece_between, resting
 
 POINTS = (0, 1, 3, 7)
 """Control points of each storage type."""
@@ -26,7 +25,7 @@ SCALE = (1e-3, 1e-3, 1e-3, 10.0)
 _START, _HEAD = struct.Struct("<4h"), struct.Struct("<BH")
 
 
-def compressed_pieces(memory: bytes, at: int) -> tuple[Piece, ...]:
+def compressed_pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
     """Return the pieces of the trajectory at an offset, at least one; ValueError if it leaves the memory."""
     try:
         return _pieces(memory, at)
@@ -34,14 +33,14 @@ def compressed_pieces(memory: bytes, at: int) -> tuple[Piece, ...]:
         raise ValueError(f"the trajectory at byte {at} has no end in the memory") from error
 
 
-def _pieces(memory: bytes, at: int) -> tuple[Piece, ...]:
+def _pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
     here = [unit * value for unit, value in zip(SCALE, _START.unpack_from(memory, at), strict=True)]
-    at += _START.size
+    at, start = at + _START.size, resting(np.array(here[:3]), here[3])
     found: list[Piece] = []
     while True:
         types, milliseconds = _HEAD.unpack_from(memory, at)
         if not milliseconds:
-            return tuple(found) or (_resting(here),)
+            return tuple(found) or (piece_between(start, start, 0.0),)
         at, duration, coefficients = at + _HEAD.size, 1e-3 * milliseconds, np.zeros((4, ORDER))
         for axis in range(4):
             count = POINTS[types >> 2 * axis & 3]
@@ -51,10 +50,3 @@ def _pieces(memory: bytes, at: int) -> tuple[Piece, ...]:
             coefficients[axis, : count + 1] = ascending_powers(points, np.array(duration))
             here[axis] = float(points[-1])
         found.append(Piece(duration, coefficients))
-
-
-def _resting(here: list[float]) -> Piece:
-    """Return a trajectory without segments: its first point."""
-    coefficients: Array = np.zeros((4, ORDER))
-    coefficients[:, 0] = here
-    return Piece(0.0, coefficients)
