@@ -122,6 +122,8 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
 
 
 def _lead(found: Licence) -> str:
+    if found.passed and not found.flew:
+        return "The program ran unmodified with emulated vehicles, of which none left the floor."
     flew = "The program flew emulated vehicles unmodified"
     if len(found.flights) == 1 and not found.flights[0].passed:
         return f"{flew}, without faults. It failed, so it did not fly with faults."
