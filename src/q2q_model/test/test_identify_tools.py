@@ -1,6 +1,7 @@
 """Run identify and evaluate as a user does, on the bags of the repository."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,21 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     assert scores["flights"]["table2_1"] == scores["pooled"]
     assert scores["pooled"]["r2_exposed"] > 0.9
     assert "table2_1" in capsys.readouterr().out
+
+
+@needs_bags
+def test_flights_keep_names_of_their_own_however_their_folders_are_called(tmp_path: Path):
+    places = ("gap_0.2", "gap_0.4", "monday/room/swap", "tuesday/room/swap")
+    for place in places:
+        shutil.copytree(FLIGHTS[0], tmp_path / place)
+    recordings, _ = read_recordings([tmp_path / place for place in places])
+    assert [one.flight.name for one in recordings] == list(places)
+    out = tmp_path / "scores.json"
+    words = ["--model", "paper_law", *(str(tmp_path / place) for place in places), "--json", str(out)]
+    assert evaluate.main(words) == 0
+    scores = json.loads(out.read_text())
+    assert list(scores["flights"]) == list(places)
+    assert scores["pooled"]["n"] == sum(one["n"] for one in scores["flights"].values())
 
 
 @needs_bags

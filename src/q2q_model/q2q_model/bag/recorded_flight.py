@@ -5,6 +5,7 @@ from pathlib import Path
 
 from q2q_model.bag.reader import SIGNALS, BagReader
 from q2q_model.bag.storage.fault import BagError, warn_of_repairs
+from q2q_model.bag.storage.source import flight_name
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, flight_from_rows
 
 
@@ -26,7 +27,7 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
             has = ", ".join(f"{key} ({count})" for key, count in counts.items()) or "none of ours"
             raise BagError(f"bag {bag.path} has no message on {name}; it has {has}")
     try:
-        joined = flight_from_rows(Path(path).stem, signals)
+        joined = flight_from_rows(flight_name(path), signals)
     except ValueError as misfit:
         raise BagError(f"bag {bag.path}: {misfit}") from misfit
     warn_of_repairs(bag.repairs + tuple(f"bag {bag.path}: {repair}" for repair in joined.repairs))

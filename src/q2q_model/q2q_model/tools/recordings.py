@@ -23,7 +23,7 @@ def read_recordings(
 ) -> tuple[list[Recording], list[str]]:
     """Return the flights in bags, and the repairs that reading took.
 
-    Flights are named by their folders, and by the parent folder too if names collide. `topics` maps the
+    Flights are named by their folders, and by parent folders too where names collide. `topics` maps the
     topics of bags of other software. Half of the bags are read beside this process.
 
     Raises:
@@ -36,10 +36,18 @@ def read_recordings(
     recordings = [one for found, _ in parts for one in found]
     names = [one.flight.name for one in recordings]
     for k, bag in enumerate(bags):
-        if names.count(names[k]) > 1:
-            flight = replace(recordings[k].flight, name=f"{bag.resolve().parent.name}/{names[k]}")
+        alike = [other.resolve() for j, other in enumerate(bags) if j != k and names[j] == names[k]]
+        if alike:
+            flight = replace(recordings[k].flight, name=_distinct_end(bag.resolve(), alike))
             recordings[k] = replace(recordings[k], flight=flight)
     return recordings, [repair for _, repairs in parts for repair in repairs]
+
+
+def _distinct_end(path: Path, others: Sequence[Path]) -> str:
+    """Return the shortest end of a path, in whole parts, that none of other paths has."""
+    sizes = range(1, len(path.parts) + 1)
+    size = next(n for n in sizes if all(other.parts[-n:] != path.parts[-n:] for other in others))
+    return "/".join(path.parts[-size:])
 
 
 def _read(bags: Sequence[Path], topics: TopicMap | None) -> tuple[list[Recording], list[str]]:

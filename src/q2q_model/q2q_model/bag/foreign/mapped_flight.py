@@ -18,7 +18,7 @@ from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
 from q2q_model.bag.storage.fault import BagError, warn_of_repairs
-from q2q_model.bag.storage.source import Channel, RawMessage, Source, open_source
+from q2q_model.bag.storage.source import Channel, RawMessage, Source, flight_name, open_source
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import Signal
@@ -62,7 +62,7 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     if topic_map.vehicles or topic_map.poses:
         signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
     try:
-        joined = flight_from_signals(Path(path).stem, signals)
+        joined = flight_from_signals(flight_name(path), signals)
     except ValueError as misfit:
         raise BagError(f"bag {path}: {misfit}") from misfit
     warn_of_repairs(source.repairs + tuple(f"bag {path}: {repair}" for repair in (*repairs, *joined.repairs)))

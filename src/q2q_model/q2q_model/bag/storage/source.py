@@ -65,6 +65,12 @@ def is_bag(path: Path) -> bool:
     return path.suffix in (*STORAGES, ROS1_SUFFIX)
 
 
+def flight_name(path: Path | str) -> str:
+    """Return the name of the flight in a bag: its folder's, dots included, or its file's without suffix."""
+    bag = Path(path)
+    return bag.stem if bag.suffix in (*STORAGES, ROS1_SUFFIX) else bag.name
+
+
 def open_source(path: Path | str) -> Source:
     """Return the bag at `path`: a rosbag2 folder, an .mcap or .db3 file, or a ROS 1 .bag file.
 
