@@ -95,6 +95,22 @@ def test_rows_in_which_a_limit_cut_the_command_do_not_move_the_gains():
     assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-3)  # 50 of 6000 rows, all wrong the same way
 
 
+def test_the_ground_and_holes_in_the_positions_do_not_move_the_gains():
+    made = made_flight(CALM)
+    stands, unseen = np.arange(2000), np.arange(2300, 2700)
+    pos, vel, thrust = made.pos.copy(), made.vel.copy(), made.thrust.copy()
+    pos[stands, :, 2], vel[stands], thrust[stands] = 0.0, 0.0, 0.0  # below a reference 1 m up, motors off
+    pos[unseen, 1], vel[unseen, 1] = np.nan, np.nan
+    mocap = np.where(np.isfinite(pos), made.mocap_pos, np.nan)
+    record = altitude_record(replace(made, pos=pos, vel=vel, thrust=thrust, mocap_pos=mocap), CRAZYFLIE_2_0)
+    fit = gains_from_commands([record])
+    assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-3)  # noise of 0.1 mm in an error of 10 mm
+    assert fit.k_d.value == pytest.approx(LOOP.k_d, rel=1e-3)
+    assert np.isnan(record.commanded_acc[stands]).all()
+    assert np.isnan(record.commanded_acc[unseen, 1]).all()
+    assert np.isfinite(record.commanded_acc[unseen, 0]).all()
+
+
 def test_a_flight_without_commands_is_refused_with_the_way_out():
     record = record_of(CALM)
     with pytest.raises(ValueError, match="0 rows with thrust commands in 1 flights, 200 needed"):

@@ -21,6 +21,9 @@ UP = np.array([0.0, 0.0, 1.0])
 """Body z of a level vehicle."""
 SHORTEST = 2.0
 """Least duration of a record [s], about the time constant of the altitude loop."""
+STANDING = 0.25
+"""Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
+flights, commands in the air are 0.64 or more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,8 @@ class AltitudeRecord:
     """Body z, world, (T, n, 3)."""
     ref: Array
     commanded_acc: Array
-    """Commanded vertical acceleration [m/s^2], (T, n); NaN where no command was recorded."""
+    """Commanded vertical acceleration in flight [m/s^2], (T, n); NaN where command, position or reference was
+    not recorded, and on the ground."""
     feed_forward: Array
     """Downwash compensated by the controller [m/s^2], along z, (T, n); NaN where not recorded."""
     outliers: int
@@ -92,12 +96,13 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     bad = find_outliers(flight.t, mocap)
     _check_believable(flight, visible, bad)
     ref = _altitude_reference(flight)
-    rows = _common_rows(flight, visible | _finite_rows(flight.pos), ref)
+    placed = visible | _finite_rows(flight.pos)
+    rows = _common_rows(flight, placed, ref)
     repaired = repair(flight.t, mocap, bad)
     pos = np.where(np.isfinite(flight.pos), flight.pos, repaired)
     vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(repaired, flight.t, axis=0))
     t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
-    axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle)
+    axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle, placed & _finite_rows(ref))
     pos, vel, axis, ref = (resampled(flight.t, values, t) for values in (pos, vel, axis, ref))
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
     return AltitudeRecord(
@@ -154,8 +159,10 @@ def _attitude(flight: Flight) -> Array:
     return np.asarray(axis)
 
 
-def _commanded_acc(flight: Flight, vehicle: Vehicle) -> Array:
-    return np.asarray(flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY)
+def _commanded_acc(flight: Flight, vehicle: Vehicle, known: Mask) -> Array:
+    acc = flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY
+    flies = flight.thrust > STANDING * vehicle.hover_thrust
+    return np.asarray(np.where(known & flies, acc, np.nan))
 
 
 def resampled(t: Array, values: Array, at: Array) -> Array:
