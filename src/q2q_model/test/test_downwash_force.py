@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_flights import Pass, made_flight
 
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
@@ -20,8 +21,9 @@ from q2q_model.identification.force.downwash_force import (
     score,
 )
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
-from q2q_model.identification.force.recorded_force import LOG_MASS, lagged, push_of_log
+from q2q_model.identification.force.recorded_force import LOG_MASS, check_weight, lagged, push_of_log
 from q2q_model.signals.values import Array, Mask
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065
 
 DATA = Path(os.environ.get("Q2Q_DATA", "../shared/data")) / "neural_swarm"
 needs_flights = pytest.mark.skipif(not DATA.is_dir(), reason=f"no recorded flights in {DATA}: set Q2Q_DATA")
@@ -49,6 +51,25 @@ def passing(ticks: int = 1000) -> Array:
 def lower_of(made: ForceRecord) -> ForceSamples:
     """Return the samples of vehicle 0."""
     return next(one for one in force_samples(made) if one.vehicle == 0)
+
+
+def test_commands_that_do_not_carry_the_vehicle_are_refused_with_the_remedy():
+    flight = made_flight(Pass())
+    check_weight(flight, CRAZYFLIE_2_0)
+    check_weight(flight, CRAZYFLIE_2_1)  # 27 g, not 34
+    check_weight(
+        replace(flight, thrust=np.full_like(flight.thrust, np.nan)), TEXTBOOK_065
+    )  # nothing to judge
+    waits = np.where(flight.t[:, None] < 20.0, 0.0, 1.0)  # two thirds of the flight on the ground
+    pos = flight.pos * waits[..., None]
+    check_weight(replace(flight, pos=pos, thrust=flight.thrust * waits), CRAZYFLIE_2_0)
+    with pytest.raises(ValueError, match=r"0\.0523 times the weight of textbook_065.*with --vehicle"):
+        check_weight(flight, TEXTBOOK_065)
+    pwm = replace(flight, thrust=flight.thrust / CRAZYFLIE_2_0.full_pwm_thrust * 65535.0)
+    with pytest.raises(
+        ValueError, match=r"flight pass: the median thrust of cf1 .*record commands in newtons"
+    ):
+        check_weight(pwm, CRAZYFLIE_2_0)
 
 
 def test_exposed_free_and_upper_rows_are_those_of_the_rule():

@@ -20,6 +20,7 @@ from q2q_model.identification.flight_evidence import FlightEvidence
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
 from q2q_model.identification.force.loading import loading_of
 from q2q_model.identification.force.recorded_force import (
+    check_weight,
     is_force_log,
     motion_of,
     push_of_log,
@@ -166,7 +167,12 @@ def recorded_altitudes(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
 
 
 def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
-    """Return a flight's measured force, from its log or its sensors; None if it has neither."""
+    """Return a flight's measured force, from its log or its sensors; None if it has neither.
+
+    Raises:
+        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air.
+    """
+    check_weight(one.flight, vehicle)
     if one.log is not None and is_force_log(one.log):
         return push_of_log(one.flight.name, one.log, motion_of(one.flight))
     return push_of_sensors(one.flight, vehicle, lag)

@@ -13,7 +13,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceRecord
+from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, ForceRecord
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
@@ -23,6 +23,24 @@ LOG_MASS = 0.032
 FULL_DUTY = 0.93
 """Duty above which a motor counts as saturated."""
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
+
+
+LIGHTEST, HEAVIEST = 0.5, 2.0
+"""Bounds of the median thrust in the air over the weight [-]; 0.92 to 1.3 in recorded flights of 34 g."""
+
+
+def check_weight(flight: Flight, vehicle: Vehicle) -> None:
+    """Raise ValueError if a vehicle's commanded thrust in the air does not carry the weight of `vehicle`."""
+    for i, name in enumerate(flight.names):
+        thrust = flight.thrust[flight.pos[:, i, 2] > FLOOR, i]
+        thrust = thrust[np.isfinite(thrust)]
+        share = float(np.median(thrust)) / vehicle.hover_thrust if thrust.size >= FEWEST_FREE else 1.0
+        if not LIGHTEST <= share <= HEAVIEST:
+            raise ValueError(
+                f"flight {flight.name}: the median thrust of {name} in the air is {np.median(thrust):.4g} N, "
+                f"{share:.3g} times the weight of {vehicle.name}; allowed is {LIGHTEST:g} to {HEAVIEST:g} "
+                "times: name the vehicle with --vehicle, and record commands in newtons"
+            )
 
 
 def is_force_log(log: FlightLog) -> bool:
