@@ -20,6 +20,7 @@ from q2q_model.bag import (
     load_topic_map,
     read_mapped_flight,
 )
+from q2q_model.bag.foreign.mapped_flight import nearest_rows
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
 from q2q_model.signals.values import Array, MocapFrame
@@ -191,6 +192,16 @@ def test_a_mapped_bag_gives_signals_under_our_names_in_the_order_of_their_stamps
         ("mocap", stamp_ns, data) for stamp_ns, data in sorted(written.items())
     ]
     assert list(mapped.raw(set())) == []
+
+
+def test_a_pose_of_a_slower_vehicle_is_in_one_frame_only():
+    ticks, slow = np.arange(12) / 240.0, np.arange(3) / 50.0 + 0.001
+    rows = nearest_rows(ticks, slow, 0.005)
+    near = [int(np.argmin(np.abs(ticks - t))) for t in slow]
+    assert near == [0, 5, 10]
+    assert rows[near].tolist() == [0, 1, 2]
+    assert (np.delete(rows, near) == -1).all()
+    assert nearest_rows(np.array([0.0, 1.0]), np.array([0.5]), 1.0).tolist() == [0, -1]  # as near to both
 
 
 def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):

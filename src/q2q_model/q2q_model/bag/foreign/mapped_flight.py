@@ -1,8 +1,9 @@
 """Flights in bags of other software: poses under any topic, assigned by a topic map.
 
 Each vehicle's poses have stamps of their own. The ticks are the stamps of the vehicle with the most poses; of
-every other vehicle, a tick takes the pose nearest in time within the map's tolerance. Message definitions
-come from the bag, which allows any version of a type; a bag without definitions is read as ROS 2 Jazzy.
+every other vehicle, a tick takes the pose nearest in time within the map's tolerance; no tick takes a pose
+that is nearer to another. Message definitions come from the bag, which allows any version of a type; a bag
+without definitions is read as ROS 2 Jazzy.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -236,8 +237,16 @@ def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal]
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
-    """Return for each tick the nearest row of ascending `t`, (len(ticks),); -1 if none is in tolerance."""
+    """Return for each tick the nearest row of ascending `t`, (len(ticks),); -1 if none is in tolerance.
+
+    A row that is the nearest of several ticks is given to the nearest of these: repeated at the others, it
+    would be a vehicle that stands and leaps.
+    """
     right = np.clip(np.searchsorted(t, ticks), 0, len(t) - 1)
     left = np.clip(right - 1, 0, None)
     nearest = np.where(np.abs(t[left] - ticks) <= np.abs(t[right] - ticks), left, right)
-    return np.where(np.abs(t[nearest] - ticks) <= tolerance_s, nearest, -1)
+    away = np.abs(t[nearest] - ticks)
+    order = np.lexsort((away, nearest))
+    first = order[np.unique(nearest[order], return_index=True)[1]]
+    once = np.isin(np.arange(len(ticks)), first)
+    return np.where(once & (away <= tolerance_s), nearest, -1)
