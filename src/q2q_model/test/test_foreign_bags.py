@@ -1,5 +1,6 @@
 """Tests of the topic map on bags of other software: poses, named poses of both versions, ROS 1, sqlite3."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +62,8 @@ uint32 nanosec
 """
 SECOND_VERSION = "uint64 timestamp\nLatencyInfo[] latencies\n"
 TICKS = 20
+MS = 1_000_000
+"""[ns]"""
 
 
 def _place(tick: int, vehicle: int) -> tuple[Array, Array]:
@@ -103,8 +106,8 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
                 assert np.array_equal(flight.mocap_quat[tick, flight.names.index(name)], _place(tick, k)[1])
 
 
-def _write_ros(writer, store, convert, offset_ns: int = 2_000_000, step_ns: int = 10_000_000) -> None:  # noqa: ANN001
-    """Write PoseStamped of a and Odometry of b, b later by an offset, at 100 Hz."""
+def _write_ros(writer, store, convert, offset_ns: int = 2 * MS, step_ns: int = 10 * MS, *, back_ns=0) -> None:  # noqa: ANN001
+    """Write PoseStamped of a and Odometry of b, b later by an offset, at 100 Hz; set headers back halfway."""
     types = store.types
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
     pose_of = types["geometry_msgs/msg/Pose"]
@@ -117,7 +120,8 @@ def _write_ros(writer, store, convert, offset_ns: int = 2_000_000, step_ns: int 
         for k, connection in enumerate(connections):
             pos, quat = _place(tick, k)
             stamp_ns = tick * step_ns + k * offset_ns
-            time = types["builtin_interfaces/msg/Time"](sec=0, nanosec=stamp_ns)
+            header_ns = stamp_ns - (back_ns if tick >= TICKS // 2 else 0)
+            time = types["builtin_interfaces/msg/Time"](sec=0, nanosec=header_ns)
             head = types["std_msgs/msg/Header"]
             header = (
                 head(seq=tick, stamp=time, frame_id="w")
@@ -225,6 +229,30 @@ def test_headers_that_are_not_filled_are_named(tmp_path: Path):
         _write_ros(writer, store, store.serialize_cdr, step_ns=0)
     with pytest.raises(BagError, match=r"all 20 poses of cf1 have the stamp 0 s; .*`stamps: receive`"):
         read_mapped_flight(tmp_path / "still", TopicMap(vehicles={"cf1": "/a"}))
+
+
+def test_poses_between_the_frames_are_refused_with_the_tolerance_that_admits_them(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "between", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, offset_ns=4_000_000)
+    mapped = TopicMap(vehicles={"cf1": "/a", "cf2": "/b"}, tolerance_s=0.003)
+    with pytest.raises(BagError, match=r"tolerance_s = 0\.003 s of a frame: .* half the period of 0\.010 s"):
+        read_mapped_flight(tmp_path / "between", mapped)
+    flight = read_mapped_flight(tmp_path / "between", replace(mapped, tolerance_s=0.005))
+    assert np.isfinite(flight.mocap_pos).all()
+
+
+def test_stamps_that_go_back_are_sorted_and_told(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "back", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, back_ns=50_000_000)
+    mapped = TopicMap(vehicles={"cf1": "/a", "cf2": "/b"})
+    with pytest.warns(BagRepairWarning) as told:
+        flight = read_mapped_flight(tmp_path / "back", mapped)
+    said = " ".join(str(one.message) for one in told)
+    assert "stamps of poses of cf1 go back by up to 0.040 s: sorted" in said
+    assert "stamps of poses of cf2 go back by up to 0.040 s: sorted" in said
+    assert (np.diff(flight.t) > 0.0).all()
 
 
 def test_a_topic_without_poses_or_not_there_is_named(tmp_path: Path):

@@ -49,6 +49,8 @@ class _Poses:
     t: Array
     pos: Array
     quat: Array
+    back: float
+    """Most that a stamp lies before one recorded earlier [s]."""
 
 
 def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
@@ -131,13 +133,14 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
     tracks = {}
     for vehicle, found in rows.items():
         table = np.array(found)
+        back = float(np.max(np.maximum.accumulate(table[:, 0]) - table[:, 0]))
         table = table[np.argsort(table[:, 0], kind="stable")]
         if len(table) > 1 and table[0, 0] == table[-1, 0]:
             raise BagError(
                 f"bag {source.path}: all {len(table)} poses of {vehicle} have the stamp {table[0, 0]:g} s; "
                 "if headers are not filled, add `stamps: receive` to the topic map"
             )
-        tracks[vehicle] = _Poses(table[:, 0], table[:, 1:4], table[:, 4:8])
+        tracks[vehicle] = _Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
     return tracks
 
 
@@ -221,10 +224,9 @@ def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal]
         rows[vehicle] = nearest_rows(ticks, track.t, tolerance_s)
         lost = len(track.t) - len(np.unique(rows[vehicle][rows[vehicle] >= 0]))
         if lost == len(track.t):
-            spans = f"{track.t[0]:.3f} to {track.t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
-            raise BagError(
-                f"poses of {vehicle} lie at {spans}: the clocks differ, or the recordings do not overlap"
-            )
+            raise BagError(_apart(vehicle, track.t, ticks, tolerance_s))
+        if track.back > 0.0:
+            repairs.append(f"stamps of poses of {vehicle} go back by up to {track.back:.3f} s: sorted")
         if lost:
             repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} match no tick: dropped")
     frames: list[Signal] = []
@@ -234,6 +236,18 @@ def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal]
         quat = np.array([tracks[vehicle].quat[row] for vehicle, row in near]).reshape(-1, 4)
         frames.append(MocapFrame(t=float(t), names=tuple(vehicle for vehicle, _ in near), pos=pos, quat=quat))
     return frames, repairs
+
+
+def _apart(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
+    """Return why no pose of a vehicle is in a frame."""
+    if t[0] <= ticks[-1] and ticks[0] <= t[-1]:
+        period_s = float(np.median(np.diff(ticks)))
+        return (
+            f"no pose of {vehicle} was captured within tolerance_s = {tolerance_s:g} s of a frame: raise it "
+            f"in the topic map to half the period of {period_s:.3f} s"
+        )
+    spans = f"{t[0]:.3f} to {t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
+    return f"poses of {vehicle} lie at {spans}: the clocks differ, or the recordings do not overlap"
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
