@@ -220,6 +220,15 @@ def test_the_decay_fit_finds_the_law_it_was_drawn_from_and_says_when_d_was_not_f
     assert decay.d.low <= decay.d.value <= decay.d.high
 
 
+def test_two_flights_determine_no_interval_of_the_decay():
+    flights = [record_of(one) for one in PASSES[:2]]
+    decay = fit_decay(flights, DeviationParams(steady=0.0, allowed=0.005))
+    assert decay.d.low == 0.0
+    assert decay.d.high == 10.0  # the bound of d: above the height of any flight room
+    assert decay.alpha.high > 1e6  # two flights, two parameters: no residual says how well they are known
+    assert decay.beta.high - decay.beta.low > 10.0
+
+
 def test_one_flight_with_overlap_gives_no_decay():
     near = record_of(PASSES[0])
     with pytest.raises(ValueError, match="1 of 2 flights have vehicles within"):

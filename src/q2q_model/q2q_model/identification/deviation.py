@@ -21,13 +21,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.intervals import Interval
+from q2q_model.identification.intervals import UNKNOWN, Interval
 from q2q_model.signals.values import Array
 
 DRAWS = 500
 """Bootstrap draws: ends of a 95 % interval to a few percent of its width."""
 FEWEST = 5
 """Fewest rows of overlap for a mean: 50 ms at 100 Hz."""
+FEWEST_FLIGHTS = 3
+"""Fewest flights for an interval: the two parameters fit two flights exactly, whatever these measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,8 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     apart = np.ptp(gaps[drawn], axis=1) > 0.1 * np.ptp(gaps)
     draws = [_decay(gaps[rows], devs[rows], given.allowed) for rows in drawn[apart]] or [best]
     low, high = np.percentile(np.array(draws), [2.5, 97.5], axis=0)
+    if gaps.size < FEWEST_FLIGHTS:
+        low, high = np.array([[0.0, RATES[0], 0.0], [UNKNOWN, RATES[-1], FARTHEST]])
     alpha, beta, d = (
         Interval(float(v), float(min(a, v)), float(max(b, v)))
         for v, a, b in zip(best, low, high, strict=True)
