@@ -12,9 +12,10 @@ from q2q_model.downwash.level_set import peak
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import RoleScores
+from q2q_model.flights.flight import of_vehicle
 from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
 from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.identification import ProcedureParams, Recording, identify
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import (
@@ -24,6 +25,7 @@ from q2q_model.identification.selection.candidates import (
 )
 from q2q_model.identification.selection.held_out import doubts, score_held_out, score_on
 from q2q_model.signals.values import Array, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 
 def test_a_model_along_a_flight_is_the_online_predictors_answer():
@@ -46,6 +48,12 @@ def _state(record: AltitudeRecord, k: int) -> SwarmState:
 
 def test_roles_are_read_from_who_flies_below():
     assert is_lower(records()[0]) == [True, False]
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_vehicle_that_flies_alone_is_below_nobody():
+    alone = of_vehicle(made_flight(FLOWN[0]), "cf1")
+    assert is_lower(altitude_record(alone, CRAZYFLIE_2_0)) == [False]
 
 
 def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():

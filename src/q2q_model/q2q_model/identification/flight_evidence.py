@@ -50,5 +50,5 @@ def is_lower(record: AltitudeRecord) -> list[bool]:
         rel = record.pos[:, others] - record.pos[:, i : i + 1]
         near = np.hypot(rel[..., 0], rel[..., 1]) < NEAR
         above = rel[..., 2][near] if near.any() else rel[..., 2]
-        below.append(bool(np.mean(above) > 0.0))
+        below.append(bool(above.size) and bool(np.mean(above) > 0.0))
     return below
