@@ -21,7 +21,13 @@ from q2q_model.identification.force.downwash_force import (
     score,
 )
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
-from q2q_model.identification.force.recorded_force import LOG_MASS, check_weight, lagged, push_of_log
+from q2q_model.identification.force.recorded_force import (
+    LOG_MASS,
+    check_weight,
+    lagged,
+    motion_of,
+    push_of_log,
+)
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065
 
@@ -117,6 +123,22 @@ def test_r2_is_one_for_the_law_that_pushed_and_zero_for_none():
     assert score(MEASURED_LAW, samples).r2_ahead_20ms == pytest.approx(1.0, abs=1e-12)
     assert score(NoInteraction(), samples).r2_exposed == 0.0
     assert score(MEASURED_LAW, samples).n == int((np.abs(rel[:, 1]) < 0.15).sum())
+
+
+def test_motors_logged_as_pwm_saturate_where_those_logged_as_duty_do():
+    flight = made_flight(Pass())
+    columns = ("faz_est", "gap", "pwm1", "pwm2", "pwm3", "pwm4")
+    values = np.full((flight.t.size, 2, 6), 0.5)
+    values[..., 1] = 0.0
+    values[100:120, 0, 4] = 0.95
+    found = []
+    for full in (1.0, 65535.0):
+        scaled = values * np.array([1.0, 1.0, full, full, full, full])
+        log = FlightLog(flight.t, flight.names, columns, ("",) * 6, scaled)
+        found.append(push_of_log("made", log, motion_of(flight)).saturated)
+    assert np.flatnonzero(found[0][:, 0]).tolist() == list(range(100, 120))
+    assert not found[0][:, 1].any()
+    np.testing.assert_array_equal(*found)
 
 
 def test_without_exposed_rows_nothing_is_claimed():

@@ -17,6 +17,7 @@ from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, Fo
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
+from q2q_model.vehicle.thrust_map import PWM_FULL
 
 LOG_MASS = 0.032
 """Mass used to compute faz_est in the logs [kg]."""
@@ -48,16 +49,21 @@ def is_force_log(log: FlightLog) -> bool:
     return {"faz_est", "gap", *MOTORS} <= set(log.columns)
 
 
+def motor_duty(log: FlightLog) -> Array:
+    """Return the duty of every motor in a log, 0 to 1, (T, n, 4), also of one that counts to PWM_FULL."""
+    logged = np.stack([log.column(motor) for motor in MOTORS], axis=-1)
+    return logged / (PWM_FULL if np.nanmax(logged, initial=0.0) > 1.0 else 1.0)
+
+
 def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
     """Return the vertical force in a flight's log, at the ticks of the log."""
-    duty = np.max([log.column(motor) for motor in MOTORS], axis=0)  # (T, n)
     return ForceRecord(
         name=name,
         names=log.names,
         motion=motion,
         push=log.column("faz_est") / LOG_MASS,
         whole=log.column("gap") == 0.0,
-        saturated=duty > FULL_DUTY,
+        saturated=np.asarray(motor_duty(log).max(axis=-1) > FULL_DUTY),
     )
 
 

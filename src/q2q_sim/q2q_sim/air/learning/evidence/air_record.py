@@ -18,12 +18,11 @@ from q2q_model.identification.force.downwash_force import (
     ForceSamples,
     force_samples,
 )
-from q2q_model.identification.force.recorded_force import MOTORS, lagged
+from q2q_model.identification.force.recorded_force import MOTORS, lagged, motor_duty
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.identification import Recording, force_record
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import Vehicle
-from q2q_model.vehicle.thrust_map import PWM_FULL
 
 ALONE = 0.3
 """Horizontal distance to every neighbour in clear air [m]: the scoring rule's."""
@@ -151,6 +150,4 @@ def _strength(thrust: Array, clear: Mask, measured: Mask) -> Array:
 def _motors(one: Recording) -> Motors | None:
     if one.log is None or not {*MOTORS, "vbat"} <= set(one.log.columns):
         return None
-    duty = np.stack([one.log.column(motor) for motor in MOTORS], axis=-1)
-    full = PWM_FULL if np.nanmax(duty, initial=0.0) > 1.0 else 1.0
-    return Motors(duty / full, one.log.column("vbat"))
+    return Motors(motor_duty(one.log), one.log.column("vbat"))
