@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.bag import BagError
 from q2q_model.commands import evaluate, identify
 from q2q_model.files.model_file import load
 from q2q_model.identification.force.along_flight import eta_along
@@ -88,8 +89,8 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
 @needs_bags
 def test_flights_keep_names_of_their_own_however_their_folders_are_called(tmp_path: Path):
     places = ("gap_0.2", "gap_0.4", "monday/room/swap", "tuesday/room/swap")
-    for place in places:
-        shutil.copytree(FLIGHTS[0], tmp_path / place)
+    for number, place in enumerate(places, 1):
+        shutil.copytree(BAGS / f"table2_{number}", tmp_path / place)
     recordings, _ = read_recordings([tmp_path / place for place in places])
     assert [one.flight.name for one in recordings] == list(places)
     out = tmp_path / "scores.json"
@@ -98,6 +99,14 @@ def test_flights_keep_names_of_their_own_however_their_folders_are_called(tmp_pa
     scores = json.loads(out.read_text())
     assert list(scores["flights"]) == list(places)
     assert scores["pooled"]["n"] == sum(one["n"] for one in scores["flights"].values())
+
+
+@needs_bags
+def test_a_flight_that_is_given_again_as_a_copy_or_by_its_file_is_refused(tmp_path: Path):
+    shutil.copytree(FLIGHTS[0], tmp_path / "copy")
+    for again in (tmp_path / "copy", next(FLIGHTS[0].glob("*.mcap"))):
+        with pytest.raises(BagError, match=f"{FLIGHTS[0].name} and .*{again.name} hold the same flight"):
+            read_recordings([FLIGHTS[0], FLIGHTS[1], again])
 
 
 @needs_bags

@@ -2,9 +2,11 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from q2q_model.bag import (
     BagError,
@@ -13,6 +15,7 @@ from q2q_model.bag import (
     is_bag,
     load_topic_map,
 )
+from q2q_model.flights.flight import Flight
 from q2q_model.forked import forked
 from q2q_model.identification.identification import Recording
 from q2q_model.identification.recording_files import recording_of_bag
@@ -27,13 +30,15 @@ def read_recordings(
     topics of bags of other software. Half of the bags are read beside this process.
 
     Raises:
-        BagError: a bag cannot be read, or is given twice, so that a held-out flight would be in the fit.
+        BagError: a bag cannot be read, or is given twice, also as a copy or by its file: a held-out flight
+            would be in the fit.
     """
     _reject_duplicates([bag.resolve() for bag in bags])
     middle = (len(bags) + 1) // 2
     beside = forked(partial(_read, bags[middle:], topics))
     parts = [_read(bags[:middle], topics), beside()]
     recordings = [one for found, _ in parts for one in found]
+    _reject_copies(bags, recordings)
     names = [one.flight.name for one in recordings]
     for k, bag in enumerate(bags):
         alike = [other.resolve() for j, other in enumerate(bags) if j != k and names[j] == names[k]]
@@ -72,6 +77,21 @@ def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
 def topic_map(path: Path | None) -> TopicMap | None:
     """Return the map in a file; None for none."""
     return None if path is None else load_topic_map(path)
+
+
+def _reject_copies(bags: Sequence[Path], recordings: Sequence[Recording]) -> None:
+    for k, one in enumerate(recordings):
+        for j, earlier in enumerate(recordings[:k]):
+            if _is_copy(one.flight, earlier.flight):
+                raise BagError(f"bags {bags[j]} and {bags[k]} hold the same flight; give each flight once")
+
+
+def _is_copy(one: Flight, other: Flight) -> bool:
+    """Return whether two flights are equal in every array."""
+    if one.names != other.names or one.t.shape != other.t.shape:
+        return False
+    arrays = [field.name for field in fields(Flight) if field.name not in {"name", "names"}]
+    return all(np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True) for name in arrays)
 
 
 def _reject_duplicates(bags: Sequence[Path]) -> None:
