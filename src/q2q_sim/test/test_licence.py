@@ -157,3 +157,26 @@ def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path):
     assert {one.asked.refused for one in flight.log.commands if one.asked.words.startswith("takeoff")} == {
         "the vehicle is not armed"
     }
+
+
+def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_path: Path):
+    params = LicenceParams(((0.0, 0.0, 0.0),))
+    deadlock = hop(
+        tmp_path, "import threading\n    lock = threading.Lock(); lock.acquire()\n    lock.acquire()"
+    )
+    order = FlightOrder(deadlock, params, LicenceTrial(), (), (), 4.0)
+    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    assert flight.findings[0].why == "it waits on line 14"
+    outside = hop(tmp_path, "import select\n    select.select([], [], [], 60.0)")
+    order = FlightOrder(outside, params, LicenceTrial(), (), (), 30.0, patience=3.0)
+    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    assert flight.findings[0].why.endswith("for input, a socket or a process on line 13")
+
+
+def test_a_process_that_dies_is_told_with_its_signal_or_status(tmp_path: Path):
+    kill = hop(tmp_path, "import os, signal; os.kill(os.getpid(), signal.SIGKILL)")
+    order = FlightOrder(kill, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
+    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    assert [one.sentence for one in flight.findings] == [
+        "at 0.00 s the program's process dies: signal 9, Killed"
+    ]

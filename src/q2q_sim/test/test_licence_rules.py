@@ -205,6 +205,14 @@ def test_errors_count_except_on_the_floor_after_a_fault():
     assert [one.rule for one in findings(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
 
 
+def test_a_program_that_does_not_end_is_told_with_the_lines_on_which_it_waits():
+    end = ProgramEnd(9.9, overdue=True, waiting=(44, 22))
+    assert findings(replace(hover(), end=end), LIMITS)[0].why == "it waits on line 44 and line 22"
+    outside = replace(end, waiting=(3,), outside=True)
+    why = "it waits outside Python's clock, for input, a socket or a process on line 3"
+    assert findings(replace(hover(), end=outside), LIMITS)[0].why == why
+
+
 def test_nothing_is_asked_of_a_vehicle_whose_link_is_lost_and_everything_of_the_others():
     lost = replace(fallen(hover(2)), trial=LicenceTrial(TrialKind.LOST, 0, 4.0))
     assert findings(lost, LIMITS) == ()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from signal import strsignal
 from time import monotonic
 
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, Start
@@ -17,6 +18,7 @@ from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, findings
 from q2q_sim.experiments.licence.program_flight import (
     MORE_VEHICLES,
+    PATIENCE_S,
     FlightOrder,
     Program,
     fly_program,
@@ -29,11 +31,12 @@ MOST_VEHICLES = 15
 """Vehicles of one radio."""
 SPACING = 1.0
 """Distance of neighbours in the default row [m]."""
+DYING_S = 5.0
+"""Longest time from the end of a process's output to its own [s]."""
 LONGER_S = 30.0
 """Time that a program may take longer with a fault than without [s]."""
-STUCK_S = 150.0
-"""Wall time after which a flight is given up [s]."""
-STUCK = "it waits outside Python's clock: for input, a socket or a process"
+STUCK_S = PATIENCE_S + 10.0
+"""Wall time after which the process of a flight is ended from outside [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,14 +188,22 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
         if answer not in ready and seconds < STUCK_S:
             continue
         log = received(answer) if answer in ready else None
+        if answer in ready:
+            one.process.join(DYING_S)
+        died = one.process.exitcode
         one.process.kill()
         one.process.join()
         answer.close()
         del running[answer]
-        yield FlownTrial(one.order.trial, _judged(log, limits), log, seconds)
+        broken = findings(log, limits) if log is not None else (_without_log(died),)
+        yield FlownTrial(one.order.trial, broken, log, seconds)
 
 
-def _judged(log: LicenceLog | None, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
-    if log is None:
-        return (BrokenRule("program", 0.0, "the program's process ends without a log", STUCK),)
-    return findings(log, limits)
+def _without_log(status: int | None) -> BrokenRule:
+    """Return what became of a process that sent no log; its exit status, None if it was still there."""
+    if status is None:
+        return BrokenRule(
+            "program", 0.0, "the program does not end", f"its flight was ended after {STUCK_S:.0f} s"
+        )
+    why = f"exit status {status}" if status >= 0 else f"signal {-status}, {strsignal(-status)}"
+    return BrokenRule("program", 0.0, "the program's process dies", why)

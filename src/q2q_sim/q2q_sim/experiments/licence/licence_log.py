@@ -28,6 +28,10 @@ class ProgramEnd:
     """Line of the program where the error came from."""
     overdue: bool = False
     """Stopped at the time limit."""
+    waiting: tuple[int, ...] = ()
+    """Lines of the program on which its threads were then, the main thread first."""
+    outside: bool = False
+    """Stopped because it waited outside Python's clock."""
 
 
 @dataclass(frozen=True, slots=True)

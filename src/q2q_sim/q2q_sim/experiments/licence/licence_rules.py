@@ -32,7 +32,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.licence.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import cause
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 
@@ -225,7 +225,7 @@ def _program(log: LicenceLog) -> BrokenRule | None:
     if trial.kind in EXCUSED:
         return None
     if end.overdue:
-        return BrokenRule("program", end.t, "the program does not end", "")
+        return BrokenRule("program", end.t, "the program does not end", _waits(end))
     if not end.status:
         return None
     tick = min(int(np.searchsorted(log.t, end.t)), len(log.t) - 1)
@@ -233,6 +233,14 @@ def _program(log: LicenceLog) -> BrokenRule | None:
     where = f", line {end.line}" if end.line else ""
     why = (end.error or f"exit status {end.status}") + where
     return None if safe else BrokenRule("program", end.t, "the program fails", why)
+
+
+def _waits(end: ProgramEnd) -> str:
+    """Return where a program waits that does not end."""
+    where = f" on line {' and line '.join(map(str, end.waiting))}" if end.waiting else ""
+    if end.outside:
+        return f"it waits outside Python's clock, for input, a socket or a process{where}"
+    return f"it waits{where}" if where else ""
 
 
 def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | None]:

@@ -20,6 +20,7 @@ from importlib.util import find_spec
 from io import TextIOBase
 from multiprocessing.connection import Connection
 from pathlib import Path
+from types import FrameType
 from typing import NoReturn
 
 from q2q_sim.experiments.licence.client_commands import FLIGHT
@@ -38,6 +39,10 @@ REST_S = 5.0
 """Longer than the firmware's watchdog of 2 s and a fall from the ceiling [s]."""
 MORE_VEHICLES = "the program opened more vehicles than there are"
 """Error of a flight that ended for it."""
+PATIENCE_S = 140.0
+"""Wall time after which a flight that waits outside Python's clock is ended [s]."""
+LOOK_S = 1.0
+"""Wall time between two looks at such a flight [s]."""
 KEPT_LINES = 20
 """Lines of output that are kept."""
 
@@ -69,6 +74,8 @@ class FlightOrder:
     """Vehicles of a crazyflies.yaml, which are all; empty for stock ones at the URIs that a scan answers."""
     survey: bool = False
     """Only up to the first command that asks for flight."""
+    patience: float = PATIENCE_S
+    """[s]"""
 
 
 class _LastLines(TextIOBase):
@@ -97,6 +104,8 @@ class _Flight:
         self._uris = list(order.uris)
         self._output = _LastLines()
         self._failed = ProgramEnd(0.0)
+        self._seen = (-1, 0.0)
+        """Turns given and time [s] at the last look."""
         self._room = LicenceRoom(order.params, order.trial)
         self._turns = Turns(self._tick, TICK_S)
         host = LinkHost(self._room, self._turns, str(order.program.file), self._vehicle_of, order.scanned)
@@ -111,6 +120,8 @@ class _Flight:
         os.chdir(program.folder)
         use_turns(self._turns)
         self._connect()
+        signal.signal(signal.SIGALRM, self._end_if_outside)
+        signal.setitimer(signal.ITIMER_REAL, self._order.patience, LOOK_S)
         threading.excepthook = self._note_thread
         watch_main_thread(self._turns)
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
@@ -155,7 +166,15 @@ class _Flight:
         self._room.fly()
         asked = self._order.survey and any(one.asked.kind in FLIGHT for one in self._room.commands)
         if asked or self._room.t >= self._order.limit:
-            self._send(ProgramEnd(self._room.t, overdue=True))
+            waiting = waiting_lines(str(self._order.program.file))
+            self._send(ProgramEnd(self._room.t, overdue=True, waiting=waiting))
+
+    def _end_if_outside(self, _: int, __: FrameType | None) -> None:
+        """End the flight of a program that waits where no simulated time passes between two looks."""
+        seen, self._seen = self._seen, (self._turns.given, self._turns.now)
+        if seen == self._seen and not self._turns.handing_on:
+            waiting = waiting_lines(str(self._order.program.file))
+            self._send(ProgramEnd(self._room.t, overdue=True, waiting=waiting, outside=True))
 
     def _end_of(self, run: Callable[[], object]) -> ProgramEnd:
         try:
@@ -184,6 +203,7 @@ class _Flight:
     def _finish(self, end: ProgramEnd) -> NoReturn:
         """Fly on without the program and send the log."""
         signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
         if self._failed.status and not end.status:
             end = ProgramEnd(end.t, 1, self._failed.error, self._failed.line)
         ended = self._room.t
@@ -197,6 +217,21 @@ class _Flight:
         self._answer.send(self._room.log(tuple(self._uris), self._names, end, self._output.text()))
         self._answer.close()
         os._exit(0)
+
+
+def waiting_lines(file: str) -> tuple[int, ...]:
+    """Return the lines of a file on which threads of this process are, the main thread first."""
+    frames = sys._current_frames()  # noqa: SLF001
+    main = threading.main_thread().ident
+    lines = [_line_in(file, frames[one]) for one in sorted(frames, key=lambda one: (one != main, one))]
+    return tuple(dict.fromkeys(line for line in lines if line))
+
+
+def _line_in(file: str, frame: FrameType | None) -> int:
+    """Return the innermost line of a file that a frame was called from; 0 if there is none."""
+    while frame is not None and frame.f_code.co_filename != file:
+        frame = frame.f_back
+    return frame.f_lineno if frame is not None else 0
 
 
 def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
