@@ -153,7 +153,17 @@ def test_a_vehicle_that_lands_on_another_is_the_cause_of_their_collision():
     landing = replace(command(7.0, CommandKind.PLAN, "land"), vehicle=1)
     stop = command(9.8, CommandKind.OFF, "high-level stop")
     found = findings(replace(log, commands=(*log.commands, landing, stop)), LIMITS)[0]
-    assert (found.rule, found.why) == ("collision", "the last command was land at 7.00 s, line 7")
+    assert (found.rule, found.why) == ("collision", "for cf2, the last command was land at 7.00 s, line 7")
+
+
+def test_of_two_that_collide_in_flight_the_command_of_each_is_told():
+    log = hover(2)
+    log.pos[UP, 1, 1] = 0.1
+    go_to = replace(command(1.5, CommandKind.PLAN, "go_to"), vehicle=1)
+    found = findings(replace(log, commands=(*log.commands, go_to)), LIMITS)[0]
+    first, second = found.why.split("; ")
+    assert first == "for cf1, the last command was takeoff at 1.00 s, line 7"
+    assert second == "for cf2, the last command was go_to at 1.50 s, line 7"
 
 
 def test_a_vehicle_levelled_out_once_is_not_told_and_one_levelled_out_often_is():

@@ -249,8 +249,10 @@ def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | N
         flying = log.airborne[:, i] | log.airborne[:, j]
         tick = _first(np.asarray(flying & (np.linalg.norm(apart, axis=-1) < limits.gap)))
         if tick >= 0:
-            t, (lower, upper) = float(log.t[tick]), ((i, j) if apart[tick, 2] < 0.0 else (j, i))
-            why = cause(log, lower if log.airborne[tick, lower] else upper, t)
+            t = float(log.t[tick])
+            why = "; ".join(
+                f"for {log.name(row)}, {cause(log, row, t)}" for row in (i, j) if log.airborne[tick, row]
+            )
             yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", why)
         elif log.trial.kind == TrialKind.NOMINAL:
             yield _exposure(log, (i, j), apart, limits)
