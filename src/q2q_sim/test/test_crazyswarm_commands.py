@@ -180,6 +180,25 @@ def test_the_start_of_a_trajectory_asks_for_one_that_is_defined():
         assert (asked.words, asked.impossible) == ("start_trajectory", impossible)
 
 
+def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitude_is_not():
+    pilot = Pilot(np.zeros((1, 4)))
+    pilot.fly(1.0)
+    climb = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 2.0, 0)
+    there = server_packets.position((0.2, 0.0, 0.5), 0.0)
+    level = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 1.0, 0.0, 0.0, 40000))
+    told = "a position that its complementary estimator does not know"
+    for estimator, impossible in ((2, ["", "", ""]), (1, [told, told, ""])):
+        pilot.firmware().parameters.set("stabilizer.estimator", estimator)
+        pilot.firmware().thrust_locked = False
+        found = []
+        for packet in (climb, there, level):
+            pilot.fleet.vehicles[0].handle(datagram_of(packet))
+            asked = asked_by(packet, [], pilot.firmware())
+            assert asked is not None
+            found.append(asked.impossible)
+        assert found == impossible
+
+
 def test_a_thrust_that_the_firmware_takes_for_none_is_told_and_no_thrust_is_not():
     pilot = Pilot(np.zeros((1, 4)))
     pilot.fly(1.0)

@@ -6,7 +6,7 @@ commander and of the supervisor are read from their packets (q2q_sim.crtp.ports 
 
 import math
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from q2q_sim.crtp.packets.packet import Packet, Port
@@ -29,6 +29,8 @@ NAMES = {
     13: "start_trajectory",
 }  # fmt: skip
 """Commands of the high-level commander."""
+COMPLEMENTARY = 1
+"""Value of stabilizer.estimator: attitude and height only (firmware: estimator_complementary.c)."""
 
 
 class CommandKind(StrEnum):
@@ -110,7 +112,21 @@ def asked_by(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked
             asked = _planned(packet.data, answers, firmware)
         case _:
             asked = _stopped(packet) or _arming(packet)
+    if asked is not None and _needs_position(asked, firmware) and not asked.impossible:
+        return replace(asked, impossible=_without_position(firmware))
     return asked
+
+
+def _needs_position(asked: Asked, firmware: Firmware) -> bool:
+    """Return whether a command makes a vehicle hold or leave a place."""
+    moved = (firmware.requested.x, firmware.requested.y) != (Mode.DISABLE,) * 2
+    return asked.kind == CommandKind.PLAN or (asked.kind == CommandKind.SETPOINT and moved)
+
+
+def _without_position(firmware: Firmware) -> str:
+    """Return that a vehicle has chosen an estimator without horizontal position; or nothing."""
+    chosen = firmware.parameters["stabilizer.estimator"]
+    return "a position that its complementary estimator does not know" if chosen == COMPLEMENTARY else ""
 
 
 def malformed(packet: Packet) -> Asked | None:
