@@ -9,11 +9,13 @@ from crtp_asked import ask
 
 from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.tables.log_table import FREE_MM, VARIABLES
+from q2q_sim.crtp.tables.log_table import VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
+from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.plant.quadcopter import QUAT
+from q2q_sim.sensors.range_finder import NOTHING_MM, RoomBox
 
 LOG_CONTROL, LOG_DATA = b"\x5d", 0x5E
 
@@ -107,8 +109,6 @@ def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: Pilot) 
     body = rotate_inverse(quat, np.array([0.5, -0.4, 0.3]))
     np.testing.assert_allclose([values[f"kalman.stateP{axis}"] for axis in "XYZ"], body)
     np.testing.assert_allclose([values[f"stateEstimateZ.{axis}"] for axis in "xyz"], [1e3, 2e3, 3e3])
-    assert values["range.zrange"] == pytest.approx(3e3 / (np.cos(0.1) * np.cos(0.2)))
-    assert values["range.front"] == values["range.up"] == FREE_MM
 
 
 def test_logs_of_the_cascade_are_what_it_is_asked_for_and_asks_for() -> None:
@@ -150,3 +150,24 @@ def test_feed_forward_of_the_velocity_tilts_by_itself() -> None:
         pilot.fly(0.01, pilot.hold(ahead))
         pitch.append(pilot.firmware().rows.memory[ATTITUDE_SETPOINT + 1])
     assert pitch[1] - pitch[0] == pytest.approx(-10.0 * 0.2)
+
+
+def test_ranges_are_those_along_the_body_axes_to_the_walls_and_0_without_a_deck() -> None:
+    box = RoomBox(3.0, 2.0, 2.5)
+    looking = Build(decks=("bcMultiranger", "bcZRanger2"), room=box)
+    pilot = Pilot(np.array([[1.1, 0.5, 1.0, math.pi / 2]]), build=looking)  # looks along y
+    names = ("front", "back", "left", "right", "up", "zrange")
+
+    def ranges(one: Pilot) -> list[float]:
+        log = {variable.name: variable for variable in VARIABLES if variable.group == "range"}
+        assert {variable.kind for variable in log.values()} == {"uint16"}
+        return [log[name].read(one.firmware()) for name in names]
+
+    np.testing.assert_allclose(ranges(pilot), [1500, 2500, NOTHING_MM, 1900, 1500, 1000])  # left: 4.1 m
+    pilot.swarm.state[0, QUAT] = quat_from_euler(0.0, math.radians(60.0), 0.0)  # nose down
+    down, slant = 1.0 / math.cos(math.radians(60.0)), 1.0 / math.cos(math.radians(30.0))
+    front, *_, zrange = ranges(pilot)
+    np.testing.assert_allclose([front, zrange], [1e3 * slant, 1e3 * down])  # both end on the floor
+    assert ranges(Pilot(np.array([[1.0, 0.5, 1.0, 0.0]]))) == [0.0] * 6
+    only_down = Pilot(np.array([[1.0, 0.5, 1.0, 0.0]]), build=Build(decks=("bcFlow2",)))
+    assert ranges(only_down) == [0.0] * 5 + [1000.0]

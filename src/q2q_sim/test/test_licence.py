@@ -21,6 +21,7 @@ from q2q_sim.experiments.licence.licence_reports import (
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.program_turns import Turns, always
 from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
@@ -180,3 +181,21 @@ def test_a_process_that_dies_is_told_with_its_signal_or_status(tmp_path: Path):
     assert [one.sentence for one in flight.findings] == [
         "at 0.00 s the program's process dies: signal 9, Killed"
     ]
+
+
+def test_a_program_for_the_multi_ranger_deck_sees_the_walls_of_the_licences_room(tmp_path: Path):
+    look = f"""
+    from cflib.utils.multiranger import Multiranger
+    with Multiranger(scf) as ranger:
+        time.sleep(0.5)
+        print(ranger.front, ranger.back, ranger.left, ranger.right, ranger.up > 1.8, ranger.down < 0.6)
+    {LAND}"""
+    limits = LicenceLimits(half_room=(1.5, 5.0), ceiling=2.5)
+    options = LicenceOptions(starts=((0.5, 0.0, 0.0),), limits=limits)
+    order = FlightOrder(hop(tmp_path, look), options.params(1), LicenceTrial(), (), (), 30.0)
+    (flight,) = flown([order], options, until=float("inf"))
+    assert flight.log is not None
+    assert flight.findings == ()
+    front, back, left, right, up, down = flight.log.output.splitlines()[-1].split()
+    assert [float(front), float(back)] == pytest.approx([1.0, 2.0], abs=0.02)  # it hovers not quite still
+    assert (left, right, up, down) == ("None", "None", "True", "True")

@@ -6,7 +6,7 @@ time is in milliseconds since the start of the room.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,12 +27,17 @@ from q2q_sim.firmware.parameters.uploads import Uploads
 from q2q_sim.firmware.supervisor.info import supervisor_info
 from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
 from q2q_sim.plant.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
+from q2q_sim.sensors.range_finder import DOWN, RoomBox, ranges_mm
 
 TICK_MS = 10
 SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
 ZERO_EXPIRES_MS = 500
 """Age at which a vehicle at rest drops a setpoint without thrust, if the build does so."""
+LOOKS_DOWN = frozenset(("bcFlow", "bcFlow2", "bcZRanger", "bcZRanger2"))
+"""Decks that measure the range downwards."""
+LOOKS_AROUND = "bcMultiranger"
+"""Deck that measures the other ranges."""
 SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
 """Weight of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
 
@@ -51,6 +56,8 @@ class Build:
     """Without a positioning deck: it measures velocity and height, relative to the initial estimate."""
     decks: tuple[str, ...] = ()
     """Decks reported to clients (parameter_table.DECKS)."""
+    room: RoomBox = field(default_factory=RoomBox)
+    """What the range finders see."""
     zero_expires: bool = False
     """Unlike the firmware: a client's setpoint without thrust expires after ZERO_EXPIRES_MS."""
 
@@ -153,6 +160,13 @@ class Firmware:
     def rates_deg(self) -> Array:
         """Return the gyroscope reading [deg/s], body, (3,)."""
         return np.asarray(DEG * self.rows.state[RATE])
+
+    @property
+    def ranges_mm(self) -> Array:
+        """Return the ranges to front, back, up, left, right, down [mm], (6,); 0 without a deck."""
+        around, below = LOOKS_AROUND in self.build.decks, not LOOKS_DOWN.isdisjoint(self.build.decks)
+        looks = np.where(np.arange(DOWN + 1) == DOWN, below, around)
+        return looks * ranges_mm(self.rows.state[POS], self.rows.state[QUAT], self.build.room)
 
     def reset_estimate(self) -> None:
         """Reset the position estimate to kalman.initialX, Y, Z."""

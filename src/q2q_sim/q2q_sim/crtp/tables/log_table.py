@@ -2,10 +2,10 @@
 
 Source: firmware: LOG_ADD of modules/src/stabilizer.c, supervisor.c, crtp_localization_service.c,
 estimator/estimator_kalman.c, controller/controller_mellinger.c, controller_pid.c, position_controller_pid.c,
-hal/src/pm_stm32f4.c, radiolink.c, range.c,
+hal/src/pm_stm32f4.c, radiolink.c, modules/src/range.c,
 drivers/src/motors.c. Angles are in degrees, pitch nose up (stateEstimate.pitch), the gyroscope's y is not
-turned; accelerations in g, stateEstimate.az without gravity; the ...Z groups in mm, mm/s, mm/s^2, mrad/s.
-Ranges are those of a vehicle over the floor with nothing beside or above it.
+turned; accelerations in g, stateEstimate.az without gravity; the ...Z groups in mm, mm/s, mm/s^2, mrad/s,
+and the ranges in mm.
 """
 
 import math
@@ -36,8 +36,6 @@ from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.plant.quadcopter import ACC, POS, QUAT, RATE
 
 Numbers = Array | tuple[float, ...]
-FREE_MM = 32766
-"""Range of a Multi-ranger deck if nothing is within reach [mm]."""
 RSSI = 40
 """Signal strength of a vehicle in the same room [-dBm]."""
 LOG_MAX_BLOCKS, LOG_MAX_OPS = 16, 128
@@ -86,13 +84,6 @@ def _legacy_rates(firmware: Firmware) -> Array:
 
 def _vel_body(firmware: Firmware) -> Array:
     return rotate_inverse(_quat(firmware), firmware.vel)
-
-
-def _height_range(firmware: Firmware) -> float:
-    """Return the distance to the floor along the body's z axis [mm]."""
-    up = rotate_inverse(_quat(firmware), np.array([0.0, 0.0, 1.0]))[2]
-    height = max(float(firmware.rows.state[POS][2]), 0.0)
-    return min(1e3 * height / up, FREE_MM) if up > 0.0 else FREE_MM
 
 
 def _compressed_quat(firmware: Firmware) -> float:
@@ -160,9 +151,8 @@ _SENSORS = (
     _vector("kalman: q0 q1 q2 q3", "float", lambda one: np.roll(_quat(one), 1)),  # w x y z
     _vector("locSrv: x y z", "float", lambda one: one.external.pos),
     _vector("locSrv: qx qy qz qw", "float", lambda one: one.external.quat),
+    _vector("range: front back up left right zrange", "uint16", lambda one: one.ranges_mm),
     _one("locSrvZ.tick", "uint16", lambda one: one.external.at_ms),
-    _vector("range: front back up left right", "uint16", lambda _: (FREE_MM,) * 5),
-    _one("range.zrange", "uint16", _height_range),
 )
 _HEALTH = (
     _one("pm.vbat", "float", lambda one: one.battery.volt),

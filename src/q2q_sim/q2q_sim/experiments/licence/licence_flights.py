@@ -26,6 +26,7 @@ from q2q_sim.experiments.licence.program_flight import (
 )
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.processes.warm_start import begin
+from q2q_sim.sensors.range_finder import RoomBox
 
 MOST_VEHICLES = 15
 """Vehicles of one radio."""
@@ -64,7 +65,8 @@ class LicenceOptions:
         row = tuple((0.0, SPACING * (k - 0.5 * (count - 1)), 0.0) for k in range(count))
         row = tuple(one.start for one in self.served) or row
         starts = self.starts[:count] if len(self.starts) >= count else row
-        return LicenceParams(starts, self.air, self.seed, self.arming)
+        room = RoomBox(*self.limits.half_room, self.limits.ceiling)
+        return LicenceParams(starts, self.air, self.seed, self.arming, room)
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,12 +27,13 @@ from q2q_sim.loop.room import TICK_NS, TICK_S, Room
 from q2q_sim.plant.quadcopter import POS, QUAT, ROTORS, VEL, R
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.settings import CAPTURE
+from q2q_sim.sensors.range_finder import RoomBox
 
 PACKET_S = 0.001
 """Time that one packet takes: a Crazyradio sends some 1000 a second [s]."""
 NOTICED_S = 1.0
 """Time after which a radio reports a lost link [s]."""
-DECKS = ("bcFlow2", "bcLighthouse4", "bcZRanger2")
+DECKS = ("bcFlow2", "bcLighthouse4", "bcMultiranger", "bcZRanger2")
 """Decks reported to programs that ask for them."""
 ECHO = b"\xfc\x00"
 """Packet of the radio itself, which keeps the vehicle's logs alive."""
@@ -49,6 +50,8 @@ class LicenceParams:
     seed: int = 0
     arming: bool = False
     """The vehicles do not arm themselves."""
+    room: RoomBox = field(default_factory=RoomBox)
+    """What their range finders see."""
 
     @property
     def scenario(self) -> Scenario:
@@ -98,7 +101,7 @@ class LicenceRoom:
         self._room = Room(_with_faults(scenario, trial), params.seed)
         self._names = names
         self._rotors = FaultInjection(trial.rotor_faults(names), names, TICK_NS, params.seed)
-        build = Build(auto_arming=not params.arming, positioning_deck=False, decks=DECKS)
+        build = Build(auto_arming=not params.arming, positioning_deck=False, decks=DECKS, room=params.room)
         self._fleet = Fleet(self._room.swarm, scenario.vehicle, build)
         self._columns = _Columns()
         if trial.kind == TrialKind.BATTERY:
