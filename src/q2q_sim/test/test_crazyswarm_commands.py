@@ -9,7 +9,7 @@ import pytest
 
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.experiments.licence.client_commands import CommandKind, asked_by
+from q2q_sim.experiments.licence.commands.client_commands import CommandKind, asked_by
 from q2q_sim.experiments.licence.crazyswarm import server_packets
 from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
     check_ellipsoid_collisions,

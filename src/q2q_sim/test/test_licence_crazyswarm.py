@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.licence.client_commands import CommandKind
+from q2q_sim.experiments.licence.commands.client_commands import CommandKind
 from q2q_sim.experiments.licence.crazyswarm.modules import CONNECT_S
 from q2q_sim.experiments.licence.crazyswarm.pilot_input import PRESS_AFTER_S, PRESS_S
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import (

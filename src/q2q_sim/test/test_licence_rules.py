@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.licence.client_commands import Asked, ClientCommand, CommandKind
+from q2q_sim.experiments.licence.commands.client_commands import Asked, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits, findings

@@ -1,6 +1,6 @@
 """Cause of what a vehicle did: the command, or the silence, before it."""
 
-from q2q_sim.experiments.licence.client_commands import ClientCommand, CommandKind
+from q2q_sim.experiments.licence.commands.client_commands import ClientCommand, CommandKind
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.firmware.supervisor.rules import State
 

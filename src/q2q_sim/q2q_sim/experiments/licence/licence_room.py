@@ -15,7 +15,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.packets.packet import MalformedError, packet_of
-from q2q_sim.experiments.licence.client_commands import ClientCommand, asked_by, malformed
+from q2q_sim.experiments.licence.commands.client_commands import ClientCommand, asked_by, malformed
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
 from q2q_sim.faults.injection import FaultInjection

@@ -11,7 +11,7 @@
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
 | spin | it turns faster than 500 deg/s |
 | yaw | a yaw of more than one turn is asked of the high-level commander, whose unit is rad |
-| command | it is asked for a number that is not finite, or for a trajectory that was not defined |
+| command | it is asked for what no vehicle can follow (commands) |
 | end | it still flies 5 s after the end of the program, or at the time limit |
 | program | the program fails, or does not end |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
@@ -30,7 +30,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.experiments.licence.client_commands import FLIGHT
+from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind

@@ -23,7 +23,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from q2q_sim.experiments.licence.client_commands import FLIGHT
+from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, put_in_place
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, stock_vehicles
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd

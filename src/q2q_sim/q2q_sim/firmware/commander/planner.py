@@ -159,6 +159,11 @@ class Planner:
         return self._fly(piece, t, PlanState.FLYING)
 
     @property
+    def trajectory(self) -> Piecewise | None:
+        """Return the last trajectory that was begun; None if there is none."""
+        return self._trajectory
+
+    @property
     def here(self) -> Goal:
         """Return the last goal, or the estimated position when idle."""
         return self._here

@@ -9,8 +9,10 @@ import struct
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
+from q2q_sim.experiments.licence.commands.plan_reach import out_of_reach
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerAnswer
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
@@ -112,9 +114,9 @@ def asked_by(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked
             asked = _planned(packet.data, answers, firmware)
         case _:
             asked = _stopped(packet) or _arming(packet)
-    if asked is not None and _needs_position(asked, firmware) and not asked.impossible:
-        return replace(asked, impossible=_without_position(firmware))
-    return asked
+    if asked is None or asked.impossible or not _needs_position(asked, firmware):
+        return asked
+    return replace(asked, impossible=_without_position(firmware) or _out_of_reach(asked, firmware))
 
 
 def _needs_position(asked: Asked, firmware: Firmware) -> bool:
@@ -127,6 +129,14 @@ def _without_position(firmware: Firmware) -> str:
     """Return that a vehicle has chosen an estimator without horizontal position; or nothing."""
     chosen = firmware.parameters["stabilizer.estimator"]
     return "a position that its complementary estimator does not know" if chosen == COMPLEMENTARY else ""
+
+
+def _out_of_reach(asked: Asked, firmware: Firmware) -> str:
+    """Return what is out of reach of the plan that a command has begun; or nothing."""
+    plan = firmware.planner.trajectory
+    if asked.kind != CommandKind.PLAN or asked.refused or plan is None:
+        return ""
+    return out_of_reach(plan, CRAZYFLIE_2_1)  # the lightest brushed one: the program may be meant for it
 
 
 def malformed(packet: Packet) -> Asked | None:

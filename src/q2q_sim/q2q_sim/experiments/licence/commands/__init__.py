@@ -1,0 +1,1 @@
+"""What a program asks of its vehicles: commands in words, and plans out of reach."""

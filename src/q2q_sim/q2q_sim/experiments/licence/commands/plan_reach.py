@@ -1,0 +1,51 @@
+"""Reach of a vehicle: plans of the high-level commander that it cannot follow even at full thrust.
+
+A vehicle that is at p with velocity v, whose thrust has any direction and at most F/m, is after T within the
+ball
+
+    |p' - p - v T + g T^2 / 2 e_z| <= F/m T^2 / 2
+
+so that a piece whose end is outside leaves the vehicle behind by the difference at least, whatever the
+controller. Between two pieces T is 0: a trajectory must not jump.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.firmware.commander.piecewise import Piecewise
+from q2q_sim.firmware.commander.polynomial import Piece, goal_at
+
+BEHIND = 0.15
+"""Distance by which a plan may leave a vehicle behind [m]: that of two vehicles that collide."""
+
+
+def out_of_reach(plan: Piecewise, vehicle: Vehicle) -> str:
+    """Return what of a plan is out of reach; empty if nothing is."""
+    jump = max((_jump(one, other) for one, other in pairwise(plan.pieces)), default=0.0)
+    if jump > BEHIND:
+        return f"a trajectory that jumps by {jump:.2f} m between two pieces"
+    if plan.backwards:
+        return ""
+    for piece in plan.pieces:
+        behind = left_behind(piece, plan.timescale, vehicle)
+        if behind > BEHIND:
+            return f"a place that is {behind:.2f} m farther than full thrust takes it in that time"
+    return ""
+
+
+def left_behind(piece: Piece, timescale: float, vehicle: Vehicle) -> float:
+    """Return how far the end of a piece is beyond a vehicle's reach from its start [m]; below 0 within."""
+    T = piece.duration * timescale
+    if not T > 0.0:
+        return 0.0
+    start, end = goal_at(piece, 0.0), goal_at(piece, piece.duration)
+    fall = np.array([0.0, 0.0, 0.5 * GRAVITY * T**2])
+    away = end.pos - start.pos - start.vel * piece.duration + fall
+    return float(np.linalg.norm(away)) - 0.5 * vehicle.thrust_max / vehicle.mass * T**2
+
+
+def _jump(one: Piece, other: Piece) -> float:
+    """Return the distance from the end of a piece to the start of the next one [m]."""
+    return float(np.linalg.norm(goal_at(other, 0.0).pos - goal_at(one, one.duration).pos))
