@@ -33,7 +33,7 @@ from q2q_sim.firmware.controllers.columns import (
     Z_AXIS_SETPOINT,
 )
 from q2q_sim.firmware.firmware import Firmware
-from q2q_sim.plant.quadcopter import ACC, POS, QUAT, RATE
+from q2q_sim.plant.quadcopter import ACC, QUAT, RATE
 
 Numbers = Array | tuple[float, ...]
 RSSI = 40
