@@ -1,4 +1,4 @@
-"""A vehicle that is measured again after nobody flew it starts anew where it is, and is led back."""
+"""A vehicle that is measured again, or far from its motion, starts anew where it is, and is led back."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
-from q2q_planner.online.safe.found_again import BLIND_S
+from q2q_planner.online.safe.found_again import BLIND_S, FRESH_S, LEFT_BEHIND
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
@@ -106,3 +106,29 @@ def test_one_that_was_never_measured_begins_on_its_reference() -> None:
     for k in range(60):
         replanner.update(setpoint_at(k * TICK), state_at(k * TICK, np.inf))
     np.testing.assert_array_equal(replanner.update(setpoint_at(0.6), state_at(0.6, 0.0, OFF)).pos, SENT)
+
+
+@pytest.mark.parametrize("aside", [LEFT_BEHIND - 0.03, LEFT_BEHIND + 0.03])
+def test_one_that_is_led_back_starts_again_where_it_is_if_it_is_far_from_its_motion(aside: float) -> None:
+    replanner, begin = SafeReplanner(PARAMS), 60
+    for k in range(begin):
+        replanner.update(setpoint_at(k * TICK), state_at(k * TICK, k * TICK))
+    first = replanner.update(setpoint_at(0.6), state_at(0.6, 0.0, OFF))
+    away = OFF + np.array([0.0, aside, 0.0])
+    old = replanner.update(setpoint_at(0.61), state_at(0.61, 2.0 * FRESH_S, away, ON))
+    np.testing.assert_allclose(old.pos[0], first.pos[0], atol=1e-3)  # not of this tick
+    then = replanner.update(setpoint_at(0.62), state_at(0.62, 0.0, away, ON))
+    if aside > LEFT_BEHIND:
+        np.testing.assert_allclose(then.pos[0] - SENT[0], away, atol=1e-12)
+        assert then.status[0] == SetpointStatus.SHIFTED
+    else:
+        np.testing.assert_allclose(then.pos[0] - SENT[0], OFF, atol=3e-3)
+        assert then.status[0] == SetpointStatus.PROMISE_BROKEN
+
+
+def test_one_on_its_reference_stays_there_however_far_it_is() -> None:
+    replanner = SafeReplanner(PARAMS)
+    replanner.update(setpoint_at(0.0), state_at(0.0, 0.0))
+    far = replanner.update(setpoint_at(0.01), state_at(0.01, 0.0, OFF))
+    np.testing.assert_array_equal(far.pos, SENT)
+    assert far.status.tolist() == [SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL]

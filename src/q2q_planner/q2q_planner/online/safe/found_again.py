@@ -1,9 +1,13 @@
-"""Vehicles that are measured again after nobody flew them: their motion begins where they are.
+"""Vehicles that are not where their motion is: it begins anew where they are measured.
 
 A vehicle without measurements brakes and sinks (q2q_control.failsafe), while its modified trajectory goes on.
 Measured again, it would be pulled to a setpoint metres away, past others, faster than any motion that was
 proven. Its motion therefore starts anew at its measured position and velocity, and leads back from there. It
 sinks no faster than it can stop above the floor, z = 0: sent below that, one would stand there and lean.
+
+So does that of a vehicle that was measured all the time and is far from its modified trajectory, as one that
+evades another which falls (q2q_control.failsafe.evasion): others would be led past its setpoint, through it.
+One on its reference stays there, as that may jump.
 """
 
 from dataclasses import replace
@@ -14,13 +18,15 @@ from q2q_model.compiled import compiled
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Array, Mask, Names, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.committed_motion import CommittedMotion
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, distance
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s
 """Age of a measurement beyond which a controller does not fly a vehicle [s]."""
 FRESH_S = 0.01
 """Age of a measurement that is of this tick or the last one [s]."""
+LEFT_BEHIND = 0.5
+"""Distance of a measured vehicle from its motion beyond which the proof says nothing about it [m]."""
 
 
 class LostVehicles:
@@ -46,6 +52,20 @@ def _found(age: Array, before: Mask, lost: Mask) -> Mask:
     # never measured is not lost: a vehicle begins on its reference
     lost[:] = (age > BLIND_S) & np.isfinite(age) | before & ~fresh
     return before & fresh
+
+
+def left_behind(committed: CommittedMotion, known: KnownStates) -> Mask:
+    """Return which vehicles off the reference are measured too far from their motion, (n,)."""
+    return _left_behind(committed.rows, known.pos, known.age)
+
+
+@compiled
+def _left_behind(motion: MotionRows, pos: Array, age: Array) -> Mask:
+    left = np.empty(age.size, np.bool_)
+    for row in range(age.size):
+        far = distance(motion.pos, pos, row) > LEFT_BEHIND
+        left[row] = far and age[row] <= FRESH_S and not motion.on_reference[row]
+    return left
 
 
 def restarted(

@@ -10,8 +10,8 @@ kept apart. With `jerk_max` every modified trajectory has bounded jerk and accel
 whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_max` is left at that tick.
 
 **Conditions.** The promise is broken, and reported at the same tick, if
-1. at the first tick, or when a vehicle appears or is measured again (`found_again`), two can no longer brake
-   outside their zone;
+1. at the first tick, or when a vehicle appears, is measured again or far from its modified trajectory
+   (`found_again`), two can no longer brake outside their zone;
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
    the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it;
 3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
@@ -70,7 +70,7 @@ from q2q_planner.online.safe.finite_setpoints import (
     moves_finitely,
     off_reference,
 )
-from q2q_planner.online.safe.found_again import LostVehicles, restarted
+from q2q_planner.online.safe.found_again import LostVehicles, left_behind, restarted
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
@@ -150,12 +150,11 @@ class SafeReplanner:
         return _answer(setpoint, self._committed, broken, decision.acc)
 
     def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
-        """Return the motion in which vehicles that are measured again, off it, start where they are."""
+        """Return the motion in which vehicles that are measured again or far, off it, start where they are."""
         found = self._lost.found(known)
         if found.any():
             found &= off_trajectory(committed, known, self.params)
-            committed = restarted(committed, known, found, self.params)
-        return committed
+        return restarted(committed, known, found | left_behind(committed, known), self.params)
 
     def _recognise(self, own: Names, external: Names) -> None:
         """Match the proven pairs to this tick's names; a new vehicle is in none."""
