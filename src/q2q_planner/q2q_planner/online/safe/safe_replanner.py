@@ -150,7 +150,7 @@ class SafeReplanner:
         return _answer(setpoint, self._committed, broken, decision.acc)
 
     def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
-        """Return the motion in which vehicles that are measured again or far, off it, start where they are."""
+        """Return the motion in which vehicles that are off it, found again or far, start where they are."""
         found = self._lost.found(known)
         if found.any():
             found &= off_trajectory(committed, known, self.params)
