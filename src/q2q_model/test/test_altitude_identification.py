@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.flight import of_vehicle
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
@@ -162,6 +163,28 @@ def test_an_offset_is_found_where_there_is_one_and_only_there():
     assert is_better(more, less)
     assert more.loop.offset == pytest.approx(0.1, rel=0.01)
     assert not is_better(gains_from_trajectories(without, ("offset",)), gains_from_trajectories(without))
+
+
+def test_gains_come_out_though_every_flight_has_an_offset_of_its_own():
+    loop = AltitudeLoop(8.0, 5.0)
+    records = [
+        record_of(replace(CALM, name=f"offset {offset}", loop=replace(loop, offset=offset)))
+        for offset in (0.6, -0.4, 0.2)
+    ]
+    plain, shifted = gains_from_trajectories(records), gains_from_trajectories(records, ("offset",))
+    assert abs(plain.loop.k_p - 8.0) > 2.0
+    assert is_better(shifted, plain)
+    assert shifted.loop.k_p == pytest.approx(8.0, rel=0.02)
+    assert shifted.loop.k_d == pytest.approx(5.0, rel=0.02)
+    assert shifted.loop.offset == pytest.approx((0.6 - 0.4 + 0.2) / 3.0, rel=0.02)
+
+
+def test_flights_of_one_and_of_two_vehicles_give_gains_together():
+    both = replace(CALM, loop=PLAIN, noise=1e-5)
+    alone = altitude_record(of_vehicle(made_flight(both), "cf1"), CRAZYFLIE_2_0)
+    fit = gains_from_trajectories([record_of(both), alone])
+    assert [one.shape for one in fit.mse] == [(2,), (1,)]
+    assert fit.loop.k_p == pytest.approx(0.81, rel=2e-3)
 
 
 def test_the_thrusts_lag_is_found_from_accelerometer_and_command():

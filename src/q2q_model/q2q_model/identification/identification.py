@@ -30,7 +30,7 @@ from q2q_model.identification.force.residual_fit import ResidualFit, fit_residua
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
-from q2q_model.identification.gains.trajectory_gains import gains_from_trajectories
+from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import (
     NOTHING,
@@ -187,15 +187,17 @@ def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
     try:
         return gains_from_commands(records), []
     except ValueError as missing:
-        found = gains_from_trajectories(records)
+        found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
+        if needs_offset := is_better(shifted, found):
+            found = shifted
         spread = dict(found.intervals)
         fit = GainFit(
             loop=found.loop,
             k_p=spread["k_p"],
             k_d=spread["k_d"],
-            needs_offset=False,
+            needs_offset=needs_offset,
             needs_integral=False,
-            rms=float(found.mse.mean() ** 0.5),
+            rms=float(np.concatenate(found.mse).mean() ** 0.5),
             from_commands=False,
         )
         return fit, [f"gains are from trajectories, downwash and lag included: {missing}"]

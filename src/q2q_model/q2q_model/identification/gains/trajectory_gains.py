@@ -4,8 +4,12 @@
     zhat'' = z_ref'' + K_d (z_ref' - zhat') + K_p (z_ref - zhat)
 
 The paper minimises with Powell's method (xtol = ftol = 1e-8, Table 3) through an ODE solver. The loop is
-linear: `gains_from_trajectories` steps it exactly and minimises with Gauss-Newton, optionally with offset,
-integral or lag. `is_better` is an F test between two such fits.
+linear: `gains_from_trajectories` steps it exactly and minimises with Gauss-Newton, optionally with integral,
+lag, and an offset for each vehicle and flight (battery, mass). These are best for any gains in closed form:
+
+    zhat = zhat(b = 0) + b s,   b = sum (z - zhat(b = 0)) s / sum s^2
+
+with s the response to a unit offset. `is_better` is an F test between two such fits.
 
 Trajectories identify gains only under excitation: an initial error, a step, or downwash that has passed.
 Without it, the intervals extend over the search range. Only the whole loop is identifiable: a thrust lag T
@@ -13,7 +17,7 @@ lowers the identified K_d by K_p T.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -38,9 +42,11 @@ BLOCK = 5.0
 """Least length of a cluster of residuals [s]: two thirds of the loop's period."""
 FORBIDDEN = 1e12
 """Loss of negative gains [m^2]."""
-LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "offset": -5.0, "lag": 1e-3}
-HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "offset": 5.0, "lag": 0.5}
-START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "offset": 0.0, "lag": 0.05}
+LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}
+HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "lag": 0.5}
+START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "lag": 0.05}
+OFFSET = "offset"
+"""Option of an offset for each vehicle of each flight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,28 +54,36 @@ class TrajectoryGains:
     """Loop fitted to trajectories."""
 
     loop: AltitudeLoop
+    """Its offset is the mean of the vehicles'."""
     intervals: tuple[tuple[str, Interval], ...]
-    mse: Array
-    """Mean square error of each vehicle of each flight [m^2], (flights, n)."""
+    """Of the gains and the lag."""
+    mse: tuple[Array, ...]
+    """Mean square error of each vehicle [m^2], (n,) of every flight."""
     rows: float
     """Effective number of independent residuals."""
+    terms: int = 2
+    """Number of fitted parameters, offsets included."""
 
 
 def gains_from_trajectories(
     records: Sequence[AltitudeRecord], options: Sequence[str] = ()
 ) -> TrajectoryGains:
     """Return the loop fitted to altitudes; `options` among offset, k_i and lag."""
-    names = ["k_p", "k_d", *options]
+    names = ["k_p", "k_d", *(name for name in options if name != OFFSET)]
     bounds = (np.array([LOW[name] for name in names]), np.array([HIGH[name] for name in names]))
     start = np.array([START[name] for name in names])
+
+    def fitted(x: Array) -> list[tuple[Array, Array]]:
+        loop = _loop(names, x)
+        return [_fitted(record, loop, shifted=OFFSET in options) for record in records]
+
     found = least_squares(
-        lambda x: np.concatenate([part.T.ravel() for part in _residuals(records, _loop(names, x))]),
+        lambda x: np.concatenate([residual.T.ravel() for residual, _ in fitted(x)]),
         start,
         bounds=bounds,
         x_scale=np.maximum(np.abs(start), 0.05),
     )
-    loop = _loop(names, found.x)
-    residuals = _residuals(records, loop)
+    residuals, offsets = zip(*fitted(found.x), strict=True)
     stretches = [
         Stretch(k, record.t, one)
         for k, (record, residual) in enumerate(zip(records, residuals, strict=True))
@@ -78,11 +92,13 @@ def gains_from_trajectories(
     rows = least_squares_rows(found.jac, found.fun, clusters(stretches, BLOCK))
     spread = intervals(found.x, rows, (np.minimum(bounds[0], 0.0), bounds[1]))
     rho = _correlation(residuals)
+    each = np.concatenate(offsets)
     return TrajectoryGains(
-        loop=loop,
+        loop=replace(_loop(names, found.x), offset=float(each.mean())),
         intervals=tuple(zip(names, spread, strict=True)),
-        mse=np.stack([(residual**2).mean(axis=0) for residual in residuals]),
+        mse=tuple((residual**2).mean(axis=0) for residual in residuals),
         rows=found.fun.size * (1.0 - rho) / (1.0 + rho),
+        terms=len(names) + (each.size if OFFSET in options else 0),
     )
 
 
@@ -102,23 +118,28 @@ def gains_by_powell(records: Sequence[AltitudeRecord]) -> TrajectoryGains:
         (name, Interval(float(x), float("nan"), float("nan")))
         for name, x in zip(("k_p", "k_d"), found.x, strict=True)
     )
-    mse = np.stack([(_solved(record, found.x) ** 2).mean(axis=0) for record in records])
+    mse = tuple((_solved(record, found.x) ** 2).mean(axis=0) for record in records)
     return TrajectoryGains(loop=loop, intervals=unknown, mse=mse, rows=float("nan"))
 
 
 def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01) -> bool:
     """Return whether an F test finds the extra terms of `more` significant."""
-    extra = len(more.intervals) - len(less.intervals)
-    freedom = max(more.rows - len(more.intervals), 1.0)
-    ratio = (less.mse.sum() - more.mse.sum()) / more.mse.sum() * freedom / extra
+    extra = more.terms - less.terms
+    freedom = max(more.rows - more.terms, 1.0)
+    unexplained = np.concatenate(more.mse).sum()
+    ratio = (np.concatenate(less.mse).sum() - unexplained) / unexplained * freedom / extra
     return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < level)
 
 
-def _residuals(records: Sequence[AltitudeRecord], loop: AltitudeLoop) -> list[Array]:
-    """Return z - zhat [m], (T, n), of every flight."""
-    return [
-        record.deviation - free_response(loop, record.dt, record.start, record.jerk) for record in records
-    ]
+def _fitted(record: AltitudeRecord, loop: AltitudeLoop, *, shifted: bool) -> tuple[Array, Array]:
+    """Return z - zhat of a flight [m], (T, n), and the offsets of its vehicles [m/s^2], (n,), 0 if not `shifted`."""
+    residual = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
+    if not shifted:
+        return residual, np.zeros(residual.shape[1])
+    unit, still = replace(loop, offset=1.0), np.zeros((record.t.size, 1))
+    response = free_response(unit, record.dt, still[:2], still)
+    offset = (response * residual).sum(axis=0) / (response**2).sum()
+    return residual - offset * response, offset
 
 
 def _solved(record: AltitudeRecord, gains: Array) -> Array:
