@@ -132,7 +132,7 @@ def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01)
 
 
 def _fitted(record: AltitudeRecord, loop: AltitudeLoop, *, shifted: bool) -> tuple[Array, Array]:
-    """Return z - zhat of a flight [m], (T, n), and the offsets of its vehicles [m/s^2], (n,), 0 if not `shifted`."""
+    """Return z - zhat [m], (T, n), and the offsets of the vehicles [m/s^2], (n,): 0 if not `shifted`."""
     residual = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
     if not shifted:
         return residual, np.zeros(residual.shape[1])
