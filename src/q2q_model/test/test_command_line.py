@@ -1,6 +1,8 @@
 """A wrong word is answered with the nearest right one, and help shows an example."""
 
 import os
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -133,3 +135,29 @@ def test_a_warning_is_one_line_of_the_program_and_changes_nothing_beyond_it(
     assert run_command(CommandLine("identify", None, "identify"), lambda _: work, []) == 0
     assert capsys.readouterr().err == "identify: warning: a topic is missing\n"
     assert (warnings.showwarning, warnings.formatwarning) == before
+
+
+@pytest.mark.parametrize("lines", [1, 100_000])  # the first waits in the buffer until the end
+def test_output_that_nobody_reads_ends_a_command_without_a_traceback(lines: int):
+    program = (
+        "import sys; from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "sys.stdin.read()\n"
+        f"work = lambda _: print('line\\n' * {lines}) or 0\n"
+        "sys.exit(run_command(CommandLine('tool', 'Does things.', 'tool'), lambda _: work, []))"
+    )
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", program], **pipes) as process:
+        assert process.stdout is not None
+        process.stdout.close()  # as `| head` does once it has its lines
+        process.stdout = None
+        _, said = process.communicate(b"")
+    assert process.returncode == 141
+    assert said == b""
+
+
+def test_a_broken_pipe_to_another_process_is_told(capsys: pytest.CaptureFixture[str]):
+    def work(_: object) -> int:
+        raise BrokenPipeError("the recorder has gone")
+
+    assert run_command(made(), lambda _: work, []) == 1
+    assert capsys.readouterr().err == "tool: the recorder has gone\n"

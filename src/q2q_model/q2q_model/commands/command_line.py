@@ -17,7 +17,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import NoReturn
 
-from q2q_model.commands.quiet_end import ending_at_once
+from q2q_model.commands.quiet_end import drop_output, ending_at_once, output_is_read
 from q2q_model.node.lean_imports import lean_imports
 
 ROS_ARGS = "--ros-args"
@@ -26,6 +26,8 @@ WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
 UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
+CUT_OFF = 141
+"""Exit status if nobody reads the output any more (`| head`), as shells have it: 128 + SIGPIPE."""
 
 Work = Callable[[Namespace], int]
 """Execution of parsed arguments; returns the exit status."""
@@ -87,13 +89,18 @@ def run_command(
         with warnings_in_one_line(line.prog):
             with ending_at_once(INTERRUPTED), lean_imports():
                 work = prepare(args)
-            return work(args)
+            status = work(args)
+            sys.stdout.flush()
+            return status
     except KeyboardInterrupt:
         print(f"{line.prog}: {interrupted}", file=sys.stderr)
         return INTERRUPTED
     except UsageError as wrong:
         line.error(str(wrong))
     except (ValueError, OSError) as refusal:
+        if isinstance(refusal, BrokenPipeError) and not output_is_read():
+            drop_output()
+            return CUT_OFF
         print(f"{line.prog}: {reason(refusal)}", file=sys.stderr)
         return refused
 

@@ -1,10 +1,14 @@
-"""Exit without a traceback on a signal during imports."""
+"""Exit without a traceback: on a signal during imports, and if nobody reads the output any more."""
 
 import os
+import select
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+STDOUT = 1
+"""File descriptor of the standard output."""
 
 
 @contextmanager
@@ -23,3 +27,17 @@ def ending_at_once(status: int) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def output_is_read() -> bool:
+    """Return whether somebody still reads the standard output; false after `| head` has ended."""
+    events = select.poll()
+    events.register(STDOUT, 0)
+    return not any(event & select.POLLERR for _, event in events.poll(0))
+
+
+def drop_output() -> None:
+    """Write what is left of the standard output to nowhere, so that the exit does not fail by it."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, STDOUT)
+    os.close(nowhere)
