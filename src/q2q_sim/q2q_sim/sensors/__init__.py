@@ -1,1 +1,1 @@
-"""Simulated sensors: motion capture and IMU."""
+"""Simulated sensors: motion capture, IMU and range finders."""
