@@ -70,7 +70,7 @@ class BrokenRule:
 
     rule: str
     t: float
-    """[s]"""
+    """[s]; 0 if nobody knows, as the process ended without a log."""
     what: str
     """What the vehicle or the program does."""
     why: str = ""
@@ -78,7 +78,8 @@ class BrokenRule:
     @property
     def sentence(self) -> str:
         """Return when, what, and why."""
-        return f"at {self.t:.2f} s {self.what}{f': {self.why}' if self.why else ''}"
+        when = f"at {self.t:.2f} s " if self.t else ""
+        return f"{when}{self.what}{f': {self.why}' if self.why else ''}"
 
 
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
