@@ -13,8 +13,9 @@ from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord
+from q2q_model.identification.identification import Recording
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.replay_page import (
     ReplayRun,
@@ -26,6 +27,7 @@ from q2q_sim.replay_page import (
 from q2q_sim.replay_page.packed_run import MISSING, STEPS, packed_run
 from q2q_sim.replay_page.script_archive import FOLDER
 from q2q_sim.scenarios import library
+from q2q_sim.tools.write_replay import measured_force
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +144,15 @@ def test_measured_downwash_is_shown_while_a_vehicle_is_under_another():
     assert np.abs(seen.downwash[:, 1]).max() == 0.0
     assert np.abs(seen.downwash[np.abs(pos[:, 1, 0]) > 0.25]).max() < 1e-12  # rounding of a running sum
     assert with_measured_downwash(seen, lambda: record) is seen, "what is recorded is not replaced"
+
+
+def test_the_force_of_another_vehicle_is_not_shown_and_told(
+    flight: Flight, capsys: pytest.CaptureFixture[str]
+):
+    assert measured_force(Recording(flight), CRAZYFLIE_2_0) is None
+    told = capsys.readouterr().err
+    assert told.startswith("replay_page: no downwash is shown: flight ")
+    assert "times the weight of crazyflie_2_0" in told
 
 
 def test_four_runs_are_refused(run: ReplayRun):

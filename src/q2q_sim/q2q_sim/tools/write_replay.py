@@ -10,11 +10,12 @@ import numpy as np
 from q2q_model.bag import BagReader, TopicMap
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.identification import force_record
+from q2q_model.identification.force.downwash_force import ForceRecord
+from q2q_model.identification.identification import Recording, force_record
 from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
-from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_sim.monitors.flight_verdict import verdict_of, with_unknown_end
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
@@ -48,9 +49,16 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     if args.end is None and not is_table and BagReader(path).is_cut:
         verdict = with_unknown_end(verdict, part)
     run = replay_run(part, flown.vehicle, name, verdict)
-    return with_measured_downwash(
-        run, lambda: force_record(recording, flown.vehicle, flown.vehicle.thrust_lag)
-    )
+    return with_measured_downwash(run, lambda: measured_force(recording, flown.vehicle))
+
+
+def measured_force(recording: Recording, vehicle: Vehicle) -> ForceRecord | None:
+    """Return a flight's measured force; None, with a note, if it is not that of the vehicle."""
+    try:
+        return force_record(recording, vehicle, vehicle.thrust_lag)
+    except ValueError as unfit:
+        print(f"replay_page: no downwash is shown: {unfit}", file=sys.stderr)
+        return None
 
 
 def _vehicle(path: Path, override: str, *, is_table: bool) -> FlownVehicle:
