@@ -13,7 +13,7 @@
 | yaw | a yaw of more than one turn is asked of the high-level commander, whose unit is rad |
 | command | it is asked for what no vehicle can follow (commands) |
 | end | it still flies 5 s after the end of the program, or at the time limit |
-| program | the program fails, or does not end |
+| program | the program fails, dies, or does not end |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
 
 MotionCommander of cflib itself stops the motors 0.1 m above the floor. Between notify_setpoint_stop and the

@@ -166,15 +166,17 @@ class _Flight:
         self._room.fly()
         asked = self._order.survey and any(one.asked.kind in FLIGHT for one in self._room.commands)
         if asked or self._room.t >= self._order.limit:
-            waiting = waiting_lines(str(self._order.program.file))
-            self._send(ProgramEnd(self._room.t, overdue=True, waiting=waiting))
+            self._send(self._overdue())
 
     def _end_if_outside(self, _: int, __: FrameType | None) -> None:
         """End the flight of a program that waits where no simulated time passes between two looks."""
         seen, self._seen = self._seen, (self._turns.given, self._turns.now)
         if seen == self._seen and not self._turns.handing_on:
-            waiting = waiting_lines(str(self._order.program.file))
-            self._send(ProgramEnd(self._room.t, overdue=True, waiting=waiting, outside=True))
+            self._send(self._overdue(outside=True))
+
+    def _overdue(self, *, outside: bool = False) -> ProgramEnd:
+        waiting = waiting_lines(str(self._order.program.file))
+        return ProgramEnd(self._room.t, overdue=True, waiting=waiting, outside=outside)
 
     def _end_of(self, run: Callable[[], object]) -> ProgramEnd:
         try:
@@ -227,11 +229,10 @@ def waiting_lines(file: str) -> tuple[int, ...]:
     return tuple(dict.fromkeys(line for line in lines if line))
 
 
-def _line_in(file: str, frame: FrameType | None) -> int:
+def _line_in(file: str, frame: FrameType) -> int:
     """Return the innermost line of a file that a frame was called from; 0 if there is none."""
-    while frame is not None and frame.f_code.co_filename != file:
-        frame = frame.f_back
-    return frame.f_lineno if frame is not None else 0
+    stack = traceback.walk_stack(frame)
+    return next((line for one, line in stack if one.f_code.co_filename == file), 0)
 
 
 def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:

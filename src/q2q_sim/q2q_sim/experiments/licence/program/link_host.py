@@ -1,9 +1,9 @@
 """Where the links of a program end: at the vehicles of a LicenceRoom, with the program's place that calls."""
 
 import sys
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import FrameType
 from typing import NamedTuple
 
 from q2q_sim.experiments.licence.licence_room import PACKET_S, LicenceRoom, OpenLink
@@ -33,14 +33,11 @@ class LinkHost:
     @property
     def sender(self) -> Sender:
         """Return the line of the program that has called, 0 if none has, and whether it closes a link."""
-        frame: FrameType | None = sys._getframe()  # noqa: SLF001
         closing = False
-        while frame is not None:
-            code = frame.f_code
-            if code.co_filename == self.program:
-                return Sender(frame.f_lineno, closing)
-            closing = closing or code.co_name == "close_link"
-            frame = frame.f_back
+        for frame, line in traceback.walk_stack(sys._getframe()):  # noqa: SLF001
+            if frame.f_code.co_filename == self.program:
+                return Sender(line, closing)
+            closing = closing or frame.f_code.co_name == "close_link"
         return Sender(0, closing)
 
     def passes(self, link: OpenLink) -> bool:
