@@ -19,6 +19,8 @@ from q2q_model.bag.storage.salvage import salvage
 
 STORAGES = (".mcap", ".db3")
 ROS1_SUFFIX = ".bag"
+FILES = (*STORAGES, ROS1_SUFFIX)
+"""Suffixes of bags that are one file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +64,13 @@ def is_bag(path: Path) -> bool:
     """Return whether a path looks like a bag, judged by its name or the files in its folder."""
     if path.is_dir():
         return (path / "metadata.yaml").exists() or bool(_storage_files(path))
-    return path.suffix in (*STORAGES, ROS1_SUFFIX)
+    return path.suffix in FILES
 
 
 def flight_name(path: Path | str) -> str:
     """Return the name of the flight in a bag: its folder's, dots included, or its file's without suffix."""
     bag = Path(path)
-    return bag.stem if bag.suffix in (*STORAGES, ROS1_SUFFIX) else bag.name
+    return bag.stem if bag.suffix in FILES else bag.name
 
 
 def open_source(path: Path | str) -> Source:
@@ -82,7 +84,7 @@ def open_source(path: Path | str) -> Source:
     if bag.is_dir() and not (bag / "metadata.yaml").exists():
         return _open_bare_folder(bag)
     if not is_bag(bag):
-        kinds = ", ".join((*STORAGES, ROS1_SUFFIX))
+        kinds = ", ".join(FILES)
         raise BagError(f"{bag} is no bag: give a rosbag2 folder or a file ({kinds})")
     try:
         return _regular(bag, bag)

@@ -24,8 +24,6 @@ LOG_MASS = 0.032
 FULL_DUTY = 0.93
 """Duty above which a motor counts as saturated."""
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
-
-
 LIGHTEST, HEAVIEST = 0.5, 2.0
 """Bounds of the median thrust in the air over the weight [-]; 0.92 to 1.3 in recorded flights of 34 g."""
 

@@ -18,7 +18,7 @@ from q2q_model.compiled import compiled
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Array, Mask, Names, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, distance
+from q2q_planner.online.safe.committed_motion import CommittedMotion, distance
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s
@@ -56,15 +56,15 @@ def _found(age: Array, before: Mask, lost: Mask) -> Mask:
 
 def left_behind(committed: CommittedMotion, known: KnownStates) -> Mask:
     """Return which vehicles off the reference are measured too far from their motion, (n,)."""
-    return _left_behind(committed.rows, known.pos, known.age)
+    return _left_behind(committed.pos, committed.on_reference, known.pos, known.age)
 
 
 @compiled
-def _left_behind(motion: MotionRows, pos: Array, age: Array) -> Mask:
+def _left_behind(motion: Array, on_reference: Mask, pos: Array, age: Array) -> Mask:
     left = np.empty(age.size, np.bool_)
     for row in range(age.size):
-        far = distance(motion.pos, pos, row) > LEFT_BEHIND
-        left[row] = far and age[row] <= FRESH_S and not motion.on_reference[row]
+        far = distance(motion, pos, row) > LEFT_BEHIND
+        left[row] = far and age[row] <= FRESH_S and not on_reference[row]
     return left
 
 
