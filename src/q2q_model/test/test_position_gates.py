@@ -25,6 +25,7 @@ ACROSS = np.array([0.8, 0.0, -0.6])
 """Normal to it, of unit length."""
 GATES = PositionGates(
     last=np.array([[0.0, 0.0, 1.0]]),
+    moved=np.zeros((1, 3)),
     expected=np.array([[0.0, 0.0, 1.0]]),
     reach=np.array([0.5]),
     deviation=np.array([0.25]),
@@ -102,9 +103,13 @@ def test_a_coordinate_outside_the_room_is_no_number(axis: int, side: float):
         assert np.isfinite(screen(place, FRESH, GATES)[0]).all() == inside
 
 
+@pytest.mark.parametrize("moved", [0.0, 0.4, 1.5])
 @pytest.mark.parametrize(("step", "moves"), [(0.99, False), (1.01, True)])
-def test_a_repeated_pose_is_stale_if_the_vehicle_moves_or_the_pose_is_rejected(step: float, *, moves: bool):
-    ahead = GATES._replace(expected=GATES.last + np.array([0.0, step * REPEAT_STEP, 0.0]))
+def test_a_repeated_pose_is_stale_if_the_vehicle_moves_or_the_pose_is_rejected(
+    step: float, moved: float, *, moves: bool
+):
+    before, now = (np.array([[0.0, part * REPEAT_STEP, 0.0]]) for part in (moved, step - moved))
+    ahead = GATES._replace(moved=before, expected=GATES.last + now)
     samples, believed = screen(GATES.last, REPEATED, ahead)
     assert np.isnan(samples).all() == moves
     assert believed.tolist() == [not moves]

@@ -101,8 +101,31 @@ def test_an_old_pose_again_is_no_sample_of_a_vehicle_that_should_have_moved() ->
         assert made.update(60 * DT, again, np.ones(2, dtype=bool)).accepted.tolist() == [taken, True]
 
 
+@pytest.mark.parametrize("speed", [0.09, 0.1, 0.12])
+def test_a_pose_is_old_once_its_vehicle_should_have_moved_since_it_first_came(speed: float) -> None:
+    """Below REPEAT_STEP a tick; the track then keeps most of its velocity instead of coming to rest."""
+    assert speed * DT < REPEAT_STEP
+    vel = np.array([[0.0, speed, 0.0], [0.0, 0.0, 0.0]])
+    made, again = flown(60, vel=vel), PLACES + 59 * DT * vel
+    verdicts = [made.update(k * DT, again, np.ones(2, dtype=bool)) for k in range(60, 70)]
+    taken = [bool(one.accepted[0]) for one in verdicts]
+    assert taken == [True] + [False] * 9
+    assert 0.6 * speed < verdicts[-1].vel[0, 1] < speed
+
+
+def test_positions_rounded_to_millimetres_are_samples_at_any_speed() -> None:
+    """As recorded flights have them; bit for bit the same only while the vehicle moves by less than 1 mm."""
+    for speed in (0.002, 0.02, 0.06, 0.1, 0.3):
+        made, seen = tracks(count=1), [np.full((1, 3), np.nan)]
+        for k in range(200):
+            place = np.round(np.array([[0.0, speed * k * DT, 1.0]]), 3)
+            verdict = made.update(k * DT, place, (place == seen[-1]).all(axis=1))
+            assert verdict.accepted.all()
+            seen.append(place)
+
+
 def test_a_pose_that_shows_repeated_ones_to_be_old_restarts_its_track_at_their_mean_velocity() -> None:
-    vel = np.array([[0.1, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    vel = np.array([[0.05, 0.0, 0.0], [0.0, 0.0, 0.0]])
     made, again = flown(60, vel=vel), PLACES + 59 * DT * vel
     for k in range(60, 76):
         assert made.update(k * DT, again, np.ones(2, dtype=bool)).accepted.all()

@@ -16,8 +16,8 @@ with no more speed than it came with: a tenth of a second after the last sample,
 its prediction. At 100 Hz that is 2 cm at 1 m/s.
 
 A pose that equals a recent one bit for bit, though the vehicle should have moved by more than REPEAT_STEP
-or the pose fails another gate, is an old frame with a new stamp: it counts as no sample until the track is
-lost.
+since it first came, or though it fails another gate, is an old frame with a new stamp: it counts as no sample
+until the track is lost. Poses rounded to millimetres repeat, too, but not three times above 0.05 m/s.
 """
 
 from typing import NamedTuple
@@ -32,12 +32,18 @@ GATE_SIGMAS = 1.0
 """Width of the position gate beyond jump_max in standard deviations of the prediction: after a dropout an
 outlier does more harm than the short delay of reacquisition."""
 
+REPEATS_S = 0.02
+"""Time for which the velocity of a track tells how far a vehicle has moved under a pose that repeats [s]:
+two ticks; each of its samples slows the track."""
+
 
 class PositionGates(NamedTuple):
     """Gates of every vehicle at one tick."""
 
     last: Array
     """Position at the last sample p [m], (n, 3)."""
+    moved: Array
+    """Movement to the last sample since its pose first came, at most REPEATS_S ago [m], (n, 3)."""
     expected: Array
     """Predicted position p- [m], (n, 3)."""
     reach: Array
@@ -88,7 +94,8 @@ def _stale(passed: bool, i: int, gates: PositionGates) -> bool:
     """Return whether a repeated pose is an old frame with a new stamp."""
     moves = False
     for k in range(3):
-        moves = moves or abs(gates.expected[i, k] - gates.last[i, k]) > REPEAT_STEP
+        step = gates.moved[i, k] + gates.expected[i, k] - gates.last[i, k]
+        moves = moves or abs(step) > REPEAT_STEP
     return bool(not gates.lost[i] and (moves or not passed))
 
 

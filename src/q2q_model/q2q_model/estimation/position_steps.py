@@ -4,10 +4,10 @@ A tick is nominal if every track is confirmed and the sample of its own name pas
 doubt. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
 is q2q_model.estimation.positions.
 
-A pose that repeats bit for bit is taken as a sample while the vehicle is slow: it may be at rest. If the next
-one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the track restarts
-there with the mean velocity since the pose first came (a thaw), else the step would count as a movement
-within one tick.
+A pose that repeats bit for bit is taken as a sample while the vehicle is slow (position_gates): it may be at
+rest. If the next one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the
+track restarts there with the mean velocity since the pose first came (a thaw), else the step would count as a
+movement within one tick.
 
 After a gap the gates let samples pass that are further than jump_max from the prediction. Such a sample is
 doubtful: the track takes it, but is not trusted until a next one agrees.
@@ -20,7 +20,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
-from q2q_model.estimation.position_gates import GATE_SIGMAS, PositionGates, screen
+from q2q_model.estimation.position_gates import GATE_SIGMAS, REPEATS_S, PositionGates, screen
 from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, columns_of
 from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
@@ -115,8 +115,10 @@ def look_ahead(
     noise_var = params.position_noise**2
     coasted = np.minimum(elapsed, params.coast_s)
     ahead = predict(MotionEstimate(tracks.state, tracks.cov), coasted, params.jerk_noise**2)
+    stood = np.minimum(tracks.time - tracks.since, REPEATS_S)
     gates = PositionGates(
         last=tracks.state[:, 0],
+        moved=tracks.state[:, 1] * stood[:, None],
         expected=ahead.state[:, 0],
         reach=params.jump_max + params.speed_max * elapsed,
         deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
