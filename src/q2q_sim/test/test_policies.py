@@ -11,6 +11,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.signals.values import (
     CommandStatus,
     Interference,
+    MocapFrame,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -72,7 +73,15 @@ def test_a_vehicle_whose_marker_is_moved_may_be_so_much_farther() -> None:
 
     assert "room" in broken(away, around(0.2))
     assert "room" not in broken(away, around(-0.4))
-    assert "room" in broken(away, around(-0.4, start=1.6))  # moved back 1.1 s before
+    earlier = around(-0.4, start=1.6)
+    assert "room" in broken(away, earlier)  # moved back 1.1 s before
+
+    def after_missing(until: float) -> set[str]:
+        gone = changed(MocapFrame, 1.85, until, pos=lambda pos: np.full_like(pos, np.nan))
+        return broken(lambda one: gone(away(one)), earlier)
+
+    assert "room" not in after_missing(2.15)  # where it was believed until then
+    assert "room" in after_missing(2.05)
 
 
 def test_a_vehicle_in_the_zone_breaks_it_only_where_it_was_sent_clear_of_it() -> None:

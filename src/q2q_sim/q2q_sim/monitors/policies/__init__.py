@@ -4,7 +4,7 @@
 
 | policy | property | on |
 |---|---|---|
-| separation | every pair stays `separation` apart, but for displaced markers | true positions |
+| separation | every pair stays `separation` apart, by more than markers are displaced | true positions |
 | zone | a pair whose setpoints clear the zone by `stray` is not in it | true positions |
 | room | every vehicle stays within `stray_room` of its setpoint, or lands below it | true positions |
 | floor | no vehicle with a setpoint above the floor touches it, unless it lands | true positions |

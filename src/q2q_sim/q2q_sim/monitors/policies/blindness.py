@@ -72,7 +72,8 @@ def _near(places: Array, pos: Array, reach: float) -> Mask:
 def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
     """Return which vehicles have a steady sensor error, or had less than `after` [s] before, (T, n).
 
-    Clock jumps may add up: their stamps are other ticks' by the sum of their sizes at most.
+    A displaced marker is believed until its vehicle is measured again. Clock jumps may add up: their stamps
+    are other ticks' by the sum of their sizes at most.
     """
     jumps = sum(abs(fault.size) for fault in faults if fault.kind == "clock_jump")
     mask = np.zeros((len(evidence.t), len(evidence.names)), dtype=np.bool_)
@@ -80,9 +81,16 @@ def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
         if fault.kind in UNDETECTABLE:
             shift = jumps if fault.kind == "clock_jump" else 0.0
             end = fault.start + fault.duration
-            times = (evidence.t > fault.start - shift - EARLY_S) & (evidence.t <= end + shift + after)
-            mask |= times[:, None] & struck(evidence, fault)
+            ends = _believed_until(evidence, end) if fault.kind == "jump" else end + shift
+            begun = evidence.t > fault.start - shift - EARLY_S
+            mask |= begun[:, None] & (evidence.t[:, None] <= ends + after) & struck(evidence, fault)
     return mask
+
+
+def _believed_until(evidence: Evidence, end: float) -> Array:
+    """Return the last tick before each vehicle's first measurement after `end` [s], at least `end`, (n,)."""
+    waiting = np.logical_and.accumulate(~evidence.seen | (evidence.t <= end)[:, None], axis=0)
+    return np.asarray(np.where(waiting, evidence.t[:, None], end).max(axis=0, initial=end))
 
 
 def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
