@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
+from q2q_sim.experiments.licence.commands.client_commands import CommandKind
 from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, flown, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
@@ -158,6 +159,33 @@ def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path):
     assert {one.asked.refused for one in flight.log.commands if one.asked.words.startswith("takeoff")} == {
         "the vehicle is not armed"
     }
+
+
+def test_vehicles_are_armed_when_the_program_begins_and_take_less_thrust_than_their_weight_for_a_test(
+    tmp_path: Path,
+):
+    """As in cflib's `ramp`, whose first setpoints come with the connection."""
+    ramp = tmp_path / "ramp.py"
+    params, head = LicenceParams(((0.0, 0.0, 0.0),)), HOP.partition("    commander =")[0]
+    for most, lifts in ((25000, False), (40000, True)):
+        for_each = f"    for each in (0, {most}, 0):\n"
+        ramp.write_text(
+            f"{head}{for_each}        scf.cf.commander.send_setpoint(0, 0, 0, each); time.sleep(0.1)\n"
+        )
+        order = FlightOrder(Program(ramp, (), tmp_path), params, LicenceTrial(), (), (), 9.0)
+        (flight,) = flown([order], LicenceOptions(), until=inf)
+        assert flight.log is not None
+        (asked,) = (one.asked for one in flight.log.commands if one.asked.kind == CommandKind.SETPOINT)
+        assert (asked.refused, asked.lifts) == ("", lifts)
+
+
+def test_vehicles_without_starts_stand_in_as_few_rows_as_the_room_has_space_for():
+    options = LicenceOptions(limits=LicenceLimits(half_room=(3.0, 3.0)))
+    assert options.rows_of(3) == ((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    places = np.array(options.rows_of(15))[:, :2]
+    assert (np.abs(places) <= 2.5).all()
+    assert len(np.unique(places, axis=0)) == 15
+    np.testing.assert_allclose(np.unique(places[:, 0]), [-1.0, 0.0, 1.0])
 
 
 def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_path: Path):

@@ -8,6 +8,7 @@ import pytest
 
 from q2q_sim.experiments.licence.commands.client_commands import Asked, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.guided_trials import trials_after
+from q2q_sim.experiments.licence.licence_flights import FlownTrial
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits, findings
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
@@ -202,6 +203,8 @@ def test_a_vehicle_that_stays_down_is_told_with_the_reason():
     assert [one.sentence for one in found] == [
         "at 1.00 s cf2 is asked to fly and stays on the floor: not armed, takeoff at 1.00 s, line 7"
     ]
+    motors = replace(command(1.0, CommandKind.SETPOINT, "setpoint thrust 20000", lifts=False), vehicle=1)
+    assert findings(replace(log, commands=(log.commands[0], motors), opened=(0,)), LIMITS) == ()
     silent = findings(replace(log, commands=log.commands[:1]), LIMITS)
     assert [one.why for one in silent] == ["it was never asked to fly"]
 
@@ -228,6 +231,20 @@ def test_nothing_is_asked_of_a_vehicle_whose_link_is_lost_and_everything_of_the_
     assert findings(lost, LIMITS) == ()
     other = replace(lost, trial=LicenceTrial(TrialKind.LOST, 1, 4.0))
     assert {one.rule for one in findings(other, LIMITS)} == {"motors", "landing"}
+
+
+def test_a_collision_with_a_vehicle_that_lost_its_link_is_a_remark():
+    log = hover(3)
+    log.pos[UP, 1, 1] = 0.1
+    lost = replace(log, trial=LicenceTrial(TrialKind.LOST, 1, 4.0))
+    (remark,) = findings(lost, LIMITS)
+    assert (remark.rule, remark.remark) == ("collision", True)
+    assert remark.sentence.startswith("remark: at 2.01 s cf1 and cf2 collide: ")
+    flown = FlownTrial(lost.trial, (remark,), lost, 1.0)
+    assert flown.passed
+    (elsewhere,) = findings(replace(log, trial=LicenceTrial(TrialKind.LOST, 2, 4.0)), LIMITS)
+    assert not elsewhere.remark
+    assert not FlownTrial(lost.trial, (remark, elsewhere), lost, 1.0).passed
 
 
 def test_faults_strike_the_fastest_vehicle_at_its_fastest_and_the_nearest_pair_at_its_nearest():

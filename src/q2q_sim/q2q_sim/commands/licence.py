@@ -98,7 +98,7 @@ def _add_vehicles(made: CommandLine) -> None:
         default=[],
         type=float,
         metavar=("X", "Y", "YAW"),
-        help="start of each vehicle in turn, by URI [m, deg]; default: a row along y, 1 m apart",
+        help="start of each vehicle in turn, by URI [m, deg]; default: rows along y, 1 m apart",
     )
     made.add_argument(
         "--scan",

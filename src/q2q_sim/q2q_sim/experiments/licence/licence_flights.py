@@ -31,7 +31,7 @@ from q2q_sim.sensors.range_finder import RoomBox
 MOST_VEHICLES = 15
 """Vehicles of one radio."""
 SPACING = 1.0
-"""Distance of neighbours in the default row [m]."""
+"""Distance of neighbours on the floor, and half of it from the walls [m]."""
 DYING_S = 5.0
 """Longest time from the end of a process's output to its own [s]."""
 LONGER_S = 30.0
@@ -45,7 +45,7 @@ class LicenceOptions:
     """Conditions of a licence."""
 
     starts: tuple[Start, ...] = ()
-    """Of the vehicles in the order of their URIs; empty for a row along y, SPACING apart."""
+    """Of the vehicles in the order of their URIs; empty for rows along y, SPACING apart (`rows_of`)."""
     limits: LicenceLimits = field(default_factory=LicenceLimits)
     air: str = "room"
     seed: int = 0
@@ -62,11 +62,20 @@ class LicenceOptions:
 
     def params(self, count: int) -> LicenceParams:
         """Return the room with `count` vehicles."""
-        row = tuple((0.0, SPACING * (k - 0.5 * (count - 1)), 0.0) for k in range(count))
-        row = tuple(one.start for one in self.served) or row
-        starts = self.starts[:count] if len(self.starts) >= count else row
+        served = tuple(one.start for one in self.served)
+        starts = self.starts[:count] if len(self.starts) >= count else served or self.rows_of(count)
         room = RoomBox(*self.limits.half_room, self.limits.ceiling)
         return LicenceParams(starts, self.air, self.seed, self.arming, room)
+
+    def rows_of(self, count: int) -> tuple[Start, ...]:
+        """Return starts of `count` vehicles in rows along y, as few as the room has space for."""
+        fit = max(int(2.0 * self.limits.half_room[1] / SPACING), 1)
+        rows = -(-count // fit)
+        wide = -(-count // rows)
+        middle_x, middle_y = 0.5 * (rows - 1), 0.5 * (min(count, wide) - 1)
+        return tuple(
+            (SPACING * (k // wide - middle_x), SPACING * (k % wide - middle_y), 0.0) for k in range(count)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,9 +90,14 @@ class FlownTrial:
     """Wall time."""
 
     @property
+    def failures(self) -> tuple[BrokenRule, ...]:
+        """Return the findings that are no remarks."""
+        return tuple(one for one in self.findings if not one.remark)
+
+    @property
     def passed(self) -> bool:
         """Return whether no rule was broken."""
-        return not self.findings
+        return not self.failures
 
 
 @dataclass(frozen=True, slots=True)

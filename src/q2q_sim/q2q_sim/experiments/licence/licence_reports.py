@@ -22,7 +22,7 @@ def verdict_words(found: Licence) -> str:
         first = found.failed[0]
         return (
             f"FAIL {name}: {len(found.failed)} of {count} flights; {first.trial.words}: "
-            f"{first.findings[0].sentence}"
+            f"{first.failures[0].sentence}"
         )
     if found.left_out:
         return f"FAIL {name}: no time for {len(found.left_out)} of {count + len(found.left_out)} flights"
@@ -54,7 +54,13 @@ def licence_json(found: Licence) -> Json:
                 "kind": str(one.trial.kind),
                 "passed": one.passed,
                 "findings": [
-                    {"rule": each.rule, "t_s": each.t, "what": each.what, "why": each.why}
+                    {
+                        "rule": each.rule,
+                        "t_s": each.t,
+                        "what": each.what,
+                        "why": each.why,
+                        "remark": each.remark,
+                    }
                     for each in one.findings
                 ],
             }
@@ -74,9 +80,8 @@ def junit_xml(found: Licence) -> str:
     for one in found.flights:
         case = _case(suite, found, one.trial.words, one.seconds)
         if not one.passed:
-            failure = ET.SubElement(
-                case, "failure", type=one.findings[0].rule, message=one.findings[0].sentence
-            )
+            first = one.failures[0]
+            failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)
             failure.text = "\n".join(each.sentence for each in one.findings)
         if one.log is not None and one.log.output:
             ET.SubElement(case, "system-out").text = _printable(one.log.output)
@@ -144,5 +149,5 @@ def _run(flown: FlownTrial, log: LicenceLog) -> ReplayRun:
         downwash=unknown,
         thrust=log.thrust,
         arm=CRAZYFLIE_2_0.arm,
-        verdict=flown.findings[0].sentence if flown.findings else "pass",
+        verdict=flown.failures[0].sentence if flown.failures else "pass",
     )

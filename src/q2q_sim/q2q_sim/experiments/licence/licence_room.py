@@ -104,6 +104,8 @@ class LicenceRoom:
         build = Build(auto_arming=not params.arming, positioning_deck=False, decks=DECKS, room=params.room)
         self._fleet = Fleet(self._room.swarm, scenario.vehicle, build)
         self._columns = _Columns()
+        for vehicle in self._fleet.vehicles:
+            vehicle.firmware.supervisor.wait_on_floor()
         if trial.kind == TrialKind.BATTERY:
             self._fleet.vehicles[trial.vehicle].firmware.battery.charge = CHARGE
 

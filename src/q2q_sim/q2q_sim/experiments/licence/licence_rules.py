@@ -2,10 +2,10 @@
 
 | rule | broken when |
 |---|---|
-| motors | the motors stop for 0.05 s more than 0.2 m above the floor |
-| landing | a vehicle reaches the floor faster than 2 m/s, as after a fall from 0.2 m |
+| motors | the motors stop for 0.05 s more than 0.25 m above the floor |
+| landing | a vehicle reaches the floor faster than 2.25 m/s, as after a fall from 0.25 m |
 | room | it leaves the room, or is asked to |
-| collision | two vehicles are within 0.15 m of each other |
+| collision | two vehicles are within 0.15 m of each other; only a remark if one has lost its link |
 | downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
@@ -48,12 +48,12 @@ class LicenceLimits:
     """Distance of the walls from the origin along x and y [m]."""
     ceiling: float = 2.5
     """[m]"""
-    drop: float = 0.2
-    """Height above which motors must not stop [m]."""
+    drop: float = 0.25
+    """Height above which motors must not stop [m]; cflib's full_state_setpoint_demo stops them at 0.2 m."""
     stopped_s: float = 0.05
     """Shortest stop of the motors [s]."""
-    landing: float = 2.0
-    """[m/s]"""
+    landing: float = 2.25
+    """[m/s]: a fall from `drop`."""
     gap: float = 0.15
     """Smallest distance of two vehicles [m]: one and a half of their widths, motor to motor."""
     beside: float = 0.24
@@ -74,12 +74,14 @@ class BrokenRule:
     what: str
     """What the vehicle or the program does."""
     why: str = ""
+    remark: bool = False
+    """It fails no flight: a vehicle that lost its link stays where it is, and others fly on as planned."""
 
     @property
     def sentence(self) -> str:
         """Return when, what, and why."""
         when = f"at {self.t:.2f} s " if self.t else ""
-        return f"{when}{self.what}{f': {self.why}' if self.why else ''}"
+        return f"{'remark: ' * self.remark}{when}{self.what}{f': {self.why}' if self.why else ''}"
 
 
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
@@ -208,7 +210,7 @@ def _end(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
 def _idle(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     if log.trial.kind != TrialKind.NOMINAL or log.flew[row]:
         return None
-    asked = [one for one in log.of(row) if one.asked.kind in FLIGHT]
+    asked = [one for one in log.of(row) if one.asked.kind in FLIGHT and one.asked.lifts]
     if asked:
         what = f"{log.name(row)} is asked to fly and stays on the floor"
         first = asked[0]
@@ -254,7 +256,8 @@ def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | N
             why = "; ".join(
                 f"for {log.name(row)}, {cause(log, row, t)}" for row in (i, j) if log.airborne[tick, row]
             )
-            yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", why)
+            lost = log.trial.kind == TrialKind.LOST and log.trial.excused in {i, j}
+            yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", why, remark=lost)
         elif log.trial.kind == TrialKind.NOMINAL:
             yield _exposure(log, (i, j), apart, limits)
 

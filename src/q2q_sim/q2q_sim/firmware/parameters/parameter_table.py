@@ -4,8 +4,9 @@ The order is that of the table of contents. "persistent" ones can be stored in t
 Sources: F = firmware. Stock values of ctrlMel.mass, massThrust and the Mellinger gains in N/m are replaced by
 those of the airframe (parameters.defaults_of), those of decks by the build (firmware.Build.decks). Some are
 kept because clients set or read them, without effect: stabilizer.estimator (no other estimator
-here), commander.enHighLevel (nothing in F either, since 2021), flightmode.yawMode (X only), lights, the
-memory card, and what dumps or resets the processor (system).
+here), commander.enHighLevel (nothing in F either, since 2021), flightmode.yawMode (X only), kalman.initialYaw
+and the noises of an attitude that is known here, the lighthouse, lights, sounds, tests of motors and battery,
+the memory card, and what dumps or resets the processor (system).
 """
 
 from dataclasses import dataclass
@@ -77,6 +78,14 @@ ESTIMATION = (  # F modules/interface/kalman_core/kalman_core_params_defaults.h,
     Definition("kalman.initialX", "float", 0.0),
     Definition("kalman.initialY", "float", 0.0),
     Definition("kalman.initialZ", "float", 0.0),
+    Definition("kalman.initialYaw", "float", 0.0),  # [rad]
+    *_floats("kalman", {"pNPos": 0.0, "pNVel": 0.0, "pNAtt": 0.0}),
+    *_floats("kalman", {"mNBaro": 2.0, "mNGyro_rollpitch": 0.1, "mNGyro_yaw": 0.1}),
+    Definition("kalman.robustTdoa", "uint8", 0),
+    Definition("kalman.robustTwr", "uint8", 0),
+    Definition("lighthouse.systemType", "uint8", 2),  # lighthouse_core.c
+    Definition("lighthouse.method", "uint8", 1),
+    Definition("motion.disable", "uint8", 0),  # flowdeck_v1v2.c
     Definition("locSrv.extPosStdDev", "float", 0.01),
     Definition("locSrv.extQuatStdDev", "float", 4.5e-3),
     Definition("pm.lowVoltage", "float", 3.2, persistent=True),  # [V], platform_defaults_cf2.h
@@ -124,6 +133,12 @@ LIGHTS = (  # F drivers/src/led.c, deck/drivers/src/ledring12.c, Kconfig
     Definition("ring.fullCharge", "float", 4.2),
     Definition("ring.fadeColor", "uint32", 0),
     Definition("ring.fadeTime", "float", 0.5),  # [s]
+)
+TESTS = (  # F modules/src/health.c, mem.c, sound_cf2.c
+    Definition("health.startPropTest", "uint8", 0),
+    Definition("health.startBatTest", "uint8", 0),
+    Definition("memTst.resetW", "uint8", 0),
+    Definition("sound.effect", "uint8", 0, persistent=True),
 )
 CARD = (  # F deck/drivers/src/usddeck.c
     Definition("usd.canLog", "uint8", 0, read_only=True),
@@ -173,6 +188,7 @@ TABLE = (
     *ATTITUDE_PID,
     *RATE_PID,
     *LIGHTS,
+    *TESTS,
     *CARD,
     *DECKS,
     *POWER,

@@ -77,6 +77,11 @@ class Supervisor:
         """Return whether the vehicle considers itself in the air."""
         return self.state in {State.FLYING, State.LEVEL_OUT}
 
+    def wait_on_floor(self) -> None:
+        """Take the state of a vehicle that has been on for a while: armed if it arms itself."""
+        self.armed = self.auto_arming
+        self.state = State.READY_TO_FLY if self.auto_arming else State.CHECKS_PASSED
+
     def stop(self) -> None:
         """Stop the motors until a reboot: emergency stop."""
         self._stopped = True

@@ -9,7 +9,8 @@ import struct
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from q2q_model.vehicle.constants import CRAZYFLIE_2_1
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
+from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
 from q2q_sim.experiments.licence.commands.plan_reach import out_of_reach
@@ -31,6 +32,8 @@ NAMES = {
     13: "start_trajectory",
 }  # fmt: skip
 """Commands of the high-level commander."""
+LIFTING = CRAZYFLIE_2_1.mass * GRAVITY * MASS_THRUST
+"""Thrust of the weight of the lightest brushed vehicle [PWM]: with less, motors are tested on the floor."""
 COMPLEMENTARY = 1
 """Value of stabilizer.estimator: attitude and height only (firmware: estimator_complementary.c)."""
 
@@ -69,6 +72,8 @@ class Asked:
     """Why the vehicle does not follow; empty if it does."""
     impossible: str = ""
     """What no vehicle can follow; empty if it can."""
+    lifts: bool = True
+    """False for a setpoint of less thrust than any vehicle's weight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +192,8 @@ def _setpoint(firmware: Firmware) -> Asked:
     if not moved and one.thrust_pwm == 0.0:
         return Asked(CommandKind.OFF, "setpoint of thrust 0")
     refused = "" if firmware.supervisor.may_fly else "the vehicle is not armed"
-    return Asked(CommandKind.SETPOINT, _axes(one), _position(one), refused=refused)
+    lifts = moved or one.thrust_pwm >= LIFTING
+    return Asked(CommandKind.SETPOINT, _axes(one), _position(one), refused=refused, lifts=lifts)
 
 
 def _position(one: Setpoint) -> Three | None:
