@@ -202,6 +202,29 @@ def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_p
     assert flight.findings[0].why.endswith("for input, a socket or a process on line 13")
 
 
+def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
+    """30 s of waiting, 20 of them in two tasks at a time, take no longer than the flight of as much."""
+    wait = f"""
+    import asyncio, datetime as dt, threading
+    from datetime import datetime as now_of
+    began, first = time.time(), now_of.now()
+    async def rest():
+        event, loop = asyncio.Event(), asyncio.get_running_loop()
+        threading.Timer(10.0, lambda: loop.call_soon_threadsafe(event.set)).start()
+        await asyncio.gather(asyncio.sleep(20.0), event.wait())
+        print(round(time.time() - began, 2))
+    asyncio.run(rest())
+    while now_of.now() - first < dt.timedelta(seconds=30.0):
+        time.sleep(0.1)
+    print(round(time.time() - began, 1), dt.datetime.utcnow().year, isinstance(first, dt.datetime))
+    {LAND}"""
+    order = FlightOrder(hop(tmp_path, wait), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 60.0)
+    (flight,) = flown([order], LicenceOptions(), until=inf)
+    assert flight.log is not None
+    assert flight.findings == ()
+    assert flight.log.output.splitlines()[-2:] == ["20.0", "30.0 2026 True"]
+
+
 def test_a_process_that_dies_is_told_with_its_signal_or_status(tmp_path: Path):
     kill = hop(tmp_path, "import os, signal; os.kill(os.getpid(), signal.SIGKILL)")
     order = FlightOrder(kill, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)

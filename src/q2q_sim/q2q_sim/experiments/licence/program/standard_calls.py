@@ -1,9 +1,10 @@
 """Sleeping, clocks, locks and threads of Python by the turns of a program (CPython 3.11 and 3.12).
 
-Replaced are the names through which Python's own modules and programs reach them: time.sleep and the clocks
-of `time`, the locks of `threading` (with them events, conditions, timers, queues and executors, which are
-made of locks), and the start and end of threads. Not replaced: `datetime.now`, sockets, processes, and
-waiting inside C code, during which the clock of the program stands still.
+Replaced are the names through which Python's own modules and programs reach them: time.sleep, the clocks of
+`time` and `datetime`, the locks of `threading` (with them events, conditions, timers, queues and executors,
+which are made of locks), the start and end of threads, and the waiting of `selectors` (and so of asyncio).
+Not replaced: other waiting for sockets, processes, and waiting inside C code, during which the clock of the
+program stands still.
 
 Reading a clock takes CALL_S, so that a loop that waits for a time by reading the clock ends. A main thread
 that computes for BUSY_S of processor time without waiting, such as a loop that waits for a variable, spends
@@ -11,12 +12,16 @@ that time on the clock and lets the other threads go on.
 """
 
 import _thread
+import datetime as dt
+import math
 import queue
+import selectors
 import signal
 import threading
 import time
 from collections.abc import Callable, Mapping
 from types import FrameType, TracebackType
+from typing import Self
 
 from q2q_sim.experiments.licence.program.program_turns import Turns
 
@@ -35,6 +40,26 @@ def use_turns(turns: Turns) -> None:
     _replace_clocks(turns)
     _replace_locks(turns)
     _replace_threads(turns)
+    _replace_selectors(turns)
+
+
+class TurnDatetime(dt.datetime):
+    """Date and time whose present is that of `time.time`."""
+
+    @classmethod
+    def now(cls, tz: dt.tzinfo | None = None) -> Self:
+        """Return the present."""
+        return cls.fromtimestamp(time.time(), tz)
+
+    @classmethod
+    def today(cls) -> Self:
+        """Return the present."""
+        return cls.now()
+
+    @classmethod
+    def utcnow(cls) -> Self:
+        """Return the present in UTC, without a zone."""
+        return cls.now(dt.UTC).replace(tzinfo=None)
 
 
 class TurnLock:
@@ -98,6 +123,7 @@ def _replace_clocks(turns: Turns) -> None:
     }
     for name, call in replaced.items():
         setattr(time, name, call)
+    setattr(dt, "datetime", TurnDatetime)  # noqa: B010
     for module, name in ((threading, "_time"), (queue, "time")):
         setattr(module, name, lambda: turns.now)  # deadlines of waits, which are no calls of the program
 
@@ -134,6 +160,24 @@ def _replace_threads(turns: Turns) -> None:
 
     setattr(threading, "_start_new_thread", start)  # noqa: B010
     setattr(threading, "_set_sentinel", end_of_thread)  # noqa: B010
+
+
+def _replace_selectors(turns: Turns) -> None:
+    Selector, look = selectors.DefaultSelector, selectors.DefaultSelector.select
+    Ready = list[tuple[selectors.SelectorKey, int]]
+
+    def select(self: selectors.DefaultSelector, timeout: float | None = None) -> Ready:
+        found: Ready = []
+
+        def ready() -> bool:
+            found[:] = look(self, 0.0)
+            return bool(found)
+
+        if not ready() and timeout != 0:
+            turns.wait(ready, math.inf if timeout is None else turns.now + max(timeout, 0.0))
+        return found
+
+    setattr(Selector, "select", select)  # noqa: B010
 
 
 def watch_main_thread(turns: Turns) -> None:
