@@ -2,15 +2,18 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from q2q_sim.experiments.licence.commands.client_commands import Asked, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.guided_trials import trials_after
-from q2q_sim.experiments.licence.licence_flights import FlownTrial
+from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.licence_reports import junit_xml, report_text
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits, findings
+from q2q_sim.experiments.licence.program_flight import Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 
@@ -242,6 +245,14 @@ def test_a_collision_with_a_vehicle_that_lost_its_link_is_a_remark():
     assert remark.sentence.startswith("remark: at 2.01 s cf1 and cf2 collide: ")
     flown = FlownTrial(lost.trial, (remark,), lost, 1.0)
     assert flown.passed
+    found = Licence(Program(Path("two.py")), (flown,), (), 1.0)
+    assert report_text(found).splitlines() == [
+        "pass  radio lost, cf2 at 4.0 s",
+        f"      {remark.sentence}",
+        "PASS two.py: 1 flights in 1 s",
+    ]
+    assert f"<system-out>{remark.sentence}</system-out>" in junit_xml(found)
+    assert "<failure" not in junit_xml(found)
     (elsewhere,) = findings(replace(log, trial=LicenceTrial(TrialKind.LOST, 2, 4.0)), LIMITS)
     assert not elsewhere.remark
     assert not FlownTrial(lost.trial, (remark, elsewhere), lost, 1.0).passed

@@ -72,7 +72,7 @@ class LicenceOptions:
         fit = max(int(2.0 * self.limits.half_room[1] / SPACING), 1)
         rows = -(-count // fit)
         wide = -(-count // rows)
-        middle_x, middle_y = 0.5 * (rows - 1), 0.5 * (min(count, wide) - 1)
+        middle_x, middle_y = 0.5 * (rows - 1), 0.5 * (wide - 1)
         return tuple(
             (SPACING * (k // wide - middle_x), SPACING * (k % wide - middle_y), 0.0) for k in range(count)
         )

@@ -83,8 +83,10 @@ def junit_xml(found: Licence) -> str:
             first = one.failures[0]
             failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)
             failure.text = "\n".join(each.sentence for each in one.findings)
-        if one.log is not None and one.log.output:
-            ET.SubElement(case, "system-out").text = _printable(one.log.output)
+        remarks = [each.sentence for each in one.findings if each.remark]
+        output = "\n".join([*remarks, one.log.output if one.log is not None else ""]).strip()
+        if output:
+            ET.SubElement(case, "system-out").text = _printable(output)
     for trial in found.left_out:
         ET.SubElement(_case(suite, found, trial.words, 0.0), "skipped", message="no time left")
     ET.indent(suites)
