@@ -27,7 +27,9 @@ def verdict_words(found: Licence) -> str:
     if found.left_out:
         return f"FAIL {name}: no time for {len(found.left_out)} of {count + len(found.left_out)} flights"
     grounded = "" if found.flew else "; no vehicle flew"
-    return f"PASS {name}: {count} flights in {found.seconds:.0f} s{grounded}"
+    remarks = sum(len(one.findings) for one in found.flights)
+    noted = f"; {remarks} remark{'s' * (remarks > 1)}" if remarks else ""
+    return f"PASS {name}: {count} flights in {found.seconds:.0f} s{grounded}{noted}"
 
 
 def report_text(found: Licence) -> str:
