@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
+from cflib.crazyflie.mem import MemoryElement
 from cflib.crazyflie.syncLogger import SyncLogger
 from cflib.utils.param_file_helper import ParamFileHelper
 from crtp_stage import ANSWER_S, Stage, log_of
@@ -70,6 +71,24 @@ def test_every_parameter_is_fetched_and_one_is_set_and_read_back(stage: Stage) -
     assert fetched["cpu.flash"] == "1024"
     assert fetched["deck.bcFlow2"] == "1"
     assert stage.pilot.firmware().parameters["pid_attitude.pitch_kd"] == pytest.approx(0.1234)
+
+
+def test_the_eeprom_has_the_stock_radio_and_keeps_another_channel(stage: Stage) -> None:
+    """As in cflib's memory/read_eeprom and write_eeprom of earlier years."""
+    with stage.crazyflie() as scf:
+        (eeprom,) = scf.cf.mem.get_mems(MemoryElement.TYPE_I2C)
+
+        def looked() -> tuple[bool, int, int]:
+            done = Event()
+            eeprom.update(lambda _: done.set())
+            assert done.wait(ANSWER_S)
+            return eeprom.valid, eeprom.elements["radio_channel"], eeprom.elements["radio_address"]
+
+        assert looked() == (True, 80, 0xE7E7E7E7E7)
+        eeprom.elements["radio_channel"], written = 90, Event()
+        eeprom.write_data(lambda *_: written.set())
+        assert written.wait(ANSWER_S)
+        assert looked() == (True, 90, 0xE7E7E7E7E7)
 
 
 def answered(ask: Callable[[Callable[[str, object], None]], None]) -> object:

@@ -152,7 +152,8 @@ def test_a_deck_that_no_firmware_knows_is_refused_with_those_it_knows() -> None:
 
 def test_the_trajectory_memory_keeps_what_is_written_within_it(grounded: Pilot) -> None:
     memory = grounded.fleet.vehicles[0]
-    assert ask(grounded, b"\x4c\x01") == b"\x01\x01"
+    assert ask(grounded, b"\x4c\x01") == b"\x01\x02"
+    assert ask(grounded, b"\x4c\x02\x01")[2:7] == b"\x00" + struct.pack("<I", 0x1FFF)
     assert ask(grounded, b"\x4c\x02\x00")[2:7] == b"\x12" + struct.pack("<I", 4096)
     assert ask(grounded, b"\x4c\x02\x05") == b"\x02\x05"
     place = b"\x00" + struct.pack("<I", 100)
@@ -162,3 +163,6 @@ def test_the_trajectory_memory_keeps_what_is_written_within_it(grounded: Pilot) 
     assert ask(grounded, b"\x4e" + outside + b"hello") == outside + b"\x05"
     assert ask(grounded, b"\x4d" + outside + b"\x05") == outside + b"\x05"
     assert len(memory.firmware.uploads.memory) == 4096
+    nowhere = b"\x02" + struct.pack("<I", 0)
+    assert ask(grounded, b"\x4e" + nowhere + b"hello") == nowhere + b"\x05"
+    assert ask(grounded, b"\x4d" + nowhere + b"\x05") == nowhere + b"\x05"
