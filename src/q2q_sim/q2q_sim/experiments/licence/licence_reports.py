@@ -84,7 +84,7 @@ def junit_xml(found: Licence) -> str:
         if not one.passed:
             first = one.failures[0]
             failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)
-            failure.text = "\n".join(each.sentence for each in one.findings)
+            failure.text = "\n".join(each.sentence for each in one.failures)
         remarks = [each.sentence for each in one.findings if each.remark]
         output = "\n".join([*remarks, one.log.output if one.log is not None else ""]).strip()
         if output:

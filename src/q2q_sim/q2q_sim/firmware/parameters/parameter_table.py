@@ -79,8 +79,10 @@ ESTIMATION = (  # F modules/interface/kalman_core/kalman_core_params_defaults.h,
     Definition("kalman.initialY", "float", 0.0),
     Definition("kalman.initialZ", "float", 0.0),
     Definition("kalman.initialYaw", "float", 0.0),  # [rad]
-    *_floats("kalman", {"pNPos": 0.0, "pNVel": 0.0, "pNAtt": 0.0}),
-    *_floats("kalman", {"mNBaro": 2.0, "mNGyro_rollpitch": 0.1, "mNGyro_yaw": 0.1}),
+    *_floats(
+        "kalman",
+        {"pNPos": 0.0, "pNVel": 0.0, "pNAtt": 0.0, "mNBaro": 2.0, "mNGyro_rollpitch": 0.1, "mNGyro_yaw": 0.1},
+    ),
     Definition("kalman.robustTdoa", "uint8", 0),
     Definition("kalman.robustTwr", "uint8", 0),
     Definition("lighthouse.systemType", "uint8", 2),  # lighthouse_core.c
@@ -121,7 +123,7 @@ RATE_PID = _gains(
     {"roll": (250.0, 500.0, 2.5), "pitch": (250.0, 500.0, 2.5), "yaw": (120.0, 16.7, 0.0)},
     "_kp _ki _kd",
 )
-LIGHTS = (  # F drivers/src/led.c, deck/drivers/src/ledring12.c, Kconfig
+LIGHTS_AND_SOUNDS = (  # F drivers/src/led.c, deck/drivers/src/ledring12.c, Kconfig, modules/src/sound_cf2.c
     Definition("led.bitmask", "uint8", 0),
     Definition("ring.effect", "uint8", 6, persistent=True),
     Definition("ring.neffect", "uint32", 19, read_only=True),
@@ -133,12 +135,12 @@ LIGHTS = (  # F drivers/src/led.c, deck/drivers/src/ledring12.c, Kconfig
     Definition("ring.fullCharge", "float", 4.2),
     Definition("ring.fadeColor", "uint32", 0),
     Definition("ring.fadeTime", "float", 0.5),  # [s]
+    Definition("sound.effect", "uint8", 0, persistent=True),
 )
-TESTS = (  # F modules/src/health.c, mem.c, sound_cf2.c
+TESTS = (  # F modules/src/health.c, mem.c
     Definition("health.startPropTest", "uint8", 0),
     Definition("health.startBatTest", "uint8", 0),
     Definition("memTst.resetW", "uint8", 0),
-    Definition("sound.effect", "uint8", 0, persistent=True),
 )
 CARD = (  # F deck/drivers/src/usddeck.c
     Definition("usd.canLog", "uint8", 0, read_only=True),
@@ -187,7 +189,7 @@ TABLE = (
     *POSITION_PID,
     *ATTITUDE_PID,
     *RATE_PID,
-    *LIGHTS,
+    *LIGHTS_AND_SOUNDS,
     *TESTS,
     *CARD,
     *DECKS,

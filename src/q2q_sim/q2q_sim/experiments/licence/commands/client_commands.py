@@ -9,7 +9,7 @@ import struct
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
@@ -32,7 +32,7 @@ NAMES = {
     13: "start_trajectory",
 }  # fmt: skip
 """Commands of the high-level commander."""
-LIFTING = CRAZYFLIE_2_1.mass * GRAVITY * MASS_THRUST
+LIFTING = CRAZYFLIE_2_1.hover_thrust * MASS_THRUST
 """Thrust of the weight of the lightest brushed vehicle [PWM]: with less, motors are tested on the floor."""
 COMPLEMENTARY = 1
 """Value of stabilizer.estimator: attitude and height only (firmware: estimator_complementary.c)."""

@@ -163,8 +163,8 @@ def _replace_threads(turns: Turns) -> None:
 
 
 def _replace_selectors(turns: Turns) -> None:
-    Selector, look = selectors.DefaultSelector, selectors.DefaultSelector.select
     Ready = list[tuple[selectors.SelectorKey, int]]
+    look = selectors.DefaultSelector.select
 
     def select(self: selectors.DefaultSelector, timeout: float | None = None) -> Ready:
         found: Ready = []
@@ -177,7 +177,7 @@ def _replace_selectors(turns: Turns) -> None:
             turns.wait(ready, math.inf if timeout is None else turns.now + max(timeout, 0.0))
         return found
 
-    setattr(Selector, "select", select)  # noqa: B010
+    setattr(selectors.DefaultSelector, "select", select)  # noqa: B010
 
 
 def watch_main_thread(turns: Turns) -> None:
