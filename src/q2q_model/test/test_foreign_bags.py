@@ -21,7 +21,7 @@ from q2q_model.bag import (
     load_topic_map,
     read_mapped_flight,
 )
-from q2q_model.bag.foreign.mapped_flight import nearest_rows
+from q2q_model.bag.foreign.pose_frames import Poses, nearest_rows, pose_frames
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
 from q2q_model.signals.values import Array, MocapFrame
@@ -208,7 +208,31 @@ def test_a_pose_of_a_slower_vehicle_is_in_one_frame_only():
     assert nearest_rows(np.array([0.0, 1.0]), np.array([0.5]), 1.0).tolist() == [0, -1]  # as near to both
 
 
-def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):
+def _track(t: Array) -> Poses:
+    return Poses(t, np.column_stack([t, t, t]), np.tile([0.0, 0.0, 0.0, 1.0], (len(t), 1)), 0.0)
+
+
+def test_a_vehicle_keeps_its_poses_while_the_fullest_one_is_not_seen():
+    every = np.arange(300) / 100.0
+    hidden = (every > 0.995) & (every < 1.295)  # 30 ticks
+    tracks = {"a": _track(every[~hidden]), "b": _track(every[50:250] + 0.002), "c": _track(every[50:240])}
+    frames, repairs = pose_frames(tracks, 0.005)
+    assert repairs == []
+    assert len(frames) == 300
+    seen = {name: [frame.t for frame in frames if name in frame.names] for name in tracks}
+    assert {name: len(stamps) for name, stamps in seen.items()} == {"a": 270, "b": 200, "c": 190}
+    assert np.allclose([frame.t for frame in frames if frame.names == ("b", "c")], every[hidden] + 0.002)
+
+
+def test_poses_between_the_frames_make_no_ticks():
+    every = np.arange(300) / 100.0
+    drifting = every + np.linspace(0.0, 0.005, 300)  # the last 60 are more than 4 ms from both frames
+    frames, repairs = pose_frames({"a": _track(every), "b": _track(drifting[:299])}, 0.004)
+    assert len(frames) == 300
+    assert repairs == ["59 of 299 poses of b match no tick: dropped"]
+
+
+def test_poses_of_another_clock_are_refused_and_those_after_the_others_kept(tmp_path: Path):
     store = get_typestore(Stores.ROS2_HUMBLE)
     mapped = TopicMap(vehicles={"cf1": "/a", "cf2": "/b"})
     with SqliteWriter(tmp_path / "far", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
@@ -217,10 +241,10 @@ def test_poses_too_far_from_every_tick_are_refused_or_said(tmp_path: Path):
         read_mapped_flight(tmp_path / "far", mapped)
     with SqliteWriter(tmp_path / "near", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
         _write_ros(writer, store, store.serialize_cdr, offset_ns=100_000_000)
-    with pytest.warns(BagRepairWarning, match="10 of 20 poses of cf2 match no tick"):
-        flight = read_mapped_flight(tmp_path / "near", mapped)
+    flight = read_mapped_flight(tmp_path / "near", mapped)
     assert np.isnan(flight.mocap_pos[:10, 1]).all()
-    assert np.array_equal(flight.mocap_pos[10, 1], _place(0, 1)[0])
+    assert np.array_equal(flight.mocap_pos[10:, 1], [_place(tick, 1)[0] for tick in range(TICKS)])
+    assert np.isnan(flight.mocap_pos[20:, 0]).all()
 
 
 def test_headers_that_are_not_filled_are_named(tmp_path: Path):

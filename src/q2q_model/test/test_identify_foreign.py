@@ -80,7 +80,7 @@ def identified(folder: Path, numbers: Sequence[int]) -> str:
 @needs_bags
 def test_a_strangers_bags_give_gains_and_model_by_a_topic_map(tmp_path: Path):
     report = json.loads(identified(tmp_path, (1, 5)))
-    assert report["outliers"]["found"] == 31  # of 32; one stands alone where the leader of ticks is unseen
+    assert report["outliers"]["found"] == 32  # all
     assert report["gains"]["source"] == "trajectories"
     for name, flown in (("k_p", 0.81073), ("k_d", 0.42952)):  # poses alone hardly tell them, and that is said
         _, low, high = report["gains"][name]

@@ -202,6 +202,23 @@ def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_p
     assert flight.findings[0].why.endswith("for input, a socket or a process on line 13")
 
 
+def test_an_error_of_a_callback_that_cflib_catches_is_told_where_the_program_waits_for_it(tmp_path: Path):
+    wait = """
+    import threading
+    from cflib.crazyflie.log import LogConfig
+    seen, power = threading.Event(), LogConfig("power", 100)
+    def came(_, values, __):
+        print(values["pm.vbatt"])
+        seen.set()
+    power.add_variable("pm.vbat", "float")
+    scf.cf.log.add_config(power); power.data_received_cb.add_callback(came); power.start()
+    seen.wait()"""
+    order = FlightOrder(hop(tmp_path, wait), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 6.0)
+    (flight,) = flown([order], LicenceOptions(), until=inf)
+    why = "it waits on line 21; a callback failed before, which cflib catches: KeyError: 'pm.vbatt', line 17"
+    assert flight.findings[0].why == why
+
+
 def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
     """30 s of waiting, 20 of them in two tasks at a time, take no longer than the flight of as much."""
     wait = f"""

@@ -227,6 +227,9 @@ def test_a_program_that_does_not_end_is_told_with_the_lines_on_which_it_waits():
     outside = replace(end, waiting=(3,), outside=True)
     why = "it waits outside Python's clock, for input, a socket or a process on line 3"
     assert findings(replace(hover(), end=outside), LIMITS)[0].why == why
+    caught = replace(end, waiting=(), caught="KeyError: 'y', line 7")
+    why = "a callback failed before, which cflib catches: KeyError: 'y', line 7"
+    assert findings(replace(hover(), end=caught), LIMITS)[0].why == why
 
 
 def test_nothing_is_asked_of_a_vehicle_whose_link_is_lost_and_everything_of_the_others():

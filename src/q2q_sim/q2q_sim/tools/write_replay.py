@@ -80,5 +80,5 @@ def part_of(flight: Flight, start: float, end: float | None) -> Flight:
 
 def _labels(paths: list[Path]) -> dict[Path, str]:
     """Return a name for each path: its last part, or all of it where those are equal."""
-    short = {path: path.stem for path in paths}
+    short = {path: path.name if path.is_dir() else path.stem for path in paths}
     return short if len(set(short.values())) == len(short) else {path: str(path) for path in paths}

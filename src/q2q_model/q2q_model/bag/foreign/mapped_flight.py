@@ -1,13 +1,11 @@
 """Flights in bags of other software: poses under any topic, assigned by a topic map.
 
-Each vehicle's poses have stamps of their own. The ticks are the stamps of the vehicle with the most poses; of
-every other vehicle, a tick takes the pose nearest in time within the map's tolerance; no tick takes a pose
-that is nearer to another. Message definitions come from the bag, which allows any version of a type; a bag
-without definitions is read as ROS 2 Jazzy.
+Message definitions come from the bag, which allows any version of a type; a bag without definitions is read as
+ROS 2 Jazzy.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -15,6 +13,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from q2q_model.bag.foreign.pose_frames import Poses, pose_frames
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
@@ -24,7 +23,7 @@ from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
-from q2q_model.signals.values import Array, MocapFrame, Rows
+from q2q_model.signals.values import MocapFrame
 
 POSES = {
     "PoseStamped": ("pose.position", "pose.orientation"),
@@ -42,17 +41,6 @@ Row = tuple[float, ...]
 """t, x y z, qx qy qz qw."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Poses:
-    """Poses of one vehicle in the order of their stamps."""
-
-    t: Array
-    pos: Array
-    quat: Array
-    back: float
-    """Most that a stamp lies before one recorded earlier [s]."""
-
-
 def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     """Return the flight in a bag by a topic map; NaN where nothing was recorded.
 
@@ -60,7 +48,9 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
         BagError: no bag, a mapped topic missing or of a type without poses, damage, clocks without overlap.
     """
     source, channels = mapped_channels(path, topic_map)
-    signals = {name: _signals(source, channels[topic]) for name, topic in topic_map.signals.items()}
+    signals: dict[str, Sequence[Signal]] = {
+        name: _signals(source, channels[topic]) for name, topic in topic_map.signals.items()
+    }
     repairs: list[str] = []
     if topic_map.vehicles or topic_map.poses:
         signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
@@ -94,9 +84,12 @@ def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict
 
 def mapped_frames(
     source: Source, channels: dict[str, Channel], topic_map: TopicMap
-) -> tuple[list[Signal], list[str]]:
+) -> tuple[list[MocapFrame], list[str]]:
     """Return the mapped poses as one frame per tick, and remarks on poses left out."""
-    return _frames(_tracks(source, channels, topic_map), topic_map.tolerance_s)
+    try:
+        return pose_frames(_tracks(source, channels, topic_map), topic_map.tolerance_s)
+    except ValueError as misfit:
+        raise BagError(f"bag {source.path}: {misfit}") from misfit
 
 
 def _signals(source: Source, channel: Channel) -> list[Signal]:
@@ -107,7 +100,7 @@ def _signals(source: Source, channel: Channel) -> list[Signal]:
         raise BagError(f"bag {source.path}, topic {channel.topic}: {bad}") from bad
 
 
-def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, _Poses]:
+def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, Poses]:
     rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map)
     if topic_map.poses:
         for name, row in _rows(source, channels[topic_map.poses], topic_map):
@@ -126,7 +119,7 @@ def _rows_by_vehicle(
     }
 
 
-def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
+def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
     empty = sorted(vehicle for vehicle, found in rows.items() if not found)
     if empty:
         raise BagError(f"bag {source.path} has no pose of {', '.join(empty)}")
@@ -140,11 +133,11 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, _Poses]:
                 f"bag {source.path}: all {len(table)} poses of {vehicle} have the stamp {table[0, 0]:g} s; "
                 "if headers are not filled, add `stamps: receive` to the topic map"
             )
-        tracks[vehicle] = _Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
+        tracks[vehicle] = Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
     return tracks
 
 
-def _with_references(source: Source, flight: Flight, given: Mapping[str, _Poses]) -> Flight:
+def _with_references(source: Source, flight: Flight, given: Mapping[str, Poses]) -> Flight:
     """Return the flight with its reference positions: at each tick the last one received."""
     ref_pos = flight.ref_pos.copy()
     for vehicle, track in given.items():
@@ -213,54 +206,3 @@ def _own_types(source: Source, channel: Channel) -> Typestore:
     except Exception as damage:
         raise BagError(f"bag {source.path}: the definition of {channel.type_name} cannot be read") from damage
     return store
-
-
-def _frames(tracks: dict[str, _Poses], tolerance_s: float) -> tuple[list[Signal], list[str]]:
-    """Return one frame per tick with every pose within the tolerance, and remarks on poses left out."""
-    leader = max(tracks.values(), key=lambda track: len(track.t))
-    ticks, repairs = np.unique(leader.t), []
-    rows = {}
-    for vehicle, track in tracks.items():
-        rows[vehicle] = nearest_rows(ticks, track.t, tolerance_s)
-        lost = len(track.t) - len(np.unique(rows[vehicle][rows[vehicle] >= 0]))
-        if lost == len(track.t):
-            raise BagError(_apart(vehicle, track.t, ticks, tolerance_s))
-        if track.back > 0.0:
-            repairs.append(f"stamps of poses of {vehicle} go back by up to {track.back:.3f} s: sorted")
-        if lost:
-            repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} match no tick: dropped")
-    frames: list[Signal] = []
-    for tick, t in enumerate(ticks):
-        near = [(vehicle, row[tick]) for vehicle, row in rows.items() if row[tick] >= 0]
-        pos = np.array([tracks[vehicle].pos[row] for vehicle, row in near]).reshape(-1, 3)
-        quat = np.array([tracks[vehicle].quat[row] for vehicle, row in near]).reshape(-1, 4)
-        frames.append(MocapFrame(t=float(t), names=tuple(vehicle for vehicle, _ in near), pos=pos, quat=quat))
-    return frames, repairs
-
-
-def _apart(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
-    """Return why no pose of a vehicle is in a frame."""
-    if t[0] <= ticks[-1] and ticks[0] <= t[-1]:
-        period_s = float(np.median(np.diff(ticks)))
-        return (
-            f"no pose of {vehicle} was captured within tolerance_s = {tolerance_s:g} s of a frame: raise it "
-            f"in the topic map to half the period of {period_s:.3f} s"
-        )
-    spans = f"{t[0]:.3f} to {t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
-    return f"poses of {vehicle} lie at {spans}: the clocks differ, or the recordings do not overlap"
-
-
-def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
-    """Return for each tick the nearest row of ascending `t`, (len(ticks),); -1 if none is in tolerance.
-
-    A row that is the nearest of several ticks is given to the nearest of these: repeated at the others, it
-    would be a vehicle that stands and leaps.
-    """
-    right = np.clip(np.searchsorted(t, ticks), 0, len(t) - 1)
-    left = np.clip(right - 1, 0, None)
-    nearest = np.where(np.abs(t[left] - ticks) <= np.abs(t[right] - ticks), left, right)
-    away = np.abs(t[nearest] - ticks)
-    order = np.lexsort((away, nearest))
-    first = order[np.unique(nearest[order], return_index=True)[1]]
-    once = np.isin(np.arange(len(ticks)), first)
-    return np.where(once & (away <= tolerance_s), nearest, -1)

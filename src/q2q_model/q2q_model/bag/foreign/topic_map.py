@@ -9,7 +9,7 @@ references:               # reference positions, messages as under `vehicles`; t
   cf1: /cf1/cmd_position
 signals:                  # also or instead: topics of q2q_msgs under other names
   mocap: /room/frames
-stamps: header            # or receive, if headers have no stamps
+stamps: header            # of poses and references; or receive, if their headers have no stamps
 tolerance_s: 0.005        # poses captured within this time form one frame
 """
 
@@ -41,7 +41,7 @@ class TopicMap:
     signals: Mapping[str, str] = field(default_factory=dict)
     """Topic of q2q -> topic of the bag."""
     stamps: Literal["header", "receive"] = "header"
-    """Time is the stamp of the header, or of the recorder."""
+    """Time of poses and references is the stamp of the header, or of the recorder; signals have their own."""
     tolerance_s: float = TOLERANCE_S
 
     def __post_init__(self) -> None:

@@ -32,6 +32,8 @@ class ProgramEnd:
     """Lines of the program on which its threads were then, the main thread first."""
     outside: bool = False
     """Stopped because it waited outside Python's clock."""
+    caught: str = ""
+    """First error of a callback of the program, with its line: cflib catches it and goes on."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -241,9 +241,10 @@ def _program(log: LicenceLog) -> BrokenRule | None:
 def _waits(end: ProgramEnd) -> str:
     """Return where a program waits that does not end."""
     where = f" on line {' and line '.join(map(str, end.waiting))}" if end.waiting else ""
-    if end.outside:
-        return f"it waits outside Python's clock, for input, a socket or a process{where}"
-    return f"it waits{where}" if where else ""
+    place = " outside Python's clock, for input, a socket or a process" if end.outside else ""
+    waits = f"it waits{place}{where}" if place or where else ""
+    caught = f"a callback failed before, which cflib catches: {end.caught}" if end.caught else ""
+    return "; ".join(filter(None, (waits, caught)))
 
 
 def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | None]:

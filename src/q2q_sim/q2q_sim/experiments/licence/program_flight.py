@@ -7,6 +7,7 @@ by their firmware, until they stand still or REST_S have passed. cflib may be mi
 stand-in (crazyswarm) whose server is this process.
 """
 
+import logging
 import os
 import runpy
 import signal
@@ -104,6 +105,7 @@ class _Flight:
         self._uris = list(order.uris)
         self._output = _LastLines()
         self._failed = ProgramEnd(0.0)
+        self._caught = ""
         self._seen = (-1, 0.0)
         """Turns given and time [s] at the last look."""
         self._room = LicenceRoom(order.params, order.trial)
@@ -123,6 +125,7 @@ class _Flight:
         signal.signal(signal.SIGALRM, self._end_if_outside)
         signal.setitimer(signal.ITIMER_REAL, self._order.patience, LOOK_S)
         threading.excepthook = self._note_thread
+        self._watch_callbacks()
         watch_main_thread(self._turns)
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
         for thread in threading.enumerate():
@@ -176,7 +179,9 @@ class _Flight:
 
     def _overdue(self, *, outside: bool = False) -> ProgramEnd:
         waiting = waiting_lines(str(self._order.program.file))
-        return ProgramEnd(self._room.t, overdue=True, waiting=waiting, outside=outside)
+        return ProgramEnd(
+            self._room.t, overdue=True, waiting=waiting, outside=outside, caught=self._caught
+        )
 
     def _end_of(self, run: Callable[[], object]) -> ProgramEnd:
         try:
@@ -201,6 +206,20 @@ class _Flight:
             end = self._error(args.exc_value)
             if end.line and not self._failed.status:
                 self._failed = end
+
+    def _watch_callbacks(self) -> None:
+        """Note the first error of a callback: cflib logs it while it handles it."""
+        made = logging.getLogRecordFactory()
+
+        def noting(*args: object, **named: object) -> logging.LogRecord:
+            record = made(*args, **named)
+            error = sys.exception()
+            if error is not None and record.name.startswith("cflib") and not self._caught:
+                found = self._error(error)
+                self._caught = f"{found.error}, line {found.line}" if found.line else ""
+            return record
+
+        logging.setLogRecordFactory(noting)
 
     def _finish(self, end: ProgramEnd) -> NoReturn:
         """Fly on without the program and send the log."""

@@ -1,0 +1,101 @@
+"""Frames from the poses of vehicles, each with stamps of its own.
+
+The ticks are the stamps of the vehicle with the most poses and, where that one is not seen, those of the vehicle
+with the next most. A tick takes the pose of each vehicle nearest in time within a tolerance; no tick takes a pose
+that is nearer to another.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array, MocapFrame, Rows
+
+HOLE_PERIODS = 0.75
+"""Distance from the nearest tick from which a pose makes a tick of its own [median periods]; half a period is
+that of a vehicle captured between the ticks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Poses:
+    """Poses of one vehicle in the order of their stamps."""
+
+    t: Array
+    """(rows,) [s]."""
+    pos: Array
+    """(rows, 3) [m], world."""
+    quat: Array
+    """(rows, 4), xyzw."""
+    back: float
+    """Most that a stamp lies before one recorded earlier [s]."""
+
+
+def pose_frames(tracks: Mapping[str, Poses], tolerance_s: float) -> tuple[list[MocapFrame], list[str]]:
+    """Return one frame per tick with every pose within the tolerance, and remarks on poses left out.
+
+    Raises:
+        ValueError: the poses of a vehicle match no pose of the one with the most.
+    """
+    ticks, repairs = _ticks(tracks, tolerance_s), []
+    rows = {}
+    for vehicle, track in tracks.items():
+        rows[vehicle] = nearest_rows(ticks, track.t, tolerance_s)
+        lost = len(track.t) - np.count_nonzero(rows[vehicle] >= 0)
+        if track.back > 0.0:
+            repairs.append(f"stamps of poses of {vehicle} go back by up to {track.back:.3f} s: sorted")
+        if lost:
+            repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} match no tick: dropped")
+    return [_frame(float(t), tracks, rows, tick) for tick, t in enumerate(ticks)], repairs
+
+
+def _frame(t: float, tracks: Mapping[str, Poses], rows: Mapping[str, Rows], tick: int) -> MocapFrame:
+    near = [(vehicle, row[tick]) for vehicle, row in rows.items() if row[tick] >= 0]
+    pos = np.array([tracks[vehicle].pos[row] for vehicle, row in near]).reshape(-1, 3)
+    quat = np.array([tracks[vehicle].quat[row] for vehicle, row in near]).reshape(-1, 4)
+    return MocapFrame(t=t, names=tuple(vehicle for vehicle, _ in near), pos=pos, quat=quat)
+
+
+def _ticks(tracks: Mapping[str, Poses], tolerance_s: float) -> Array:
+    fullest, *others = sorted(tracks.items(), key=lambda item: -len(item[1].t))
+    ticks = np.unique(fullest[1].t)
+    hole_s = HOLE_PERIODS * float(np.median(np.diff(ticks))) if len(ticks) > 1 else 0.0
+    for vehicle, track in others:
+        away = np.abs(track.t - ticks[_nearest(ticks, track.t)])
+        if (away > tolerance_s).all():
+            raise ValueError(_apart(vehicle, track.t, ticks, tolerance_s))
+        ticks = np.union1d(ticks, track.t[away > max(hole_s, tolerance_s)])
+    return ticks
+
+
+def _apart(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
+    """Return why no pose of a vehicle is in a frame."""
+    if t[0] <= ticks[-1] and ticks[0] <= t[-1]:
+        period_s = float(np.median(np.diff(ticks)))
+        return (
+            f"no pose of {vehicle} was captured within tolerance_s = {tolerance_s:g} s of a frame: raise it "
+            f"in the topic map to half the period of {period_s:.3f} s"
+        )
+    spans = f"{t[0]:.3f} to {t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
+    return f"poses of {vehicle} lie at {spans}: the clocks differ, or the recordings do not overlap"
+
+
+def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
+    """Return for each tick the nearest row of ascending `t`, (len(ticks),); -1 if none is in tolerance.
+
+    A row that is the nearest of several ticks is given to the nearest of these: repeated at the others, it
+    would be a vehicle that stands and leaps.
+    """
+    nearest = _nearest(t, ticks)
+    away = np.abs(t[nearest] - ticks)
+    order = np.lexsort((away, nearest))
+    first = order[np.unique(nearest[order], return_index=True)[1]]
+    once = np.isin(np.arange(len(ticks)), first)
+    return np.where(once & (away <= tolerance_s), nearest, -1)
+
+
+def _nearest(ascending: Array, t: Array) -> Rows:
+    """Return the row of `ascending` nearest to each time, the earlier of two as near."""
+    right = np.clip(np.searchsorted(ascending, t), 0, len(ascending) - 1)
+    left = np.clip(right - 1, 0, None)
+    return np.where(np.abs(ascending[left] - t) <= np.abs(ascending[right] - t), left, right)
