@@ -1,7 +1,7 @@
 """Flights in bags of other software: poses under any topic, assigned by a topic map.
 
-Message definitions come from the bag, which allows any version of a type; a bag without definitions is read as
-ROS 2 Jazzy.
+Message definitions come from the bag, which allows any version of a type; a bag without definitions is read
+as ROS 2 Jazzy.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,8 +1,8 @@
 """Frames from the poses of vehicles, each with stamps of its own.
 
-The ticks are the stamps of the vehicle with the most poses and, where that one is not seen, those of the vehicle
-with the next most. A tick takes the pose of each vehicle nearest in time within a tolerance; no tick takes a pose
-that is nearer to another.
+The ticks are the stamps of the vehicle with the most poses and, where that one is not seen, those of the
+vehicle with the next most. A tick takes the pose of each vehicle nearest in time within a tolerance; no tick
+takes a pose that is nearer to another.
 """
 
 from collections.abc import Mapping

@@ -179,9 +179,7 @@ class _Flight:
 
     def _overdue(self, *, outside: bool = False) -> ProgramEnd:
         waiting = waiting_lines(str(self._order.program.file))
-        return ProgramEnd(
-            self._room.t, overdue=True, waiting=waiting, outside=outside, caught=self._caught
-        )
+        return ProgramEnd(self._room.t, overdue=True, waiting=waiting, outside=outside, caught=self._caught)
 
     def _end_of(self, run: Callable[[], object]) -> ProgramEnd:
         try:
