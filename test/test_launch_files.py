@@ -116,6 +116,15 @@ def test_whether_the_downwash_is_compensated_is_told_to_every_node_that_does(
     assert aware == dict.fromkeys(told, asked == "true")
 
 
+def test_the_pid_of_a_real_room_has_the_tuned_gains_unless_others_are_asked_for(room: dict[str, str]):
+    given = defaults(ROOM_ARGUMENTS) | room
+    for asked, k_p_z, k_i_z in (({}, 10.0, 6.0), ({"gains": "learned"}, 0.81073, 0.0)):
+        pid = next(spec for spec in room_nodes(given | asked) if spec.executable == "pid")
+        assert (pid.parameters["k_p_z"], pid.parameters["k_i_z"]) == (k_p_z, k_i_z)
+    with pytest.raises(ValueError, match="no gains 'mine'"):
+        room_nodes(given | {"gains": "mine"})
+
+
 @pytest.mark.parametrize("by", ["radio", "crazyswarm"])
 def test_the_replanner_moves_no_setpoint_unless_asked_to(room: dict[str, str], by: str):
     arguments, made = MADE[by]

@@ -1,23 +1,17 @@
 """Every shipped file of gains fits the PID, says its sources, and makes a stable loop."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
+from q2q_control.pid.gains_file import load_gains
 from q2q_control.pid.pid import PidParams
-from q2q_model.tunable import with_overrides
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FOLDER = Path(__file__).parents[1] / "config"
 FILES = sorted(FOLDER.glob("pid_*.yaml"))
-
-
-def gains_in(path: Path) -> PidParams:
-    """Return the PID's parameters with a file's overrides; an unknown key or a bad value raises."""
-    document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    return with_overrides(PidParams(), document["/**"]["ros__parameters"])
 
 
 def test_the_papers_the_firmwares_and_tuned_gains_are_shipped():
@@ -27,7 +21,7 @@ def test_the_papers_the_firmwares_and_tuned_gains_are_shipped():
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_a_file_of_gains_begins_with_its_source_and_makes_a_stable_loop(path: Path):
     assert path.read_text(encoding="utf-8").startswith("# ")
-    found = gains_in(path)
+    found = load_gains(str(path))
     for k_p, k_d, k_i in (
         (found.k_p_z, found.k_d_z, found.k_i_z),
         (found.k_p_xy, found.k_d_xy, found.k_i_xy),
@@ -37,11 +31,11 @@ def test_a_file_of_gains_begins_with_its_source_and_makes_a_stable_loop(path: Pa
 
 
 def test_the_learned_gains_are_the_defaults():
-    assert gains_in(FOLDER / "pid_learned.yaml") == PidParams()
+    assert load_gains("learned") == PidParams()
 
 
 def test_mellingers_gains_are_the_firmwares_over_its_mass():
-    found, mass = gains_in(FOLDER / "pid_mellinger.yaml"), 0.029
+    found, mass = load_gains("mellinger"), 0.029
     # written with four decimals
     assert found.k_p_z * mass == pytest.approx(1.25, abs=1e-5)
     assert found.k_d_z * mass == pytest.approx(0.4, abs=1e-5)
@@ -49,7 +43,7 @@ def test_mellingers_gains_are_the_firmwares_over_its_mass():
 
 
 def test_the_firmwares_cascade_as_one_loop_has_the_cascades_poles():
-    found = gains_in(FOLDER / "pid_firmware.yaml")
+    found = load_gains("firmware")
     c, outer, outer_i, inner, inner_i = (
         1000.0 / 65535.0 * CRAZYFLIE_2_0.full_pwm_thrust / 0.034,
         2.0,
@@ -60,3 +54,25 @@ def test_the_firmwares_cascade_as_one_loop_has_the_cascades_poles():
     # s^2 e = -c (K (P e + Z int e + s e) + I int(P e + s e)), the product of integrals left out
     cascade = [1.0, c * inner, c * (inner * outer + inner_i), c * (inner_i * outer + inner * outer_i)]
     assert np.allclose([1.0, found.k_d_z, found.k_p_z, found.k_i_z], cascade, rtol=1e-3)  # three decimals
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("", "one node (or /**) with ros__parameters is expected"),
+    ("k_p_z: 10.0\n", "one node (or /**) with ros__parameters is expected"),
+    ("/**:\n  ros__parameters: 3\n", "expected a mapping with k_p_z"),
+    ("pid:\n  ros__parameters: {k_pz: 10.0}\n", "unknown key 'k_pz'; did you mean k_p_z?"),
+    ("pid:\n  ros__parameters: {k_p_z: ten}\n", "k_p_z = 'ten': a number is expected"),
+    ("pid:\n  ros__parameters: {k_p_z: 1000.0}\n", "k_p_z = 1000.0: allowed is 0.0 to 200.0"),
+])  # fmt: skip
+def test_a_file_that_is_none_of_the_pids_is_refused_by_name(tmp_path: Path, text: str, said: str):
+    (tmp_path / "mine.yaml").write_text(text)
+    with pytest.raises(ValueError, match=re.escape(said)) as refused:
+        load_gains(str(tmp_path / "mine.yaml"))
+    assert "mine.yaml" in str(refused.value)
+
+
+def test_unknown_gains_are_answered_with_those_that_there_are():
+    with pytest.raises(
+        ValueError, match="no gains 'tune': give one of firmware, learned, mellinger, tuned, or"
+    ):
+        load_gains("tune")

@@ -5,10 +5,11 @@
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+from q2q_control.pid.gains_file import TUNED, load_gains
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.tunable import ParameterValue
@@ -60,6 +61,11 @@ ROOM_ARGUMENTS = (
     Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
     Argument("vehicle", DEFAULT_VEHICLE, "vehicle constants", tuple(VEHICLES)),
     FIRMWARE,
+    Argument(
+        "gains",
+        TUNED,
+        "with mode:=command: tuned, firmware, mellinger, learned, or a file (docs/nodes/pid.md)",
+    ),
     AWARE,
     REPLAN,
     Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
@@ -128,7 +134,8 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     facts = FlightFacts(vehicle=given["vehicle"], firmware=given["firmware"], model=given["model"])
     flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "firmware": given["firmware"]}
     flown |= {"aware": given["aware"] == YES}
-    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", flown | {"live": True})]
+    gains: dict[str, ParameterValue] = asdict(load_gains(given["gains"]))
+    pid: list[NodeSpec] = [NodeSpec("q2q_control", "pid", gains | flown | {"live": True})]
     radio: dict[str, ParameterValue] = flown | {"crazyflies": given["crazyflies"], "mode": given["mode"]}
     return [
         *_control_loop(given, folder, facts),
