@@ -60,6 +60,14 @@ def test_a_launched_simulator_starts_by_itself_and_at_the_pace_asked_for(tmp_pat
     given = defaults(SCENARIO_ARGUMENTS) | {"folder": str(tmp_path), "seed": "7"}
     simulator = next(spec for spec in scenario_nodes(given) if spec.executable == "simulator")
     assert simulator.parameters["autostart"] is True
+    assert simulator.parameters["starts_after"] == (
+        "bag_record",
+        "mocap_filter",
+        "interference",
+        "trajectory",
+        "replanner",
+        "pid",
+    )
     assert simulator.parameters["pace"] == "live"
     assert simulator.parameters["seed"] == 7
 

@@ -1,4 +1,4 @@
-"""Simulator under use_sim_time and recorder, both in a namespace: frames come, and the bag is read."""
+"""Simulator and others in a namespace: its start, use_sim_time, and a recorder whose bag is read."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,9 +16,11 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagReader, read_flight
+from q2q_model.ros.node.ready import offer_ready
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
+from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.loop.room import TICK_S
 from q2q_sim.processes.domain import own_domain
@@ -78,3 +80,22 @@ def test_a_simulator_under_sim_time_speaks_and_a_namespaced_recorder_keeps_it(
     assert steps.size > 0
     assert steps.min() > 0.5
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)  # a busy machine may lose a frame
+
+
+def test_a_simulator_starts_by_itself_once_the_others_are_connected_and_no_frame_is_lost(
+    executor: Executor,
+) -> None:
+    simulator = Simulator(made(executor, "simulator", pace="live", starts_after=["late"]))
+    watcher, frames = made(executor, "watcher"), []
+    watcher.create_subscription(MESSAGES[MocapFrame], "mocap", frames.append, TICK, raw=True)
+    client = watcher.create_client(Trigger, "simulator/start")
+    until(executor, lambda: client.service_is_ready() and watcher.count_publishers("/room/mocap") == 1)
+    for _ in range(10):
+        executor.spin_once(timeout_sec=0.05)
+    assert frames == []
+    late, seen = made(executor, "late"), []
+    late.create_subscription(MESSAGES[MocapFrame], "mocap", seen.append, TICK, raw=True)
+    offer_ready(late)
+    until(executor, lambda: bool(seen))
+    assert header_stamp_ns(seen[0]) == 0
+    simulator.close()

@@ -92,8 +92,8 @@ def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() 
     assert clock.recent() == {}
     clock.start(100.0)
     for tick in range(101):
-        clock.frame_out(200.0 + tick)
-        clock.command_in(200.0 + tick + tick * 1e-3)
+        clock.frame_out(tick, 200.0 + tick)
+        clock.command_in(tick, 200.0 + tick + tick * 1e-3)
     clock.missed()
     timing = clock.timing(now=105.0, flown=50.0)
     assert timing.real_time_factor == pytest.approx(10.0)
@@ -105,8 +105,8 @@ def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() 
 def test_the_line_about_a_flights_time_has_plain_numbers() -> None:
     clock = FlightClock()
     clock.start(0.0)
-    clock.frame_out(0.0)
-    clock.command_in(0.002)
+    clock.frame_out(0, 0.0)
+    clock.command_in(0, 0.002)
     assert str(clock.timing(0.5, 1.0)) == (
         "FlightTiming(ticks=1, missed_ticks=0, real_time_factor=2.0, latency_p50_ms=2.0, latency_p99_ms=2.0)"
     )
@@ -118,8 +118,8 @@ def test_the_clock_of_a_flight_holds_no_more_than_eight_bytes_a_tick() -> None:
     tracemalloc.start()
     try:
         for tick in range(ticks):
-            clock.frame_out(0.01 * tick)
-            clock.command_in(0.01 * tick + 1e-3)
+            clock.frame_out(tick, 0.01 * tick)
+            clock.command_in(tick, 0.01 * tick + 1e-3)
         held, _ = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()

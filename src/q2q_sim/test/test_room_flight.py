@@ -71,6 +71,47 @@ def test_a_flight_starts_once_and_ends_with_its_timing_after_its_duration() -> N
     assert (output.timing.ticks, output.timing.real_time_factor) == (2, pytest.approx(2.0))
     assert not flown.is_flying
     assert flown.on_timer() == NOTHING
+    assert "the flight is over" in flown.refusal
+    assert flown.start() == flown.on_timer() == NOTHING
+    assert flown.health.ticks == 2
+
+
+@pytest.mark.parametrize(("delay", "missed"), [(0.005, 0), (0.012, 50), (0.095, 50)])
+def test_live_a_command_counts_for_its_own_frame_however_late_it_is(delay: float, missed: int) -> None:
+    wall = Wall()
+    flown = flight(wall, replace(PARAMS, pace="live"), duration=0.5)
+    flown.start()
+    due, output = [], NOTHING
+    for tick in range(51):
+        for t, stamp in [one for one in due if one[0] < 0.01 * tick]:
+            wall.now = t
+            flown.receive(encode(command(0.3), stamp))
+            due.remove((t, stamp))
+        wall.now = 0.01 * tick
+        output = flown.on_timer()
+        due += [(wall.now + delay, one.stamp_ns) for one in output.signals[:1]]
+    assert output.timing is not None
+    assert output.timing.missed_ticks == missed
+    assert output.timing.latency_p50_ms == pytest.approx(1e3 * delay)
+    assert output.timing.latency_p99_ms == pytest.approx(1e3 * delay)
+
+
+def test_live_the_newest_command_is_flown() -> None:
+    wall = Wall()
+    flown, room = flight(wall, replace(PARAMS, pace="live")), Room(SCENARIO, seed=1)
+    flown.start()
+    flown.on_timer()
+    room.capture()
+    room.advance(None)
+    flown.on_timer()
+    for stamp, thrust in ((0, 0.1), (TICK_NS, 0.4), (0, 0.2)):
+        flown.receive(encode(command(thrust), stamp))
+    room.capture()
+    room.advance(command(0.4))
+    for _ in range(3):
+        output = flown.on_timer()
+        np.testing.assert_array_equal(frame(output).pos, room.capture().frame.pos)
+        room.advance(None)
 
 
 def test_in_lockstep_an_unanswered_frame_is_published_again_and_the_tick_is_missed_at_last() -> None:

@@ -4,7 +4,7 @@ A latched value published before the flight (a plan) must also have arrived.
 """
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 READS, OUT, LACKS = "<", "^", "-"
@@ -59,3 +59,12 @@ def undelivered(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
     out = {topic for wiring in nodes.values() for topic in wiring.out}
     missing = {name: [topic for topic in wiring.lacks if topic in out] for name, wiring in nodes.items()}
     return {name: topics for name, topics in missing.items() if topics}
+
+
+def missing_connections(names: Iterable[str], nodes: Mapping[str, Wiring]) -> list[str]:
+    """Return descriptions of what the named nodes still wait for; `nodes` are those that have answered."""
+    silent = [f"{name} has not answered" for name in names if name not in nodes]
+    return silent or [
+        *(f"{name} waits for readers of {', '.join(topics)}" for name, topics in unmatched(nodes).items()),
+        *(f"{name} waits for {', '.join(topics)}" for name, topics in undelivered(nodes).items()),
+    ]

@@ -99,7 +99,8 @@ CRAZYSWARM_ARGUMENTS = (
     FOXGLOVE,
 )
 
-ENDS_ALL = frozenset({RECORDER, "trajectory", "radio", "crazyswarm", "simulator"})
+SIMULATOR = "simulator"
+ENDS_ALL = frozenset({RECORDER, "trajectory", "radio", "crazyswarm", SIMULATOR})
 """Nodes whose end ends the launch."""
 
 
@@ -120,7 +121,7 @@ def scenario_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     folder = folder_of(given["folder"])
     folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(load_scenario(request), request, folder, folder / "bag")
-    return [*map(_at_once, specs), *_viewers(given)]
+    return [*_by_itself(specs), *_viewers(given)]
 
 
 def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
@@ -267,11 +268,14 @@ def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
     return {one.name: one.default for one in arguments}
 
 
-def _at_once(spec: NodeSpec) -> NodeSpec:
-    """Set the simulator to start by itself: a launch file has no flight director."""
-    if spec.executable != "simulator":
-        return spec
-    return NodeSpec(spec.package, spec.executable, {**spec.parameters, "autostart": True})
+def _by_itself(specs: Sequence[NodeSpec]) -> list[NodeSpec]:
+    """Let the simulator start by itself once the others are ready: a launch file has no flight director."""
+    others = tuple(spec.label for spec in specs if spec.executable != SIMULATOR)
+    alone: dict[str, ParameterValue] = {"autostart": True, "starts_after": others}
+    return [
+        replace(spec, parameters={**spec.parameters, **alone}) if spec.executable == SIMULATOR else spec
+        for spec in specs
+    ]
 
 
 def _viewers(given: Mapping[str, str]) -> list[NodeSpec]:

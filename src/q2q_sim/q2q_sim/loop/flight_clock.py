@@ -8,6 +8,8 @@ import numpy as np
 
 RECENT = 100
 """Ticks that `/diagnostics` reports on: one second of live flight."""
+AWAITED = 1000
+"""Frames whose commands are awaited: ten seconds of live flight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +18,7 @@ class FlightTiming:
 
     ticks: int
     missed_ticks: int
+    """Ticks whose own command did not arrive before the next frame."""
     real_time_factor: float | None
     """Simulated over wall time; None if nothing was simulated."""
     latency_p50_ms: float | None
@@ -28,7 +31,8 @@ class FlightClock:
 
     def __init__(self) -> None:
         self._start = 0.0
-        self._out = 0.0
+        self._sent: dict[int, float] = {}
+        """Stamp [ns] of a frame without command -> when it was published [s]."""
         self._latencies = array("d")  # a list would hold 32 bytes a tick, 11 MB an hour
         self._missed = 0
         self._ticks = 0
@@ -37,17 +41,21 @@ class FlightClock:
         """Record the start of the flight."""
         self._start = now
 
-    def frame_out(self, now: float) -> None:
-        """Record that the frame of a tick was published."""
-        self._out = now
+    def frame_out(self, stamp_ns: int, now: float) -> None:
+        """Record that the frame of a tick was published; one that is published again counts from the first."""
+        self._sent.setdefault(stamp_ns, now)
+        if len(self._sent) > AWAITED:
+            del self._sent[next(iter(self._sent))]
         self._ticks += 1
 
-    def command_in(self, now: float) -> None:
-        """Record that the command of the tick arrived."""
-        self._latencies.append(now - self._out)
+    def command_in(self, stamp_ns: int, now: float) -> None:
+        """Record that the command of a frame arrived, in its tick or later."""
+        sent = self._sent.pop(stamp_ns, None)
+        if sent is not None:
+            self._latencies.append(now - sent)
 
     def missed(self) -> None:
-        """Record that the command of the tick did not arrive."""
+        """Record that the command of a tick did not arrive in it."""
         self._missed += 1
 
     def recent(self) -> Mapping[str, str]:

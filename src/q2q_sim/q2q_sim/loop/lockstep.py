@@ -37,6 +37,10 @@ class CommandGate:
         self._done_ns |= dict.fromkeys(rows, stamp_ns)
         return self.arrived() if rows and len(self._rows) == len(self._names) else None
 
+    def stamp_of(self, command: SwarmCommand, stamp_ns: int) -> int:
+        """Return the oldest stamp in a complete command that one of `stamp_ns` completed [ns]."""
+        return min((self._done_ns.get(name, stamp_ns) for name in command.names), default=stamp_ns)
+
     def arrived(self) -> SwarmCommand | None:
         """Return the commands collected since `expect`, of some vehicles or all; None if there are none."""
         names = tuple(name for name in self._names if name in self._rows)

@@ -1,7 +1,8 @@
 """Flight of a room through nodes: what to publish after the start, a command and each timer event.
 
 In lockstep the command of a tick starts the next one; without it, the time-outs of `ResendTimer` apply. In
-live flight, and with the vehicles' own firmware, ticks follow every 10 ms.
+live flight, and with the vehicles' own firmware, ticks follow every 10 ms, and the newest command is flown: one
+that comes after the next frame is late, its tick missed, and it is flown if none newer comes.
 """
 
 from collections.abc import Callable
@@ -84,8 +85,10 @@ class RoomFlight:
         self._resend = ResendTimer(params.again_s, params.give_up_s)
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
+        self._is_answered = False
+        """Whether the command is that of the tick."""
         self._tick: Tick | None = None
-        self._started = False
+        self._started = self._is_over = False
         self.clock = FlightClock()
         self.health = Health()
 
@@ -95,6 +98,13 @@ class RoomFlight:
         return self._started
 
     @property
+    def refusal(self) -> str:
+        """Return why the flight cannot start; empty if it can."""
+        if self._is_over:
+            return "the flight is over: start the node again for another one"
+        return "already flying" if self.is_flying else ""
+
+    @property
     def period_s(self) -> float:
         """Return the period of timer events [s]."""
         return STALL_CHECK_S if self._lockstep else TICK_S
@@ -102,9 +112,9 @@ class RoomFlight:
     def start(self) -> Output:
         """Return the first tick in lockstep; live, the next timer event does, to give it a whole period.
 
-        Nothing if already flying.
+        Nothing if already flying, or if the flight is over.
         """
-        if self.is_flying:
+        if self.refusal:
             return NOTHING
         self._started = True
         return self._first_tick() if self._lockstep else NOTHING
@@ -123,11 +133,12 @@ class RoomFlight:
             command = self._gate.offer(stamp_ns, offered)
         except ValueError as refusal:
             return self._refused(refusal)
-        if command is None or self._tick is None or self._command is not None:
+        if command is None or self._tick is None or (self._lockstep and self._command is not None):
             return NOTHING
-        self.clock.command_in(self._wall_clock())
+        answered_ns = self._gate.stamp_of(command, stamp_ns)
+        self.clock.command_in(answered_ns, self._wall_clock())
         self._resend.answered()
-        self._command = command
+        self._command, self._is_answered = command, answered_ns == self._tick.frame_stamp_ns
         return self._advance() if self._lockstep else NOTHING
 
     def on_timer(self) -> Output:
@@ -144,16 +155,17 @@ class RoomFlight:
         if self._firmware is not None:
             self._room.fly(self._firmware)
             return self._next_tick()
-        if self._command is None:
+        if not self._is_answered:
             self.clock.missed()
             self.health.missed += 1
+        if self._command is None:
             self._command = self._gate.arrived()  # some of several controllers have answered
         refused = self._fly_command()
-        self._command = None
+        self._command, self._is_answered = None, False
         flown = self._room.tick * TICK_S
         if flown < self._duration:
             return self._next_tick(refused.refusal)
-        self._tick, self._started = None, False
+        self._tick, self._started, self._is_over = None, False, True
         return Output(timing=self.clock.timing(self._wall_clock(), flown), refusal=refused.refusal)
 
     def _fly_command(self) -> Output:
@@ -180,7 +192,7 @@ class RoomFlight:
         self._gate.expect(tick.frame_stamp_ns)
         now = self._wall_clock()
         self._resend.begin(now)
-        self.clock.frame_out(now)
+        self.clock.frame_out(tick.frame_stamp_ns, now)
         truths = (
             StampedSignal("truth", tick.truth, tick.stamp_ns),
             StampedSignal("truth_interference", tick.truth_interference, tick.stamp_ns),

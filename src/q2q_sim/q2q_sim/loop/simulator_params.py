@@ -32,6 +32,9 @@ class SimulatorParams:
     seed: int = tunable(0, "random seed", low=0, read_only=True)
     pace: str = tunable("lockstep", "source of time", choices=("lockstep", "live"), read_only=True)
     autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+    starts_after: tuple[str, ...] = tunable(
+        (), "with autostart: nodes that must be ready and connected first", read_only=True
+    )
     crtp: bool = tunable(False, "let CRTP clients fly the vehicles instead of commands", read_only=True)  # noqa: FBT003
     again_s: float = tunable(
         5.0,

@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.node.wiring import undelivered, unmatched, wiring_from_text
+from q2q_model.node.wiring import missing_connections, wiring_from_text
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
@@ -150,13 +150,7 @@ class FlightDirector:
         """Return descriptions of the missing connections."""
         answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
         wirings = {name: wiring_from_text(answer.message) for name, answer in answers.items() if answer}
-        silent = [f"{name} has not answered" for name in clients if name not in wirings]
-        short = unmatched(wirings).items()
-        late = undelivered(wirings).items()
-        return silent or [
-            *(f"{name} waits for readers of {', '.join(topics)}" for name, topics in short),
-            *(f"{name} waits for {', '.join(topics)}" for name, topics in late),
-        ]
+        return missing_connections(clients, wirings)
 
     def _drain_client(self, name: str) -> Client:
         return self._node.create_client(Trigger, f"{name}/{DRAINED}")

@@ -38,6 +38,7 @@ from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import as_fields
 from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearsed_room
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
+from q2q_sim.ros.ready_nodes import ReadyNodes
 
 if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
@@ -46,6 +47,10 @@ if TYPE_CHECKING:
 COMMAND = "command"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
+LOOK_S = 0.05
+"""Period of looks for nodes that the start waits for [s]."""
+WAITING_S = 5.0
+"""Period of log lines about them [s]."""
 BURST_PERIOD_S = 0.001
 """Longest wait for the next burst [s]."""
 
@@ -78,7 +83,8 @@ class Simulator:
         steady_timer(node, self._flight.period_s, self._on_timer)
         publish_health(node, self._flight.health, self._diagnostics)
         if params.autostart:
-            self._publish(self._flight.start())
+            self._others = ReadyNodes(node, params.starts_after)
+            self._look = steady_timer(node, LOOK_S, self._on_look)
 
     def close(self) -> None:
         """Close the ports of CRTP clients."""
@@ -113,10 +119,18 @@ class Simulator:
             self._publish(self._flight.on_timer())
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success = not self._flight.is_flying
-        response.message = "flying" if response.success else "already flying"
+        refusal = self._flight.refusal
+        response.success, response.message = not refusal, refusal or "flying"
         self._publish(self._flight.start())
         return response
+
+    def _on_look(self) -> None:
+        """Start the flight once the other nodes are ready."""
+        if missing := self._others.missing():
+            self._node.get_logger().info(f"waiting: {'; '.join(missing)}", throttle_duration_sec=WAITING_S)
+            return
+        self._look.cancel()
+        self._publish(self._flight.start())
 
     def _publish(self, output: Output) -> None:
         for topic, signal, stamp_ns in output.signals:

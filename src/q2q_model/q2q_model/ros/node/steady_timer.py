@@ -8,8 +8,9 @@ from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.timer import Timer
 
 
-def steady_timer(node: Node, period_s: float, act: Callable[[], None]) -> None:
-    """Call `act` every `period_s` [s] of steady time."""
-    node.create_timer(period_s, act, clock=Clock(clock_type=ClockType.STEADY_TIME))
+def steady_timer(node: Node, period_s: float, act: Callable[[], None]) -> Timer:
+    """Call `act` every `period_s` [s] of steady time, until the timer is cancelled."""
+    return node.create_timer(period_s, act, clock=Clock(clock_type=ClockType.STEADY_TIME))

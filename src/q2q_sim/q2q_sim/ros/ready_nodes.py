@@ -1,0 +1,32 @@
+"""Nodes that a node waits for before it starts by itself: ready, and connected with it and with each other."""
+
+from collections.abc import Sequence
+
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from q2q_model.node.wiring import Wiring, missing_connections, wiring_from_text
+from q2q_model.ros.node.ready import SERVICE, wiring_of
+
+
+class ReadyNodes:
+    """Last answers of the nodes' services `~/ready`; asked anew at every look."""
+
+    def __init__(self, node: Node, names: Sequence[str]) -> None:
+        """Wait for the nodes `names` of the namespace of `node`."""
+        self._node = node
+        self._clients = {name: node.create_client(Trigger, f"{name}/{SERVICE}") for name in names}
+        self._calls: dict[str, Future] = {}
+        self._wirings: dict[str, Wiring] = {}
+
+    def missing(self) -> list[str]:
+        """Return descriptions of the missing connections; empty once the flight may start."""
+        for name, call in [*self._calls.items()]:
+            if call.done():
+                self._wirings[name] = wiring_from_text(self._calls.pop(name).result().message)
+        for name, client in self._clients.items():
+            if name not in self._calls and client.service_is_ready():
+                self._calls[name] = client.call_async(Trigger.Request())
+        own = {self._node.get_name(): wiring_of(self._node)}
+        return missing_connections((*own, *self._clients), self._wirings | own)
