@@ -42,7 +42,7 @@ class FlightClock:
         self._start = now
 
     def frame_out(self, stamp_ns: int, now: float) -> None:
-        """Record that the frame of a tick was published; one that is published again counts from the first."""
+        """Record that a tick's frame was published; one that is published again counts from the first."""
         self._sent.setdefault(stamp_ns, now)
         if len(self._sent) > AWAITED:
             del self._sent[next(iter(self._sent))]

@@ -1,8 +1,8 @@
 """Flight of a room through nodes: what to publish after the start, a command and each timer event.
 
 In lockstep the command of a tick starts the next one; without it, the time-outs of `ResendTimer` apply. In
-live flight, and with the vehicles' own firmware, ticks follow every 10 ms, and the newest command is flown: one
-that comes after the next frame is late, its tick missed, and it is flown if none newer comes.
+live flight, and with the vehicles' own firmware, ticks follow every 10 ms, and the newest command is flown:
+one that comes after the next frame is late, its tick missed, and it is flown if none newer comes.
 """
 
 from collections.abc import Callable

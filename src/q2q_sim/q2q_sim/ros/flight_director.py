@@ -4,6 +4,7 @@ The nodes run in processes of their own, or in this process on one executor.
 """
 
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from time import monotonic
 from typing import Self
@@ -17,7 +18,8 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.node.wiring import missing_connections, wiring_from_text
+from q2q_model.flights.flight import FLIGHT_FIELDS
+from q2q_model.node.wiring import Wiring, missing_connections, wiring_from_text
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
@@ -30,6 +32,8 @@ START_S = 60.0
 """Time-out for discovery within processes that are ready [s]; rclpy's own wait polls every 0.25 s."""
 DRAIN_S = 60.0
 """Time-out for draining the messages of one node [s]: a starved recorder takes a millisecond a message."""
+LINGER_S = 20.0
+"""Time after which the middleware has forgotten nodes that were killed [s] (Fast DDS: its lease)."""
 STILL_S = 60.0
 """Time without a tick after which a flight has failed [s]."""
 SOURCES = ("/simulator", "/bag_play")
@@ -57,6 +61,8 @@ class FlightDirector:
         self._ticks = 0
         self._played = False
         self._moved_at = monotonic()
+        self._wirings: dict[str, Wiring] = {}
+        """Last answers of the nodes of the flight."""
         self._drains: dict[str, Client] = {}
         """Created before the flight, so that they have discovered their services when it ends."""
         self._node.create_subscription(String, "flight_summary", self._on_summary, LATCHED)
@@ -89,7 +95,7 @@ class FlightDirector:
         """Return once every writer of the named nodes has matched every reader and latched messages arrived.
 
         Raises:
-            TimeoutError: some are not connected after timeout_s [s].
+            TimeoutError: some are not connected after timeout_s [s], or other nodes write signals, too.
         """
         clients = {name: self._node.create_client(Trigger, f"{name}/{SERVICE}") for name in nodes}
         self._drains = {name: self._drain_client(name) for name in clients}
@@ -98,6 +104,11 @@ class FlightDirector:
             if monotonic() > deadline:
                 raise TimeoutError(f"nodes not wired after {timeout_s:g} s: {'; '.join(waiting)}")
             meanwhile()
+            self._spin(POLL_S)
+        deadline = monotonic() + LINGER_S
+        while strangers := self._strangers():
+            if monotonic() > deadline:
+                raise TimeoutError(f"{strangers}: end them, or give this flight another ROS_DOMAIN_ID")
             self._spin(POLL_S)
 
     def start(self, source: str = "simulator") -> None:
@@ -146,11 +157,22 @@ class FlightDirector:
         if monotonic() - self._moved_at > STILL_S:
             raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self._ticks}; see the nodes' logs")
 
+    def _strangers(self) -> str:
+        """Return which topics nodes of other flights write, with the names of all who do; or nothing."""
+        ours = Counter(topic for wiring in self._wirings.values() for topic in wiring.matched)
+        found = []
+        for topic, count in ours.items():
+            if topic.rpartition("/")[2] in FLIGHT_FIELDS:
+                writers = [info.node_name for info in self._node.get_publishers_info_by_topic(topic)]
+                if len(writers) > count:
+                    found.append(f"{topic} is written by {len(writers)} nodes ({', '.join(sorted(writers))})")
+        return "; ".join(found)
+
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
         """Return descriptions of the missing connections."""
         answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
-        wirings = {name: wiring_from_text(answer.message) for name, answer in answers.items() if answer}
-        return missing_connections(clients, wirings)
+        self._wirings = {name: wiring_from_text(one.message) for name, one in answers.items() if one}
+        return missing_connections(clients, self._wirings)
 
     def _drain_client(self, name: str) -> Client:
         return self._node.create_client(Trigger, f"{name}/{DRAINED}")

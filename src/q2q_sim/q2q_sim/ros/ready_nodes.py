@@ -1,4 +1,4 @@
-"""Nodes that a node waits for before it starts by itself: ready, and connected with it and with each other."""
+"""Nodes that a node waits for before it starts by itself: ready, connected with it and with each other."""
 
 from collections.abc import Sequence
 
