@@ -5,8 +5,10 @@ import sys
 import warnings
 from argparse import Namespace
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from q2q_model.bag import BagReader, BagRepairWarning
 from q2q_model.signals.stamps import time_from_stamp
@@ -14,6 +16,7 @@ from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.loop.topics import TICK_TOPICS
 from q2q_sim.monitors.policies import (
+    NEEDS,
     POLICIES,
     Circumstances,
     Evidence,
@@ -21,22 +24,50 @@ from q2q_sim.monitors.policies import (
     Violation,
     evidence_of,
     judge,
+    unjudged,
 )
 from q2q_sim.scenarios import library
 
 
+@dataclass(frozen=True, slots=True)
+class JudgedBag:
+    """Violations in a bag, and the policies of which it has no evidence."""
+
+    violations: tuple[Violation, ...]
+    unjudged: tuple[str, ...]
+
+    def lines(self) -> list[str]:
+        """Return the violations, or the policies that are kept."""
+        kept = [policy for policy in POLICIES if policy not in self.unjudged]
+        return [str(one) for one in self.violations] or [f"keeps {', '.join(kept)}"]
+
+
 def run(args: Namespace) -> int:
-    """Check the named bags; return 1 if a policy is violated."""
+    """Check the named bags; return 1 if a policy is violated, or a bag has nothing to judge."""
     found = {
-        str(bag): judge(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
+        str(bag): judged(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
         for bag in args.bags
     }
     if args.json:
-        print(json.dumps({bag: as_json(violations) for bag, violations in found.items()}, indent=1))
+        print(json.dumps({bag: as_json(one.violations) for bag, one in found.items()}, indent=1))
     else:
-        for bag, violations in found.items():
-            print("\n".join(f"{bag}: {one}" for one in violations) or f"{bag}: keeps {', '.join(POLICIES)}")
-    return int(any(found.values()))
+        for bag, one in found.items():
+            print("\n".join(f"{bag}: {line}" for line in one.lines()))
+    for bag, lacking in ((bag, one.unjudged) for bag, one in found.items() if one.unjudged):
+        print(f"policies: {bag}: not judged, as it has nothing of them: {', '.join(lacking)}", file=sys.stderr)
+    return int(any(one.violations or NEEDS.keys() <= {*one.unjudged} for one in found.values()))
+
+
+def judged(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
+    """Return how a flight keeps the policies; without true positions by the filtered ones."""
+    if np.isfinite(evidence.true_pos).any():
+        return JudgedBag(judge(evidence, circumstances), unjudged(evidence))
+    filtered = replace(evidence, true_pos=evidence.state_pos)
+    policies = {name: policy for name, policy in POLICIES.items() if name != "belief"}
+    lacking = {*unjudged(filtered), "belief"}
+    return JudgedBag(
+        judge(filtered, circumstances, policies), tuple(name for name in POLICIES if name in lacking)
+    )
 
 
 def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:

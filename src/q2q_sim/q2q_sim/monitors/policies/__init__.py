@@ -23,10 +23,11 @@ separation.
 """
 
 from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_in_lockstep, evidence_of
-from q2q_sim.monitors.policies.judgement import POLICIES, judge
+from q2q_sim.monitors.policies.judgement import NEEDS, POLICIES, judge, unjudged
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
 __all__ = [
+    "NEEDS",
     "POLICIES",
     "Circumstances",
     "Evidence",
@@ -36,4 +37,5 @@ __all__ = [
     "evidence_in_lockstep",
     "evidence_of",
     "judge",
+    "unjudged",
 ]

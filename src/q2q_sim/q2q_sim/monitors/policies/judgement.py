@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from q2q_sim.monitors.policies import ages, closeness, command_bounds, floor, tracking
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Policy, Violation
@@ -21,6 +23,19 @@ POLICIES: Mapping[str, Policy] = {
     "return": tracking.come_back,
 }
 """Policies by name."""
+NEEDS: Mapping[str, tuple[str, ...]] = {
+    "separation": ("true_pos",),
+    "zone": ("true_pos", "sent_pos"),
+    "room": ("true_pos", "sent_pos"),
+    "floor": ("true_pos", "sent_pos"),
+    "thrust": ("thrust",),
+    "tilt": ("roll", "pitch"),
+    "age": ("state_age", "command_status"),
+    "action": ("seen", "command_status"),
+    "belief": ("true_pos", "state_pos", "state_status"),
+    "return": ("true_pos", "sent_pos", "command_status"),
+}
+"""Arrays of the evidence without which a policy judges nothing; the others need none."""
 
 
 def judge(
@@ -28,3 +43,18 @@ def judge(
 ) -> tuple[Violation, ...]:
     """Return all violations of a flight, policy by policy."""
     return tuple(found for policy in policies.values() for found in policy(evidence, circumstances))
+
+
+def unjudged(evidence: Evidence) -> tuple[str, ...]:
+    """Return the policies of which a flight has no evidence, in which nothing can be violated."""
+    return tuple(
+        policy
+        for policy in POLICIES
+        if any(not _has(evidence, name) for name in NEEDS.get(policy, ()))
+        or (policy == "silence" and not (evidence.live and len(evidence.commanded_at) > 1))
+    )
+
+
+def _has(evidence: Evidence, name: str) -> bool:
+    values = getattr(evidence, name)
+    return bool(values.any()) if values.dtype == np.bool_ else bool(np.isfinite(values).any())
