@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.bag import FlightFacts
+from q2q_model.bag import FlightFacts, read_flight
 from q2q_sim.commands.explain import main
 from q2q_sim.experiments.campaign.campaign_flight import flown_pure, keep
 from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.explanation import recorded_case as cases
 from q2q_sim.experiments.explanation.accidents import INJECTIONS, ordinary_flight
 from q2q_sim.experiments.explanation.causes import CAUSES, FAULTS, present_causes, without_causes
 from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation, ExplanationParams, explain
@@ -25,6 +26,7 @@ from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import with_air
+from q2q_sim.tools.write_replay import part_of
 
 RNG = np.random.default_rng(0)
 FOUND = Explanation(
@@ -175,6 +177,17 @@ def test_a_bag_is_flown_again_to_the_last_bit(kept: Path) -> None:
     found = recorded_case(kept)
     assert found.difference < 1e-9
     assert found.case.seed == 0
+
+
+def test_of_a_bag_that_ends_early_only_the_recorded_flight_is_explained(
+    kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = recorded_case(kept)
+    monkeypatch.setattr(cases, "read_flight", lambda bag: part_of(read_flight(bag), 0.0, 0.2))
+    found = recorded_case(kept)
+    assert found.difference < 1e-9
+    assert found.flight.t[-1] == pytest.approx(0.2)
+    np.testing.assert_array_equal(found.flight.true_pos, whole.flight.true_pos[: len(found.flight.t)])
 
 
 def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:

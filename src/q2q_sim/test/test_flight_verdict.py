@@ -11,7 +11,13 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of, with_lost_ticks
+from q2q_sim.monitors.flight_verdict import (
+    FlightVerdict,
+    verdict_line,
+    verdict_of,
+    with_lost_ticks,
+    with_planned_end,
+)
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.scenarios.scenario import scenario_from_document
 
@@ -107,6 +113,19 @@ def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> Non
     recorded = flown(true_pos=np.full_like(HOVER, np.nan))
     fallen = replace(recorded, pos=moved(5.6, 5.8, 1, (0.0, 1.0, 0.0)))
     assert output(fallen) == "cf2 hit the floor at 5.6 s"
+
+
+@pytest.mark.parametrize(("planned", "said"), [
+    ("50", "the flight ended at 10.0 s of 50.0 s, before its end"),
+    ("10.4", "ok: 10.0 s flown to the end"),
+    ("10", "ok: 10.0 s flown to the end"),
+    ("", "ok: 10.0 s flown to the end"),
+    ("nan", "ok: 10.0 s flown to the end"),
+    ("long", "ok: 10.0 s flown to the end"),
+])  # fmt: skip
+def test_a_flight_that_was_to_last_longer_is_not_ok(planned: str, said: str) -> None:
+    recorded = flown()
+    assert str(with_planned_end(verdict_of(recorded, AROUND, 0), recorded, planned)) == said
 
 
 def test_several_flights_are_told_in_one_line_by_their_names() -> None:

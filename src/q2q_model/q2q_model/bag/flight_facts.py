@@ -35,6 +35,8 @@ class FlightFacts:
     air: str = ""
     """Air of the simulator in place of that law."""
     seed: str = ""
+    duration: str = ""
+    """Length that was to be flown [s]."""
 
     @property
     def known(self) -> dict[str, str]:

@@ -20,4 +20,5 @@ def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = 
         wake="" if scenario.air else scenario.wake,
         air=air_words(scenario),
         seed=str(seed),
+        duration=f"{scenario.duration:g}",
     )

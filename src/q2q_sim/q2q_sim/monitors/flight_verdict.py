@@ -8,7 +8,8 @@
 | a vehicle left the room | policy `room` |
 | commands ended before the flight | last command older than the firmware's watchdog, 0.5 s |
 | ticks were missed | more than 1 % without a command in time |
-| the recording ends before the flight | a bag that was not closed (`with_finding`) |
+| the recording ends before the flight | a bag that was not closed (`with_unknown_end`) |
+| the flight ended early | the length that was to be flown, in the bag's metadata (`with_planned_end`) |
 
 The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight.
 """
@@ -32,6 +33,8 @@ MISSED_SHARE = 0.01
 """Largest fraction of ticks without a command in time [-]."""
 COMMANDS_END_S = 0.5
 """Time without commands after which the Crazyflie firmware levels out [s] (q2q_sim.link.radio)."""
+EARLY_S = 0.5
+"""Time that a flight to the end may lack [s]: live, the last ticks are lost when the nodes end."""
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
 """Policies that decide on the outcome of a flight."""
 WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left the room"}
@@ -114,6 +117,19 @@ def with_unknown_end(verdict: FlightVerdict, flight: Flight) -> FlightVerdict:
     return with_finding(
         verdict, Finding(end, f"the recording was cut off at {end:.1f} s: its end is unknown")
     )
+
+
+def with_planned_end(verdict: FlightVerdict, flight: Flight, planned: str) -> FlightVerdict:
+    """Return the verdict on a flight that was to last `planned` [s]; empty or no number is unknown."""
+    try:
+        left = float(planned) - max(_duration(flight), float(flight.t[-1]))
+    except ValueError:
+        return verdict
+    if not left > EARLY_S:
+        return verdict
+    end = float(flight.t[-1])
+    words = f"the flight ended at {end:.1f} s of {float(planned):.1f} s, before its end"
+    return with_finding(verdict, Finding(end, words))
 
 
 def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:

@@ -54,7 +54,9 @@ def run(args: Namespace) -> int:
         for bag, one in found.items():
             print("\n".join(f"{bag}: {line}" for line in one.lines()))
     for bag, lacking in ((bag, one.unjudged) for bag, one in found.items() if one.unjudged):
-        print(f"policies: {bag}: not judged, as it has nothing of them: {', '.join(lacking)}", file=sys.stderr)
+        print(
+            f"policies: {bag}: not judged, as it has nothing of them: {', '.join(lacking)}", file=sys.stderr
+        )
     return int(any(one.violations or NEEDS.keys() <= {*one.unjudged} for one in found.values()))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.bag import BagReader, TopicMap, read_flight, read_mapped_flight
+from q2q_model.bag import TopicMap, read_flight, read_mapped_flight
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus
@@ -17,10 +17,9 @@ from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.flight.run_json import Json, finite
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line, verdict_of, with_unknown_end
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
-from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import MOST_RUNS, replay_element, replay_run
 from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, draw
@@ -29,6 +28,7 @@ from q2q_sim.report.panels import save
 from q2q_sim.report.significant import significant
 from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
+from q2q_sim.tools.bag_verdict import bag_verdict
 
 TRACKING = {
     "z_rmse_m": "z RMSE [m]",
@@ -79,9 +79,7 @@ def run(args: Namespace) -> int:
 def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None) -> Reported:
     """Return a bag's flight with its metrics; `topics` maps the topics of a foreign bag."""
     flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
-    verdict = verdict_of(flight, Circumstances(vehicle=flown.vehicle))
-    if BagReader(bag).is_cut:
-        verdict = with_unknown_end(verdict, flight)
+    verdict = bag_verdict(bag, flight, flown.vehicle)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
     return Reported(flight, metrics, quality, recorded_lives(bag), verdict, flown.vehicle, flown.note)
 

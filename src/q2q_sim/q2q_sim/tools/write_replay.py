@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.bag import BagReader, TopicMap
+from q2q_model.bag import TopicMap
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.table_file import TABLES
 from q2q_model.identification.force.downwash_force import ForceRecord
@@ -16,9 +16,10 @@ from q2q_model.identification.recording_files import recording_of_bag, recording
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
-from q2q_sim.monitors.flight_verdict import verdict_of, with_unknown_end
+from q2q_sim.monitors.flight_verdict import verdict_of
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
+from q2q_sim.tools.bag_verdict import bag_verdict
 
 
 def run(args: Namespace) -> int:
@@ -45,9 +46,12 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     if flown.note:
         print(f"replay_page: {flown.note}", file=sys.stderr)
     part = part_of(recording.flight, args.start, args.end)
-    verdict = verdict_of(part, Circumstances(vehicle=flown.vehicle))
-    if args.end is None and not is_table and BagReader(path).is_cut:
-        verdict = with_unknown_end(verdict, part)
+    whole = args.end is None and not is_table
+    verdict = (
+        bag_verdict(path, part, flown.vehicle)
+        if whole
+        else verdict_of(part, Circumstances(vehicle=flown.vehicle))
+    )
     run = replay_run(part, flown.vehicle, name, verdict)
     return with_measured_downwash(run, lambda: measured_force(recording, flown.vehicle))
 

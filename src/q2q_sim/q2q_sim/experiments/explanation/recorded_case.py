@@ -43,7 +43,7 @@ def recorded_case(bag: Path) -> RecordedCase:
         ValueError: the bag cannot be read, its metadata do not suffice, or the new flight is another one.
     """
     recorded, facts = read_flight(bag), _checked(read_facts(bag), bag)
-    scenario = flown_scenario(facts, bag.parent)
+    scenario = _as_recorded(flown_scenario(facts, bag.parent), recorded)
     found = np.inf
     for replan in REPLANNERS:
         options = Options(facts.mode, facts.controller, replan, facts.correct == "true")
@@ -70,6 +70,12 @@ def flown_scenario(facts: FlightFacts, beside: Path) -> Scenario:
     if facts.vehicle and own.vehicle.name != facts.vehicle:
         own = with_choices(own, facts.vehicle, "")
     return replace(with_firmware(own, facts.firmware), model=facts.model)
+
+
+def _as_recorded(scenario: Scenario, recorded: Flight) -> Scenario:
+    """Return the scenario, as short as a recording that ends before it."""
+    end = float(recorded.t[-1]) + 0.5 * TICK_S  # the last tick is flown, whatever is rounded
+    return replace(scenario, duration=end) if TICK_S < end < scenario.duration - TICK_S else scenario
 
 
 def largest_difference(recorded: Flight, flown: Flight) -> float:
