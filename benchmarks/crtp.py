@@ -73,7 +73,7 @@ def _connection() -> Row:
     logging.getLogger("cflib").setLevel(logging.ERROR)
     cflib.crtp.init_drivers()
     pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
         before = process_time()
         with SyncCrazyflie(endpoint.uris[0]) as client:
             client.wait_for_params()

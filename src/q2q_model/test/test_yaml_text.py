@@ -46,3 +46,11 @@ def test_the_file_is_named(tmp_path: Path) -> None:
     path.write_text("a: [")
     with pytest.raises(ValueError, match=r"mine\.yaml: is not valid YAML: line 1"):
         load_yaml(path)
+
+
+@pytest.mark.parametrize(("text", "value"), [
+    ("1e-3", 1e-3), ("-2E+6", -2e6), ("1.e3", 1e3), ("1.0e-3", 1e-3), ("3", 3),
+    ("e3", "e3"), ("1e", "1e"), ("1e3x", "1e3x"),
+])  # fmt: skip
+def test_numbers_with_an_exponent_are_numbers_with_or_without_a_point(text: str, value: object) -> None:
+    assert parse_yaml(f"a: {text}") == {"a": value}

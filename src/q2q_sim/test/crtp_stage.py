@@ -45,7 +45,7 @@ class Stage:
 def staged(monkeypatch: pytest.MonkeyPatch, cache: str, count: int, positioning: str) -> Iterator[Stage]:
     """Yield a room with `count` vehicles that have a positioning; cflib keeps its tables in `cache`."""
     pilot = Pilot(SPOTS[:count], build=CrtpRoomParams(positioning=positioning).build)
-    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
         clock = RoomTime(pilot, endpoint)
         in_room_time(clock, monkeypatch)
         cflib.crtp.init_drivers()

@@ -75,7 +75,7 @@ def test_without_a_radio_a_link_tells_the_reason_in_one_line(
 
 def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path: Path) -> None:
     pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
         asked = {"locSrv.extPosStDev": 0.002, "locSrv.extQuatStdDev": 0.07}
         link = CflibLink("cf1", endpoint.uris[0], asked, str(tmp_path))
         held = pilot.firmware().parameters
@@ -98,7 +98,7 @@ def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
     raised: list[threading.ExceptHookArgs] = []
     monkeypatch.setattr(threading, "excepthook", raised.append)
     pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, pilot.swarm.names, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
         port = int(endpoint.uris[0].rpartition(":")[2])
         link = CflibLink("cf1", endpoint.uris[0], {}, str(tmp_path))
 
@@ -107,7 +107,7 @@ def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
         until(lambda: not kept_open(link).connected)
         assert math.isnan(link.health().quality)
         again = Pilot(np.zeros((1, 4)))
-        with CrtpEndpoint(again.fleet, again.swarm.names, port, LinkParams()) as endpoint:
+        with CrtpEndpoint(again.fleet, port, LinkParams()) as endpoint:
             fly_until(lambda: kept_open(link).quality == 1.0, again, endpoint)
     finally:
         link.close()

@@ -70,6 +70,13 @@ def test_what_a_flight_lacks_is_nan() -> None:
     assert alone.vehicles["cf1"].z_rmse_m == 0.0
 
 
+def test_a_pair_without_positions_has_no_time_in_the_zone() -> None:
+    nowhere = np.full_like(_still(), np.nan)
+    found = measure(_flight(nowhere, nowhere, np.full((len(T), 2), np.nan)), SCENARIO.vehicle)
+    assert np.isnan(found.min_separation_m)
+    assert np.isnan(found.zone_time_s)
+
+
 def test_filtered_positions_serve_where_the_truth_is_unknown() -> None:
     flight = _flight(np.full((1000, 1, 3), np.nan), _still(1), np.ones((1000, 1)))
     seen = replace(flight, pos=_still(1) + np.array([0.0, 0.0, 0.1]))

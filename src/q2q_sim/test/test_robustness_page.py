@@ -1,5 +1,6 @@
 """Perturbations change what they say, and the page of the robustness tells what is worse than ignoring."""
 
+from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,14 @@ import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
-from q2q_sim.experiments.robustness.fill_robustness import asked_flights, read, save
+from q2q_sim.experiments.robustness.fill_robustness import (
+    Draws,
+    Numbers,
+    asked_flights,
+    read,
+    run,
+    save,
+)
 from q2q_sim.experiments.robustness.perturbations import (
     GAP,
     PASSAGE,
@@ -60,13 +68,35 @@ def test_the_page_names_what_is_worse_than_ignoring_and_nothing_else() -> None:
 
 
 def test_numbers_are_kept_in_a_file(tmp_path: Path) -> None:
-    found = {"a": Errors(0.012345, 0.5, 1e-3), "b": Errors(1.0, 2.0, 3.0)}
-    save(found, tmp_path / "numbers.json")
-    assert read(tmp_path / "numbers.json") == found
-    assert read(tmp_path / "none.json") == {}
+    errors = {"a": Errors(0.012345, 0.5, 1e-3), "b": Errors(1.0, 2.0, 3.0)}
+    for draws in (Draws(2, 2001), None):
+        save(Numbers(errors, draws), tmp_path / "numbers.json")
+        assert read(tmp_path / "numbers.json") == Numbers(errors, draws)
+    assert read(tmp_path / "none.json") == Numbers({}, None)
     (tmp_path / "bad.json").write_text("[1]")
     with pytest.raises(ValueError, match=r"bad\.json has no numbers of flights"):
         read(tmp_path / "bad.json")
+
+
+def test_numbers_of_other_draws_are_refused_and_nothing_is_flown(tmp_path: Path) -> None:
+    kept = tmp_path / "numbers.json"
+    save(Numbers({}, Draws(2, 2001)), kept)
+    before = kept.read_bytes()
+    asked = Namespace(airs=["ring"], seeds=25, seed=7, json=kept, out=tmp_path / "page.md", table_only=False)
+    with pytest.raises(ValueError, match=r"is of --seeds 2 --seed 2001: give these, or another file"):
+        run(asked)
+    assert kept.read_bytes() == before
+
+
+def test_a_vehicle_that_only_the_correction_leaves_on_the_floor_is_worse() -> None:
+    nan = float("nan")
+    found = {key(ignoring(one)): Errors(0.05, 0.2, 0.004) for one in FLIGHTS}
+    found |= {key(one): Errors(nan, nan, 0.005) for one in FLIGHTS}
+    text = page(found, FLIGHTS, "made")
+    assert "Never worse than ignoring." not in text
+    assert "| **floor** | **floor** |" in text
+    found |= {key(ignoring(one)): Errors(nan, nan, 0.004) for one in FLIGHTS}
+    assert "Never worse than ignoring." in page(found, FLIGHTS, "made")
 
 
 def test_a_flight_in_which_nobody_was_under_another_has_no_such_error(

@@ -1,11 +1,12 @@
-"""Tests of the room: repeatability, nothing moved by a refusal, late effects of commands."""
+"""Tests of the room: repeatability, nothing moved by a refusal, late effects of commands, faults."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from q2q_model.signals.values import SwarmCommand
+from q2q_model.signals.values import Array, SwarmCommand
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.settings import ROUGH
@@ -138,3 +139,12 @@ def test_a_room_without_commands_cuts_its_motors_after_two_seconds() -> None:
 def test_a_negative_seed_is_refused() -> None:
     with pytest.raises(ValueError, match="seed = -1: 0 or above is allowed"):
         Room(library.load("table6"), seed=-1)
+
+
+def test_batteries_and_rotors_are_as_weak_where_vehicles_fly_by_their_own_firmware() -> None:
+    weak = (Fault("weak_rotor", 0.0, 5.0, (), 0.5), Fault("battery_sag", 0.0, 0.02, (), 0.5))
+    room = Room(replace(library.load("table6"), faults=weak), 0)
+    drives: list[Array] = []
+    for _ in range(4):
+        room.fly(lambda drive: drives.append(drive.copy()))
+    np.testing.assert_allclose(drives[-1][:, 3:], [[0.25, 0.5, 0.5, 0.5]] * 2)

@@ -142,8 +142,21 @@ def test_unknown_names_are_refused_with_the_nearest_right_one(name: str, word: s
             {"vehicles": {"cf1": [{"t": 0, "pos": [0, 0, -1]}, {"t": 5, "pos": [0, 0, 1]}]}},
             "the ground is at 0",
         ),
+        (
+            {"vehicles": {"cf1": [{"t": 0, "pos": [0, 0, 1]}, {"t": 5, "pos": [0, 0, -1]}]}},
+            "cf1, waypoint 1: z = -1.0 m: z is up, and the ground is at 0",
+        ),
+        (
+            {"faults": [{"kind": "radio_loss", "start": 1, "duration": 1}]},
+            "radio_loss: size = 0 has no effect",
+        ),
+        (
+            {"radio": {"latency": 0.3}, "vicon": {"latency": 0.25}},
+            r"vicon.latency 0.25 s and radio.latency 0.3 s together: .* 0.0 to 0.5",
+        ),
         ({"vehicles": {}}, "no vehicle given"),
-        ({"duration": -1}, "duration = -1.0: above 0 to 3600.0 s is allowed"),
+        ({"duration": 0.004}, "duration = 0.004: 0.01 to 3600.0 s is allowed"),
+        ({"duration": -1}, "duration = -1.0: 0.01 to 3600.0 s is allowed"),
         ({"duration": float("nan")}, "duration = nan"),
         ({"duration": "long"}, "duration = 'long': a number is expected"),
         ({"durration": 5}, "unknown key 'durration'; did you mean duration"),

@@ -28,6 +28,8 @@ INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
 CUT_OFF = 141
 """Exit status if nobody reads the output any more (`| head`), as shells have it: 128 + SIGPIPE."""
+LARGEST = 2**63 - 1
+"""Largest whole number of a ROS parameter."""
 
 Work = Callable[[Namespace], int]
 """Execution of parsed arguments; returns the exit status."""
@@ -129,6 +131,22 @@ def require_existing(what: str, *paths: Path) -> None:
     for path in paths:
         if not path.exists():
             raise ValueError(f"no {what} at {path}")
+
+
+def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:
+    """Return a type of arguments: whole numbers from `low` to `high`."""
+    allowed = f"{low} or more" if high == LARGEST else f"{low} to {high}"
+
+    def number(given: str) -> int:
+        try:
+            found = int(given)
+        except ValueError:
+            found = low - 1
+        if not low <= found <= high:
+            raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
+        return found
+
+    return number
 
 
 def output_file(given: str) -> Path:

@@ -5,6 +5,13 @@ from pathlib import Path
 
 
 def write_json(document: object, file: Path) -> None:
-    """Write a document as JSON; create the folders above the file."""
+    """Write a document as JSON; create the folders above the file.
+
+    Raises:
+        OSError: naming the file.
+    """
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    try:
+        file.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(file)) from error

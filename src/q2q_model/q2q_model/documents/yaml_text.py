@@ -1,8 +1,10 @@
 """YAML documents as plain values; an error is one line with the place in the file.
 
-A duplicate key, of which YAML would silently keep the last, is an error.
+A duplicate key, of which YAML would silently keep the last, is an error. 1e-3 is a number, as in YAML 1.2; in
+YAML 1.1, which PyYAML reads, it is text.
 """
 
+import re
 from pathlib import Path
 
 import yaml
@@ -55,3 +57,8 @@ class _Loader(yaml.SafeLoader):
                     raise yaml.composer.ComposerError(problem=problem, problem_mark=key.start_mark)
                 known.add(key.value)
         return node
+
+
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]+$"), [*"-+0123456789"]
+)

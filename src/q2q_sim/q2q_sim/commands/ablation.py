@@ -8,7 +8,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command, whole_number
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 EXAMPLE = """  ros2 run q2q_sim ablation --json docs/ablation.json --out docs/ablation.md --jobs 2
@@ -30,7 +30,9 @@ def _prepare(_: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("ablation", __doc__, EXAMPLE)
-    made.add_argument("--seeds", type=int, default=4, metavar="N", help="draws with each model, 1 to 5")
+    made.add_argument(
+        "--seeds", type=whole_number(1, 5), default=4, metavar="N", help="draws with each model, 1 to 5"
+    )
     made.add_argument(
         "--json",
         type=output_file,
@@ -41,7 +43,7 @@ def parser() -> CommandLine:
     made.add_argument(
         "--out", type=output_file, required=True, metavar="FILE", help="page to write (.md); plot beside it"
     )
-    made.add_argument("--jobs", type=int, default=1, metavar="N", help="parallel flights")
+    made.add_argument("--jobs", type=whole_number(1), default=1, metavar="N", help="parallel flights")
     made.add_argument(
         TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
     )

@@ -9,13 +9,19 @@ shrunk to the fewest faults and kept as a case file, which --case flies again, a
 search is measured on seeded bugs, beside random faults.
 """
 
-import argparse
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, output_folder, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    output_folder,
+    run_command,
+    whole_number,
+)
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios.choices import ENGINES
 
@@ -55,12 +61,17 @@ def _prepare(args: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("campaign", __doc__, EXAMPLE)
-    made.add_argument("--runs", type=_count, default=20, help="number of runs (default 20)")
-    made.add_argument("--jobs", type=_count, default=1, help="number of parallel runs (default 1)")
+    made.add_argument("--runs", type=whole_number(1), default=20, help="number of runs (default 20)")
+    made.add_argument("--jobs", type=whole_number(1), default=1, help="number of parallel runs (default 1)")
     made.add_argument(
-        "--through-nodes", type=_count, default=0, help="number of runs through the real nodes, in lockstep"
+        "--through-nodes",
+        type=whole_number(0),
+        default=0,
+        help="number of runs through the real nodes, in lockstep",
     )
-    made.add_argument("--seed", type=_count, default=0, help="seed of the first run; the others follow it")
+    made.add_argument(
+        "--seed", type=whole_number(0), default=0, help="seed of the first run; the others follow it"
+    )
     made.add_argument("--engine", choices=ENGINES, default="local", help="engine of parallel runs")
     made.add_argument(
         "--out", type=output_folder, default=Path("out/campaign"), help="folder of runs and bags"
@@ -74,20 +85,13 @@ def parser() -> CommandLine:
     made.add_argument("--guided", action="store_true", help="search for the faults of least margin")
     made.add_argument(
         "--bug-runs",
-        type=_count,
+        type=whole_number(0),
         default=80,
         help="guided: runs of each search for each of the 20 seeded bugs; 0 leaves them out (default 80)",
     )
     made.add_argument("--case", type=Path, help="fly this case file again, and nothing else")
     made.add_argument("--json", type=output_file, help="write the totals to this file")
     return made
-
-
-def _count(text: str) -> int:
-    count = int(text) if text.isdigit() else -1
-    if count < 0:
-        raise argparse.ArgumentTypeError(f"{text}: a whole number, 0 or above")
-    return count
 
 
 if __name__ == "__main__":

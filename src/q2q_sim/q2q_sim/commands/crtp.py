@@ -8,7 +8,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command, whole_number
 from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import scenario_files
 
@@ -30,7 +30,9 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("crtp", __doc__, "  ros2 run q2q_sim crtp table6 --start air")
     made.add_argument("scenario", nargs="?", default="table6", help="scenario name or YAML file")
-    made.add_argument("--port", type=int, default=19850, help="first UDP port; 0 lets the system choose")
+    made.add_argument(
+        "--port", type=whole_number(0, 65535), default=19850, help="first UDP port; 0 lets the system choose"
+    )
     made.add_argument("--start", default="ground", choices=("ground", "air"), help="start of the vehicles")
     made.add_argument(
         "--positioning", default="deck", choices=("deck", "flow", "external"), help="source of positions"
@@ -45,7 +47,7 @@ def parser() -> CommandLine:
     made.add_argument("--latency", type=float, default=0.0, help="latency of the link in each direction [s]")
     made.add_argument("--loss", type=float, default=0.0, help="fraction of transmissions lost")
     made.add_argument("--rate", type=float, default=0.0, help="packet rate of one radio [1/s]; 0 is no limit")
-    made.add_argument("--seed", type=int, default=0, help="random seed")
+    made.add_argument("--seed", type=whole_number(0), default=0, help="random seed")
     return made
 
 

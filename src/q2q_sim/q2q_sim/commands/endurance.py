@@ -8,7 +8,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command, whole_number
 
 EXAMPLE = """  ros2 run q2q_sim endurance --minutes 60 --json out/endurance.json
   ros2 run q2q_sim endurance --minutes 5 --live"""
@@ -24,8 +24,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if not args.minutes >= SHORTEST:
         raise ValueError(f"--minutes {args.minutes:g}: {SHORTEST:g} or more is allowed")
-    if args.vehicles < 1:
-        raise ValueError(f"--vehicles {args.vehicles}: 1 or more is allowed")
     from q2q_sim.processes.warm_start import begin
 
     begin()  # it imports in parallel
@@ -40,7 +38,9 @@ def parser() -> CommandLine:
     made.add_argument(
         "--minutes", type=float, default=60.0, metavar="M", help="duration of the flight (default 60)"
     )
-    made.add_argument("--vehicles", type=int, default=10, metavar="N", help="number of vehicles (default 10)")
+    made.add_argument(
+        "--vehicles", type=whole_number(1), default=10, metavar="N", help="number of vehicles (default 10)"
+    )
     made.add_argument("--live", action="store_true", help="100 Hz of wall time, every node a process")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     return made

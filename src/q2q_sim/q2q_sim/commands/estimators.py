@@ -8,7 +8,14 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    require_existing,
+    run_command,
+    whole_number,
+)
 from q2q_model.commands.recording_options import add_recordings
 
 EXAMPLE = "  ros2 run q2q_sim estimators flights/ --seeds 3 --json out/estimators.json"
@@ -20,8 +27,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    if args.seeds < 1:
-        raise ValueError(f"--seeds {args.seeds}: 1 or more is allowed")
     require_existing("flight", *args.flights)
     return _run
 
@@ -41,7 +46,11 @@ def parser() -> CommandLine:
     made = CommandLine("estimators", __doc__, EXAMPLE)
     add_recordings(made)
     made.add_argument(
-        "--seeds", type=int, default=3, metavar="N", help="draws of cuts and sensor errors (default 3)"
+        "--seeds",
+        type=whole_number(1),
+        default=3,
+        metavar="N",
+        help="draws of cuts and sensor errors (default 3)",
     )
     made.add_argument("--each", action="store_true", help="print the medians of every flight as well")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")

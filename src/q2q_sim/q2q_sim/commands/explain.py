@@ -18,6 +18,7 @@ from q2q_model.commands.command_line import (
     output_folder,
     require_existing,
     run_command,
+    whole_number,
 )
 
 EXAMPLE = """  ros2 run q2q_sim explain out/demo/bags/ignoring --out out/why --json out/why.json
@@ -34,14 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if bool(args.bag) == bool(args.score):
         raise UsageError("give either a bag or --score N")
-    if args.score is not None and args.score < 1:
-        raise ValueError(f"--score {args.score}: 1 or more is allowed")
-    if args.seed < 0:
-        raise ValueError(f"--seed {args.seed}: 0 or above is allowed")
     if args.orders < FEWEST_ORDERS or args.orders % 2:
         raise ValueError(f"--orders {args.orders}: an even number of {FEWEST_ORDERS} or more is allowed")
-    if args.seeds < 1:
-        raise ValueError(f"--seeds {args.seeds}: 1 or more is allowed")
     if args.bag:
         require_existing("bag", args.bag)
     from q2q_sim.experiments.explanation.explain_bag import explain_bag, score
@@ -59,13 +54,25 @@ def parser() -> CommandLine:
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     made.add_argument("--of", choices=("distance", "height"), default="distance", help="loss that is split")
     made.add_argument(
-        "--orders", type=int, default=8, metavar="N", help="orders in which causes are taken out (default 8)"
+        "--orders",
+        type=whole_number(1),
+        default=8,
+        metavar="N",
+        help="orders in which causes are taken out (default 8)",
     )
     made.add_argument(
-        "--seeds", type=int, default=3, metavar="N", help="draws of noise, losses and gusts (default 3)"
+        "--seeds",
+        type=whole_number(1),
+        default=3,
+        metavar="N",
+        help="draws of noise, losses and gusts (default 3)",
     )
-    made.add_argument("--score", type=int, metavar="N", help="explain N accidents of known cause instead")
-    made.add_argument("--seed", type=int, default=0, metavar="N", help="first seed of the score (default 0)")
+    made.add_argument(
+        "--score", type=whole_number(1), metavar="N", help="explain N accidents of known cause instead"
+    )
+    made.add_argument(
+        "--seed", type=whole_number(0), default=0, metavar="N", help="first seed of the score (default 0)"
+    )
     return made
 
 

@@ -5,7 +5,14 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, output_folder, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    output_folder,
+    run_command,
+    whole_number,
+)
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air
@@ -110,7 +117,7 @@ def _add_process(made: CommandLine) -> None:
 
 
 def _add_physics(made: CommandLine) -> None:
-    made.add_argument("--seed", type=int, default=0, help="random seed")
+    made.add_argument("--seed", type=whole_number(0), default=0, help="random seed")
     made.add_argument(
         "--model",
         default="",

@@ -19,6 +19,7 @@ from q2q_model.commands.command_line import (
     output_folder,
     require_existing,
     run_command,
+    whole_number,
 )
 
 EXAMPLE = """  scripts/licence my_flight.py --out out/licence
@@ -38,16 +39,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if bool(args.script) == bool(args.score):
         raise UsageError("give either a program or --score FOLDER")
-    if args.seed < 0:
-        raise ValueError(f"--seed {args.seed}: 0 or above is allowed")
-    if not 1 <= args.jobs <= MOST_JOBS:
-        raise ValueError(f"--jobs {args.jobs}: 1 to {MOST_JOBS} is allowed")
     if min(args.room) <= 0.0:
         raise ValueError(f"--room {args.room}: sizes above 0 m are allowed")
     if not 0.0 < args.limit <= 3000.0:
         raise ValueError(f"--limit {args.limit}: above 0 to 3000 s is allowed")
-    if not 0 <= args.scan <= MOST_SCANNED:
-        raise ValueError(f"--scan {args.scan}: 0 to {MOST_SCANNED} is allowed")
     if args.crazyflies:
         require_existing("file", args.crazyflies)
     if args.script:
@@ -77,8 +72,14 @@ def parser() -> CommandLine:
     made.add_argument(
         "--limit", type=float, default=300.0, metavar="S", help="longest flight [s] (default 300)"
     )
-    made.add_argument("--seed", type=int, default=0, help="random seed")
-    made.add_argument("--jobs", type=int, default=2, metavar="N", help="flights at a time (default 2)")
+    made.add_argument("--seed", type=whole_number(0), default=0, help="random seed")
+    made.add_argument(
+        "--jobs",
+        type=whole_number(1, MOST_JOBS),
+        default=2,
+        metavar="N",
+        help="flights at a time (default 2)",
+    )
     made.add_argument("--out", type=output_folder, metavar="FOLDER", help="folder for the page")
     made.add_argument("--junit", type=output_file, metavar="FILE", help="file to write JUnit XML to")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the findings to")
@@ -102,7 +103,7 @@ def _add_vehicles(made: CommandLine) -> None:
     )
     made.add_argument(
         "--scan",
-        type=int,
+        type=whole_number(0, MOST_SCANNED),
         default=0,
         metavar="N",
         help="vehicles of a scan, or of Crazyswarm2 without --crazyflies (default: those of --start)",

@@ -11,7 +11,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    require_existing,
+    run_command,
+    whole_number,
+)
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios.choices import CONTROLLERS
 
@@ -25,11 +32,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    if args.first < 0:
-        raise ValueError(f"--first {args.first}: 0 or above is allowed")
-    for option, count in (("--count", args.count), ("--jobs", args.jobs)):
-        if count < 1:
-            raise ValueError(f"{option} {count}: 1 or more is allowed")
     if not 0.0 < args.alpha < 1.0:
         raise ValueError(f"--alpha {args.alpha:g}: above 0 and below 1 is allowed")
     check_air(args.air)
@@ -42,9 +44,15 @@ def _prepare(args: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("promise", __doc__, EXAMPLE)
-    made.add_argument("--count", type=int, default=100, metavar="N", help="number of flights (default 100)")
-    made.add_argument("--first", type=int, default=0, metavar="SEED", help="seed of the first (default 0)")
-    made.add_argument("--jobs", type=int, default=1, metavar="N", help="processes at once (default 1)")
+    made.add_argument(
+        "--count", type=whole_number(1), default=100, metavar="N", help="number of flights (default 100)"
+    )
+    made.add_argument(
+        "--first", type=whole_number(0), default=0, metavar="SEED", help="seed of the first (default 0)"
+    )
+    made.add_argument(
+        "--jobs", type=whole_number(1), default=1, metavar="N", help="processes at once (default 1)"
+    )
     made.add_argument("--controller", choices=CONTROLLERS, default="pid", help="controller (default pid)")
     made.add_argument(
         "--air",

@@ -8,10 +8,11 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command
+from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command, whole_number
 from q2q_sim.air.air_names import MADE, RECORDED, ROOM, check_air
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
+MOST_DRAWS = 25
 AIRS = (ROOM, RECORDED, *MADE, "paper")
 EXAMPLE = """  ros2 run q2q_sim robustness --json out/robustness.json --out docs/robustness.md
   ros2 run q2q_sim robustness --airs ring bent --seeds 2 --json out/two.json --out out/two.md"""
@@ -35,8 +36,14 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("robustness", __doc__, EXAMPLE)
     made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="airs to fly in")
-    made.add_argument("--seeds", type=int, default=2, metavar="N", help="draws in each flight, 1 to 25")
-    made.add_argument("--seed", type=int, default=2001, metavar="N", help="seed of the flights")
+    made.add_argument(
+        "--seeds",
+        type=whole_number(1, MOST_DRAWS),
+        default=2,
+        metavar="N",
+        help="draws in each flight, 1 to 25",
+    )
+    made.add_argument("--seed", type=whole_number(0), default=2001, metavar="N", help="seed of the flights")
     made.add_argument(
         "--json",
         type=output_file,

@@ -16,6 +16,7 @@ from q2q_model.commands.command_line import (
     output_folder,
     require_existing,
     run_command,
+    whole_number,
 )
 from q2q_model.commands.recording_options import add_recording_options, add_recordings
 from q2q_sim.air.air_names import check_air
@@ -31,8 +32,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    if not FEWEST <= args.draws <= MOST:
-        raise ValueError(f"--draws is {args.draws}: {FEWEST} to {MOST} are allowed")
     check_air(args.air)
     require_existing("flight", *args.flights)
     require_existing("topic map", *([args.topics] if args.topics else []))
@@ -60,7 +59,9 @@ def parser() -> CommandLine:
     made.add_argument(
         "--air", required=True, metavar="AIR", help="a shipped name, a .air file or module:Class"
     )
-    made.add_argument("--draws", type=int, default=20, metavar="N", help="draws of each flight")
+    made.add_argument(
+        "--draws", type=whole_number(FEWEST, MOST), default=20, metavar="N", help="draws of each flight"
+    )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")
     made.add_argument(
         "--out", type=output_folder, metavar="FOLDER", help="folder for the page and its pictures"

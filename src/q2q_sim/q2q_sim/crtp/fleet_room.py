@@ -93,6 +93,13 @@ def apps_in(scenario: Scenario, folder: str, seed: int) -> OnboardApps | None:
     return OnboardApps(libraries, scenario.vehicle, noise, seed)
 
 
+def unflown_faults(scenario: Scenario) -> str:
+    """Return which faults of a scenario do not act here, where packets are lost by LinkParams; or nothing."""
+    if all(fault.kind != "radio_loss" for fault in scenario.faults):
+        return ""
+    return "fault radio_loss does not act on CRTP clients: set the loss of their link"
+
+
 def rehearse_firmware(scenario: Scenario) -> None:
     """Fly a temporary room by its own firmware for a tick, so that the first real tick is not slow."""
     room = Room(scenario, seed=0)

@@ -8,18 +8,19 @@ only.
 import selectors
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import monotonic
 from typing import Self
 
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
 from q2q_sim.crtp.vehicle import CrtpVehicle
 
 LOOPBACK = "127.0.0.1"
+LAST_PORT = 65535
 BURST = 32
 """Datagrams received from one port before the next one's turn."""
 DATAGRAM_MAX = 64
@@ -44,7 +45,9 @@ class Traffic:
 class PortParams:
     """Ports of an endpoint."""
 
-    port: int = tunable(19850, "UDP port of the first vehicle; 0 lets the system choose", low=0, high=65535)
+    port: int = tunable(
+        19850, "UDP port of the first vehicle; 0 lets the system choose", low=0, high=LAST_PORT
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -57,25 +60,27 @@ class CrtpEndpoint:
     def __init__(
         self,
         fleet: Fleet,
-        names: Names,
         base_port: int,
         link: LinkParams,
+        *,
+        seed: int = 0,
         now: Callable[[], float] = monotonic,
     ) -> None:
         """Open the ports base_port, base_port + 1, ...; with 0 the system chooses each.
 
         Raises:
+            ValueError: there are not as many ports from base_port on.
             OSError: a port is taken, naming it.
         """
         self.traffic = Traffic()
         self._fleet = fleet
         self._now = now
-        self._radios = Radios(link, len(names), seed=0)
+        self._radios = Radios(link, len(fleet.vehicles), seed)
         self._up: DelayLine[tuple[int, Address, bytes]] = DelayLine()
         self._down: DelayLine[tuple[int, Address, bytes]] = DelayLine()
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._sockets = _open_all(names, base_port)
+        self._sockets = _open_all([one.name for one in fleet.vehicles], base_port)
         self._wake_reader, self._wake_writer = socket.socketpair()
         self._thread = threading.Thread(target=self._run, name="crtp", daemon=True)
         self._thread.start()
@@ -190,7 +195,10 @@ def _clients_of(vehicle: CrtpVehicle) -> str:
     return f"{counts}: {vehicle.refusals.last}" if vehicle.refusals.last else counts
 
 
-def _open_all(names: Names, base_port: int) -> list[socket.socket]:
+def _open_all(names: Sequence[str], base_port: int) -> list[socket.socket]:
+    last = LAST_PORT + 1 - len(names)
+    if base_port > last:
+        raise ValueError(f"port {base_port}: {len(names)} vehicles need a port each: 0 to {last} is allowed")
     opened: list[socket.socket] = []
     try:
         for row, name in enumerate(names):

@@ -112,6 +112,22 @@ def check_vehicles(faults: Sequence[Fault], names: Names) -> None:
                 raise ValueError(f"fault {fault.kind}: no vehicle {name!r}; flying are {', '.join(names)}")
 
 
+def check_sizes(faults: Sequence[Fault]) -> None:
+    """Raise ValueError for a fault of size 0, whose kind has a size: it would do nothing."""
+    for fault in faults:
+        kind = KINDS[fault.kind]
+        if fault.size == 0.0 and kind.low != kind.high:
+            raise ValueError(
+                f"fault {fault.kind}: size = 0 has no effect: give a size [{kind.unit or 'share'}]"
+            )
+
+
+def after_the_end(faults: Sequence[Fault], duration: float) -> list[str]:
+    """Return remarks on faults that start after a flight of `duration` [s]."""
+    late = [fault for fault in faults if fault.start >= duration]
+    return [f"fault {one.kind} at {one.start:g} s is after the end, {duration:g} s" for one in late]
+
+
 LENGTHS: Mapping[str, tuple[float, float]] = {
     "outlier": (0.0, 0.1), "jump": (0.5, 3.0), "flip": (0.0, 0.1), "swap": (0.02, 0.2),
     "dropout": (0.1, 1.0), "nan": (0.0, 0.2), "stale": (0.02, 0.2), "repeated": (0.02, 0.2),

@@ -154,7 +154,7 @@ class Room:
     def fly(self, move: Callable[[Array], None]) -> None:
         """Advance by one tick in which `move` steps the swarm with the disturbance's drive (n, 7)."""
         self.capture()
-        move(self._ambient.drive())
+        move(self._faults.weakened(self._ambient.drive(), self._tick * TICK_NS))
         self._tick += 1
         self._seen = self._read = None
 

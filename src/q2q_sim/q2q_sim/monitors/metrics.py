@@ -120,4 +120,7 @@ def _closeness(pos: Array, dt: float, zone: Cylinder) -> tuple[float, float]:
     ticks, n, _ = pos.shape
     if n < 2 or ticks == 0:
         return float("nan"), float("nan")
-    return float(least_distances(pos).min()), float(any_in_zone(pos, zone).sum() * dt)
+    least = float(least_distances(pos).min())
+    if not np.isfinite(least):
+        return float("nan"), float("nan")
+    return least, float(any_in_zone(pos, zone).sum() * dt)

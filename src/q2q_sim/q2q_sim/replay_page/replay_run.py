@@ -10,7 +10,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import MEASURED_SPEED
-from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.exposure import AFTER, exposed
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
 from q2q_sim.monitors.metrics import best_position, tick_of
 from q2q_sim.monitors.mocap_quality import rejected_samples
@@ -148,5 +148,5 @@ def _sag_words(flight: Flight, pos: Array) -> str:
 
 def _sag_under_another(flight: Flight, pos: Array) -> Array:
     """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
-    under = exposure(pos, tick_of(flight)).under
+    under = exposed(pos, round(AFTER / tick_of(flight)) if len(pos) > 1 else 0)
     return np.where(under, _reference(flight)[:, :, 2] - pos[:, :, 2], np.nan)

@@ -28,11 +28,9 @@ from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.lockstep import ResendTimer
-from q2q_sim.loop.playback import Playback
+from q2q_sim.loop.playback import TICK_TOPIC, Playback, check_answer, check_start
 from q2q_sim.loop.topics import TYPE_NAMES
 
-TICK_TOPIC = "mocap"
-"""Topic whose messages are the ticks in lockstep."""
 LOOK_S = 0.1
 """Period of the check for unanswered ticks [s]."""
 AGAIN_S = 2.0
@@ -75,7 +73,10 @@ class Player:
         if not self._params.bag:
             raise ValueError("parameter bag is empty: give the folder to play, e.g. -p bag:=bags/table2_1")
         self._reader = _opened(self._params)
-        self._writers = {topic: self._writer(topic, kind) for topic, kind in self._wanted().items()}
+        wanted = self._wanted()
+        check_start((one.stamp_ns for one in self._reader.raw(set(wanted))), self._params.start)
+        check_answer(self._params.answer, wanted)
+        self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
         self._clock = node.create_publisher(Clock, "/clock", TICK) if self._params.clock else None
         self._over = node.create_publisher(String, "playback_over", LATCHED)
         self._messages: Iterator[RawMessage] = iter(())

@@ -3,7 +3,7 @@
 from rclpy.node import Node
 
 from q2q_model.ros.node.node_parameters import declare
-from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, rehearse_firmware
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, rehearse_firmware, unflown_faults
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint, PortParams
 from q2q_sim.loop.room import Room
@@ -22,7 +22,9 @@ def open_crtp(node: Node, room: Room, scenario: Scenario) -> CrtpEndpoint:
     rehearse_firmware(scenario)
     port = declare(node, PortParams(), PREFIX).port
     fleet = fleet_in(room, scenario, declare(node, CrtpRoomParams(), PREFIX))
-    endpoint = CrtpEndpoint(fleet, scenario.names, port, declare(node, LinkParams(), PREFIX))
+    endpoint = CrtpEndpoint(fleet, port, declare(node, LinkParams(), PREFIX), seed=room.seed)
+    if jams := unflown_faults(scenario):
+        node.get_logger().warning(jams)
     for name, uri in zip(scenario.names, endpoint.uris, strict=True):
         node.get_logger().info(f"{name} listens at {uri}")
     return endpoint

@@ -44,7 +44,7 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.air.air_names import check_air
 from q2q_sim.air.wake_laws import wake_by_name
-from q2q_sim.faults.faults import Fault, check_vehicles
+from q2q_sim.faults.faults import Fault, check_sizes, check_vehicles
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.settings import Overrides, setting_by_name
@@ -62,8 +62,8 @@ BLOCKS: dict[str, ParamsClass] = {
     "mpc": MpcParams(),
 }
 """Blocks whose parameters a scenario may override."""
-LONGEST = 3600.0
-"""Longest flight [s]."""
+SHORTEST, LONGEST = 0.01, 3600.0
+"""Shortest flight, one tick, and longest [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,17 +101,19 @@ class Scenario:
 
     def __post_init__(self) -> None:
         """Check the values that no part checks itself; raise ValueError with what is allowed."""
-        if not (isfinite(self.duration) and 0.0 < self.duration <= LONGEST):
-            raise ValueError(f"duration = {self.duration}: above 0 to {LONGEST} s is allowed")
+        if not (isfinite(self.duration) and SHORTEST <= self.duration <= LONGEST):
+            raise ValueError(f"duration = {self.duration}: {SHORTEST} to {LONGEST} s is allowed")
         wake_by_name(self.wake)
         if self.air:
             check_air(self.air)
         elif self.air_without:
             raise ValueError(f"air_without = {', '.join(self.air_without)}: name an air too")
         for vehicle in self.waypoints:
-            height = vehicle.waypoints[0].pos[2]
-            if height < 0.0:
-                raise ValueError(f"{vehicle.name}, waypoint 0: z = {height} m: the ground is at 0")
+            for k, waypoint in enumerate(vehicle.waypoints):
+                if waypoint.pos[2] < 0.0:
+                    where = f"{vehicle.name}, waypoint {k}: z = {waypoint.pos[2]} m"
+                    raise ValueError(f"{where}: z is up, and the ground is at 0")
+        _check_latency(self)
         check_vehicles(self.faults, self.names)
         for block, values in self.overrides.items():
             overridden(BLOCKS[block], values, block)
@@ -161,6 +163,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
     vehicle = vehicle_by_name(given.vehicle, given.firmware)
     waypoints = _waypoints(given, with_limits_of(FlightLimits(), vehicle), plan)
     last = max(float(one.times[-1]) for one in waypoints)
+    check_sizes(given.faults)
     return Scenario(
         name=name,
         description=str(given.description),
@@ -284,6 +287,16 @@ def _merged(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Overrid
             raise ValueError(f"overrides: unknown block {block!r}; {name_hint(block, BLOCKS)}")
     blocks = {block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in own.items()}
     return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
+
+
+def _check_latency(scenario: Scenario) -> None:
+    camera, radio = scenario.vicon.latency, scenario.radio.latency
+    try:
+        replace(scenario.radio, latency=camera + radio)
+    except ValueError as refusal:
+        raise ValueError(
+            f"vicon.latency {camera} s and radio.latency {radio} s together: {refusal}"
+        ) from refusal
 
 
 def _number(value: object, where: str) -> float:

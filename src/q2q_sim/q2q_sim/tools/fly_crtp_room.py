@@ -1,12 +1,13 @@
 """CRTP room without ROS, flown in real time."""
 
 import signal
+import sys
 from argparse import Namespace
 from contextlib import suppress
 from time import monotonic, sleep
 from types import FrameType
 
-from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, unflown_faults
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.loop.room import TICK_S, Room
@@ -36,9 +37,11 @@ def _open(args: Namespace) -> None:
         zero_expires=args.zero_expires,
     )
     fleet = fleet_in(room, scenario, waiting)
+    if jams := unflown_faults(scenario):
+        print(f"crtp: {jams}", file=sys.stderr)
     link = LinkParams(latency=args.latency, loss=args.loss, rate=args.rate)
     room.fly(fleet.fly)  # compiles
-    with CrtpEndpoint(fleet, scenario.names, args.port, link) as endpoint:
+    with CrtpEndpoint(fleet, args.port, link, seed=args.seed) as endpoint:
         for name, uri in zip(scenario.names, endpoint.uris, strict=True):
             print(f"{name} {uri}", flush=True)
         print("ready", flush=True)

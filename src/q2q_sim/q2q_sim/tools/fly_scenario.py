@@ -11,6 +11,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.vehicle.constants import Vehicle, firmware_of
+from q2q_sim.faults.faults import after_the_end
 from q2q_sim.flight.run_json import runs_json
 from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly, load_scenario
 from q2q_sim.flight.unfinished_bag import recorder_notes
@@ -31,9 +32,12 @@ def run(args: Namespace) -> int:
         return fly_real(args.real, args.model, args.json)
     flown = _fly(args)
     show([flown])
-    if args.json:
-        write_json(runs_json([flown]), args.json)
-    return conclude([flown])
+    try:
+        if args.json:
+            write_json(runs_json([flown]), args.json)
+    finally:
+        status = conclude([flown])
+    return status
 
 
 def conclude(runs: Sequence[FlightRun]) -> int:
@@ -90,6 +94,8 @@ def _fly(args: Namespace) -> FlightRun:
             f"fly: {request.scenario}: in air {request.air} by {change} (`in_air` of the scenario)",
             file=sys.stderr,
         )
+    for remark in after_the_end(flown.faults, flown.duration):
+        print(f"fly: {request.scenario}: {remark}", file=sys.stderr)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
         bag = args.bag or Path(scratch) / "bag"

@@ -3,7 +3,7 @@
 import sys
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,7 @@ from q2q_sim.report.significant import significant
 from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools.bag_verdict import bag_verdict
+from q2q_sim.tools.distinct_names import distinct_names
 
 TRACKING = {
     "z_rmse_m": "z RMSE [m]",
@@ -65,7 +66,10 @@ class Reported:
 def run(args: Namespace) -> int:
     """Write the requested report; return the exit status."""
     topics, bags = topic_map(args.topics), [args.bag, *args.compare]
-    flights = [reported(bag, flown_vehicle(bag, args.vehicle), topics) for bag in bags]
+    flights = [
+        reported(bag, flown_vehicle(bag, args.vehicle), topics, name)
+        for bag, name in zip(bags, distinct_names(bags), strict=True)
+    ]
     write(flights, args.out)
     if args.json:
         write_json(as_json(flights), args.json)
@@ -76,9 +80,10 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None) -> Reported:
-    """Return a bag's flight with its metrics; `topics` maps the topics of a foreign bag."""
-    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, name: str = "") -> Reported:
+    """Return a bag's flight with its metrics, under a `name`; `topics` maps the topics of a foreign bag."""
+    read = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+    flight = replace(read, name=name or read.name)
     verdict = bag_verdict(bag, flight, flown.vehicle)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
     return Reported(flight, metrics, quality, recorded_lives(bag), verdict, flown.vehicle, flown.note)

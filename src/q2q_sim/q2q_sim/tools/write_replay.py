@@ -20,14 +20,15 @@ from q2q_sim.monitors.flight_verdict import verdict_of
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
 from q2q_sim.tools.bag_verdict import bag_verdict
+from q2q_sim.tools.distinct_names import distinct_names
 
 
 def run(args: Namespace) -> int:
     """Write the page of the named flights; return the exit status."""
     if len(args.flights) > MOST_RUNS:
         raise ValueError(f"{len(args.flights)} flights: at most {MOST_RUNS} are replayed side by side")
-    topics, names = topic_map(args.topics), _labels(args.flights)
-    runs = [_run_of(path, names[path], args, topics) for path in args.flights]
+    topics, names = topic_map(args.topics), distinct_names(args.flights)
+    runs = [_run_of(path, name, args, topics) for path, name in zip(args.flights, names, strict=True)]
     args.out.parent.mkdir(parents=True, exist_ok=True)
     html = replay_html(runs, args.title or " and ".join(one.name for one in runs))
     args.out.write_text(html, encoding="utf-8")
@@ -80,9 +81,3 @@ def part_of(flight: Flight, start: float, end: float | None) -> Flight:
         raise ValueError(f"{asked} keeps nothing: flight {flight.name} lasts 0 to {since[-1]:.2f} s")
     arrays = {one.name: getattr(flight, one.name) for one in fields(flight)[2:]}
     return replace(flight, **{name: values[kept] for name, values in arrays.items()})
-
-
-def _labels(paths: list[Path]) -> dict[Path, str]:
-    """Return a name for each path: its last part, or all of it where those are equal."""
-    short = {path: path.name if path.is_dir() else path.stem for path in paths}
-    return short if len(set(short.values())) == len(short) else {path: str(path) for path in paths}

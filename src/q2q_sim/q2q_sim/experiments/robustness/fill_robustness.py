@@ -3,8 +3,9 @@
 import json
 import shlex
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from rich.progress import track
 
@@ -14,20 +15,42 @@ from q2q_sim.experiments.robustness.robustness_page import ignoring, key, page
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 CONTROLLERS = ("mpc", "pid")
-MOST_DRAWS = 25
+DRAWS = "draws and seed"
+"""Key of the draws in a file of numbers; the others are flights."""
+
+
+class Draws(NamedTuple):
+    """Draws of each flight."""
+
+    each: int
+    """Number in each flight."""
+    seed: int
+    """Of the first."""
+
+
+class Numbers(NamedTuple):
+    """Numbers of flights in a file."""
+
+    errors: Mapping[str, Errors]
+    draws: Draws | None
+    """None in files of before 2026-11-28."""
 
 
 def run(given: Namespace) -> int:
     """Fly what is missing, keep the numbers after each flight, write the page; return the exit status."""
-    if not 1 <= given.seeds <= MOST_DRAWS:
-        raise ValueError(f"seeds = {given.seeds}: 1 to {MOST_DRAWS} are allowed")
     flights = asked_flights(given.airs, given.seeds, given.seed)
-    found = read(given.json)
+    numbers, asked = read(given.json), Draws(given.seeds, given.seed)
+    kept = numbers.draws or asked
+    if kept != asked:
+        raise ValueError(
+            f"{given.json} is of --seeds {kept.each} --seed {kept.seed}: give these, or another file"
+        )
+    found = dict(numbers.errors)
     wanted = {key(one): one for pair in ((ignoring(one), one) for one in flights) for one in pair}
     missing = [name for name in wanted if name not in found]
     for name in () if given.table_only else track(missing, "flights"):
         found[name] = fly_perturbed(wanted[name])
-        save(found, given.json)
+        save(Numbers(found, asked), given.json)
     complete = [one for one in flights if key(one) in found and key(ignoring(one)) in found]
     if not complete:
         raise ValueError(f"{given.json} holds none of these flights: leave out {TABLE_ONLY}")
@@ -47,24 +70,29 @@ def asked_flights(airs: Sequence[str], draws: int, seed: int) -> list[PerturbedF
     ]
 
 
-def read(file: Path) -> dict[str, Errors]:
+def read(file: Path) -> Numbers:
     """Return the numbers in a file, none if there is no file.
 
     Raises:
         ValueError: the file has another form.
     """
     if not file.is_file():
-        return {}
+        return Numbers({}, None)
     try:
         body = json.loads(file.read_text(encoding="utf-8"))
-        return {str(name): Errors(*map(float, row)) for name, row in body.items()}
+        draws = Draws(*body.pop(DRAWS)) if DRAWS in body else None
+        return Numbers({str(name): Errors(*map(float, row)) for name, row in body.items()}, draws)
     except (AttributeError, TypeError, ValueError) as wrong:
         raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
 
 
-def save(found: dict[str, Errors], file: Path) -> None:
-    """Replace a file by these numbers [m], a line for each flight."""
-    rows = [f" {json.dumps(name)}: {json.dumps([float(f'{x:.5g}') for x in found[name]])}" for name in found]
+def save(numbers: Numbers, file: Path) -> None:
+    """Replace a file by these numbers [m], a line for each flight after their draws."""
+    rows = [f" {json.dumps(DRAWS)}: {json.dumps(numbers.draws)}"] if numbers.draws else []
+    rows += [
+        f" {json.dumps(name)}: {json.dumps([float(f'{x:.5g}') for x in errors])}"
+        for name, errors in numbers.errors.items()
+    ]
     fresh = file.with_suffix(".part")
     fresh.write_text("{\n" + ",\n".join(rows) + "\n}\n", encoding="utf-8")
     fresh.replace(file)

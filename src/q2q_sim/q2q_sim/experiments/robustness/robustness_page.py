@@ -17,7 +17,8 @@ downwash, in the same room with the same noise; **bold** where it is more than 1
 Thrust is that of the stock firmware, 1.32 times the weight for a command from the ground. Paths are flown in
 half the time of the scenario. *left* is the largest rms height error over the airs in the
 last 2 s, 2 s or more after the last passage [mm], and that of ignoring: there, wind-up or a limit cycle
-would show. *Floor*: no vehicle is left under another; thrust does not carry them, ignoring or not."""
+would show. *Floor*: no vehicle is left under another, as thrust does not carry them; in bold if it does where
+the downwash is ignored."""
 
 Table = Mapping[PerturbedFlight, Errors]
 
@@ -68,16 +69,22 @@ def _row(found: Mapping[str, Errors], airs: Sequence[str], cells: Mapping[str, P
 
 def _cell(own: Errors, other: Errors) -> str:
     if math.isnan(own.under):
-        return "floor"
-    share = own.under / other.under
-    text = f"{MM * own.under:.1f} ({share:.2f})"
-    return f"**{text}**" if share > MORE else text
+        return "**floor**" if _is_worse(own, other) else "floor"
+    text = f"{MM * own.under:.1f} ({own.under / other.under:.2f})"
+    return f"**{text}**" if _is_worse(own, other) else text
+
+
+def _is_worse(own: Errors, other: Errors) -> bool:
+    """Return whether errors are above those of ignoring; NaN is that of vehicles on the floor."""
+    if math.isnan(own.under):
+        return not math.isnan(other.under)
+    return own.under > MORE * other.under
 
 
 def _verdict(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) -> str:
     worse = [
         f"{one.perturbation.name} in `{one.air}`"
         for one in flights
-        if found[key(one)].under > MORE * found[key(ignoring(one))].under
+        if _is_worse(found[key(one)], found[key(ignoring(one))])
     ]
     return f"Worse than ignoring: {', '.join(worse)}." if worse else "Never worse than ignoring."

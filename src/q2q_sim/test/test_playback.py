@@ -1,0 +1,30 @@
+"""What of a bag can be played: a start within it, and answers that ticks can wait for."""
+
+import pytest
+
+from q2q_sim.loop.playback import check_answer, check_start
+
+SECONDS = range(0, 4_000_000_000, 1_000_000_000)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.5, 3.0])
+def test_a_start_within_the_bag_is_fine(start: float) -> None:
+    check_start((5_000_000_000 + stamp for stamp in SECONDS), start)
+
+
+def test_a_start_after_the_end_and_an_empty_bag_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"parameter start = 3\.1 s: the bag lasts 3\.0 s"):
+        check_start(SECONDS, 3.1)
+    with pytest.raises(ValueError, match="no message to play"):
+        check_start((), 0.0)
+
+
+def test_answers_are_topics_of_ticks_that_are_played() -> None:
+    check_answer("", ["state"])
+    check_answer("/interference", ["/mocap", "state"])
+    with pytest.raises(
+        ValueError, match=r"answer = 'interfrence': no such topic; did you mean interference\?"
+    ):
+        check_answer("interfrence", ["mocap"])
+    with pytest.raises(ValueError, match="messages on mocap, which is not played"):
+        check_answer("interference", ["state"])
