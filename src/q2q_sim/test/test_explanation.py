@@ -16,12 +16,13 @@ from q2q_sim.experiments.explanation.causes import CAUSES, FAULTS, present_cause
 from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation, ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_page import write_page
 from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.experiments.explanation.loss import LOST, Loss, largest_loss
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase, flown_scenario, recorded_case
 from q2q_sim.experiments.explanation.score import answers, score_json, score_words
 from q2q_sim.experiments.explanation.shapley import orders_of, shares, standard_error
-from q2q_sim.faults.faults import KINDS
+from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
@@ -212,3 +213,34 @@ def test_a_scenario_is_that_of_the_metadata() -> None:
     assert (in_wake.air, in_wake.wake) == ("", "paper")
     without = flown_scenario(replace(facts, air="room without residual without wind"), Path())
     assert (without.air, without.air_without) == ("room", ("residual", "wind"))
+
+
+@pytest.mark.parametrize(("left", "faults", "gusts", "first"), [
+    # loss 1 m; shares: wind 0.4, lost messages 0.3, control 0.2
+    ({"wind": 0.9, "lost messages": 0.8, "control": 0.7}, (), 0.1, "wind"),  # it takes none: the largest share
+    ({"wind": 0.1, "lost messages": 0.1, "control": 0.1}, (), 2.0, "wind"),  # a storm
+    ({"wind": 0.1, "lost messages": 0.1, "control": 0.1}, (), 0.1, "lost messages"),  # gusts of every room
+    ({"wind": 0.1, "lost messages": 0.8, "control": 0.1}, (), 0.1, "control"),
+    ({"wind": 0.1, "lost messages": 0.1, "control": 0.1}, ("radio_loss",), 2.0, "lost messages"),
+    ({"wind": 0.1, "lost messages": 0.8, "control": 0.1}, ("radio_loss",), 2.0, "wind"),
+    ({"wind": 0.1, "lost messages": 0.8, "control": 0.1}, ("late",), 2.0, "wind"),
+])  # fmt: skip
+def test_of_causes_that_only_act_together_the_unusual_one_is_first(
+    left: dict[str, float], faults: tuple[str, ...], gusts: float, first: str
+) -> None:
+    own = library.load("table6")
+    struck = tuple(Fault(kind, 1.0, 1.0, (), 0.9) for kind in faults)
+    scenario = replace(own, faults=struck, disturbance=replace(own.disturbance, air_std=gusts))
+    shares_of = {"wind": 0.4, "lost messages": 0.3, "control": 0.2}
+    case, loss = flight_case(scenario, Options("ignoring"), 0), Loss("distance", "cf1", 0, 3.0, 1.0)
+    assert first_cause(case, loss, shares_of, lambda out: left[next(iter(out))]) == first
+
+
+def test_a_fault_after_the_loss_or_from_the_start_is_no_event_and_a_flight_may_have_no_cause() -> None:
+    loss = Loss("distance", "cf1", 0, 3.0, 1.0)
+    for start in (0.0, 3.5):
+        scenario = replace(library.load("table6"), faults=(Fault("radio_loss", start, 9.0, (), 0.9),))
+        case = flight_case(scenario, Options("ignoring"), 0)
+        found = first_cause(case, loss, {"control": 0.4, "lost messages": 0.3}, lambda _: 0.1)
+        assert found == "control"
+    assert first_cause(case, loss, {}, lambda _: 1.0) is None

@@ -16,6 +16,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.explanation.causes import present_causes, without_causes
+from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
 from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, losses
 from q2q_sim.experiments.explanation.shapley import Order, Value, all_fit, orders_of, shares, standard_error
@@ -66,7 +67,7 @@ class Explanation:
 
     loss: Loss
     shares: tuple[CauseShare, ...]
-    """Of the causes in the flight, largest first."""
+    """Of the causes in the flight: the first cause, then the largest first."""
     rest: float
     """Loss without any of them [m]."""
     without_first: float
@@ -91,11 +92,12 @@ def explain(
     found = _all_shares(causes, orders, values, follow)
     split = _split(causes, found, exact=all_fit(causes, params.orders))
     own = values[0]
+    first = first_cause(short, loss, {one.cause: one.share for one in split}, lambda out: own(frozenset(out)))
     return Explanation(
         loss=loss,
-        shares=split,
+        shares=tuple(sorted(split, key=lambda one: one.cause != first)),
         rest=own(frozenset(causes)),
-        without_first=own(frozenset(one.cause for one in split[:1])),
+        without_first=own(frozenset() if first is None else frozenset({first})),
     )
 
 

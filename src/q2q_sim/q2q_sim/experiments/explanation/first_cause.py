@@ -1,0 +1,60 @@
+"""First cause of a loss: of the causes that it takes, the one that made the flight an unusual one.
+
+Causes often act together: a vehicle that hears no commands is carried off by gusts, and without either
+nothing happens. Their shares are then alike, whatever came first. A loss takes a cause if without it alone at
+most SPARED of it is left. Of these causes one is named before others
+
+1. that strikes during the flight, as a fault;
+2. that is not ordinary: gusts up to ORDINARY_GUSTS are in every real room;
+3. whose share is larger.
+
+If the loss takes none of its causes, the one with the largest share is named.
+"""
+
+from collections.abc import Callable, Collection, Mapping
+
+from q2q_sim.experiments.explanation.causes import FAULTS
+from q2q_sim.experiments.explanation.flight_case import FlightCase
+from q2q_sim.experiments.explanation.loss import Loss
+
+SPARED = 0.5
+"""Largest part of a loss that is left without a cause that it takes [-]."""
+ORDINARY_GUSTS = 0.25
+"""Largest standard deviation of ordinary gusts [m/s^2]: the air `room` has 0.22, of real flights."""
+WIND = "wind"
+
+
+def first_cause(
+    case: FlightCase, loss: Loss, shares: Mapping[str, float], left: Callable[[Collection[str]], float]
+) -> str | None:
+    """Return the first cause; None if there is no cause.
+
+    Args:
+        case: the flight.
+        loss: its loss.
+        shares: of the causes in it [m].
+        left: returns the loss without some causes [m].
+    """
+    taken = [cause for cause in shares if left({cause}) <= SPARED * loss.size]
+    struck = _struck(case, loss)
+    usual = {WIND} if _gusts(case) <= ORDINARY_GUSTS else set()
+    return max(
+        taken or shares,
+        key=lambda cause: (cause in struck, cause not in usual, shares[cause]) if taken else shares[cause],
+        default=None,
+    )
+
+
+def _struck(case: FlightCase, loss: Loss) -> set[str]:
+    """Return the causes with faults that began after the start and before the loss."""
+    kinds = {fault.kind for fault in case.scenario.faults if 0.0 < fault.start <= loss.t}
+    return {cause for cause, own in FAULTS.items() if kinds & {*own}}
+
+
+def _gusts(case: FlightCase) -> float:
+    """Return the standard deviation of a flight's gusts [m/s^2]; infinite with a steady wind beyond that."""
+    term = getattr(case.air, "wind", None)
+    if term is None:
+        return case.scenario.disturbance.air_std
+    steady = max(map(abs, term.mean_mps2))
+    return term.gust_std_mps2 if steady <= ORDINARY_GUSTS else float("inf")
