@@ -217,7 +217,7 @@ def test_a_scenario_is_that_of_the_metadata() -> None:
 
 @pytest.mark.parametrize(("left", "faults", "gusts", "first"), [
     # loss 1 m; shares: wind 0.4, lost messages 0.3, control 0.2
-    ({"wind": 0.9, "lost messages": 0.8, "control": 0.7}, (), 0.1, "wind"),  # it takes none: the largest share
+    ({"wind": 0.9, "lost messages": 0.8, "control": 0.7}, (), 0.1, "wind"),  # takes none: the largest share
     ({"wind": 0.1, "lost messages": 0.1, "control": 0.1}, (), 2.0, "wind"),  # a storm
     ({"wind": 0.1, "lost messages": 0.1, "control": 0.1}, (), 0.1, "lost messages"),  # gusts of every room
     ({"wind": 0.1, "lost messages": 0.8, "control": 0.1}, (), 0.1, "control"),
