@@ -1,12 +1,13 @@
 """Every shipped file of gains fits the PID, says its sources, and makes a stable loop."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from q2q_control.pid.gains_file import load_gains
+from q2q_control.pid.gains_file import load_gains, soft_altitude
 from q2q_control.pid.pid import PidParams
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -76,3 +77,13 @@ def test_unknown_gains_are_answered_with_those_that_there_are():
         ValueError, match="no gains 'tune': give one of firmware, learned, mellinger, tuned, or"
     ):
         load_gains("tune")
+
+
+def test_who_flies_by_the_papers_altitude_loop_is_warned_and_nobody_else():
+    warning = soft_altitude(load_gains("learned"))
+    assert warning == (
+        "k_p_z = 0.81073, k_i_z = 0: 1 % of wrong thrust is 0.12 m of height; real vehicles fly pid_tuned.yaml"
+    )
+    assert not any(map(soft_altitude, map(load_gains, ("tuned", "firmware", "mellinger"))))
+    assert "is inf m of height" in soft_altitude(replace(PidParams(), k_p_z=0.0))
+    assert soft_altitude(replace(PidParams(), k_p_z=10.0)) == ""

@@ -8,6 +8,7 @@
 | mellinger | the firmware's Mellinger controller |
 """
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -15,9 +16,12 @@ from q2q_control.pid.pid import PidParams
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.files.shipped_folder import shipped_folder
+from q2q_model.vehicle.constants import GRAVITY
 
 PREFIX = "pid_"
 TUNED = "tuned"
+SOFT_M = 0.05
+"""Height by 1 % of wrong thrust from which is warned [m]: batteries and propellers differ by 5 to 10 %."""
 PARAMETERS = "ros__parameters"
 
 
@@ -35,6 +39,15 @@ def load_gains(asked: str) -> PidParams:
             f"{path}: one node (or /**) with {PARAMETERS} is expected, as in {PREFIX}{TUNED}.yaml"
         )
     return from_plain(PidParams, sections[0][PARAMETERS], str(path))
+
+
+def soft_altitude(params: PidParams) -> str:
+    """Return a warning of gains by which a small error of thrust moves vehicles far; empty if they do not."""
+    off = 0.01 * GRAVITY / params.k_p_z if params.k_p_z > 0.0 else math.inf
+    if params.k_i_z > 0.0 or off <= SOFT_M:
+        return ""
+    gains = f"k_p_z = {params.k_p_z:g}, k_i_z = {params.k_i_z:g}"
+    return f"{gains}: 1 % of wrong thrust is {off:.2f} m of height; real vehicles fly {PREFIX}{TUNED}.yaml"
 
 
 def _path(asked: str) -> Path:

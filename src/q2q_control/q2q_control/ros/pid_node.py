@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from rclpy.node import Node
 
 from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.pid.gains_file import soft_altitude
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_control.ros.accelerometers import receive_accelerometers
@@ -40,6 +41,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     own = declare(node, ControllerNodeParams())
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     params = declare(node, PidParams(), in_flight=True)
+    if own.live and (warning := soft_altitude(params)):
+        node.get_logger().warning(warning)
     block = corrected(node, own, params) if own.correct else Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
