@@ -2,8 +2,8 @@
 
 Frames pass two stages. Capture faults change rows (outliers, jumps, flips, swaps, dropouts, NaN) and stamps.
 Delivery faults choose which frame arrives in this tick. One frame arrives each tick: a late frame is an older
-one, and a missing frame is the last one repeated with its stamp. Outliers and lost packets draw random numbers,
-each from a stream of its own.
+one, and a missing frame is the last one repeated with its stamp. Outliers and lost packets draw random
+numbers, each from a stream of its own.
 """
 
 from collections import deque
