@@ -108,13 +108,59 @@ def test_a_lone_vehicle_has_plain_columns_and_differences_where_nothing_is_logge
         ({"t": None}, "has no column t"),
         ({"t": np.zeros(40)}, "must begin at 0 or later and increase; row 1 of 40"),
         ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
-        ({"cf50_x": None, "cf51_x": None}, "neither x nor <vehicle>_x"),
+        ({"cf50_x": None, "cf51_x": None}, "neither x, y, z nor <vehicle>_x, _y, _z"),
     ],
 )
 def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], message: str):
     columns = {name: change.get(name, values) for name, values in _columns().items()}
     with pytest.raises(ValueError, match=message):
         flight_table({name: values for name, values in columns.items() if values is not None})
+
+
+def _vectors(*prefixes: str) -> dict[str, Array]:
+    """Return t and a vector of each prefix: the x of the k-th is k."""
+    t = 0.01 * np.arange(40)
+    return {"t": t} | {f"{one}{axis}": k + 0.0 * t for k, one in enumerate(prefixes) for axis in "xyz"}
+
+
+def test_another_vector_of_a_lone_vehicle_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    _write_csv(_vectors("", "gyro_"), tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    assert "40 ticks of cf1 (x, y, z)" in capsys.readouterr().out
+    flight, log = read_flight(tmp_path / "bag"), read_flight_log(tmp_path / "bag")
+    assert flight.names == ("cf1",)
+    assert np.all(flight.mocap_pos == 0.0)
+    assert np.all(log.column("gyro_x") == 1.0)
+
+
+def test_an_estimate_of_a_vehicle_is_in_the_log_of_that_vehicle():
+    table = flight_table(_vectors("cf1_", "cf1_est_", "cf2_", "cf2_est_"))
+    assert table.names == ("cf1", "cf2")
+    assert table.columns["x"][0].tolist() == [0.0, 2.0]
+    assert table.columns["est_x"][0].tolist() == [1.0, 3.0]
+
+
+def test_a_vector_without_all_three_axes_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    columns = _vectors("wind_", "cf1_")
+    del columns["wind_z"]
+    _write_csv(columns, tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    out = capsys.readouterr().out
+    assert "40 ticks of cf1 (cf1_x, cf1_y, cf1_z)" in out
+    assert "left out, as of no vehicle: wind_x, wind_y" in out
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        (_vectors("", "cf2_"), "cf2 may be a vehicle.* the table has x, y, z and cf2_x, cf2_y, cf2_z;"),
+        (_vectors("drone_", "drone_2_"), "drone_2 may be a vehicle.* drone_y, drone_z and drone_2_x"),
+        (_vectors("", "left_") | {"left_qw": np.ones(40)}, "left may be a vehicle.* left_z, left_qw"),
+    ],
+)
+def test_a_table_of_one_vehicle_or_of_several_is_refused(columns: dict[str, Array], message: str):
+    with pytest.raises(ValueError, match=message):
+        flight_table(columns)
 
 
 def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
 from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped
-from q2q_model.flights.flight_table import FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.flight_table import CARRIED, FlightTable, flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.table_vehicles import vehicle_prefixes
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
@@ -20,13 +21,23 @@ def run(args: Namespace) -> int:
     columns, notes = _columns(args.flight, args.names, chosen)
     table = flight_table(columns)
     counts = write_bag(table, args.out)
-    print(f"{args.out}: {len(table.t)} ticks of {', '.join(table.names)}")
+    _print_vehicles(columns, len(table.t), args.out)
     for topic, count in counts.items():
         print(f"  {topic}: {count} messages")
     print(f"  {int(table.gap.sum())} samples lie in gaps of the source: not in /mocap")
     for note in notes:
         print(f"  {note}")
     return 0
+
+
+def _print_vehicles(columns: Mapping[str, Array], ticks: int, out: Path) -> None:
+    """Print which columns became positions of a vehicle, and which are of none."""
+    prefixes = vehicle_prefixes(tuple(columns), CARRIED)
+    placed = [f"{name} ({key}x, {key}y, {key}z)" for name, key in prefixes.items()]
+    print(f"{out}: {ticks} ticks of {', '.join(placed)}")
+    lost = [name for name in columns if name != "t" and not name.startswith(tuple(prefixes.values()))]
+    if lost:
+        print(f"  left out, as of no vehicle: {', '.join(lost)}")
 
 
 def _columns(
