@@ -22,6 +22,8 @@ from q2q_model.bag import (
     read_mapped_flight,
 )
 from q2q_model.bag.foreign.pose_frames import Poses, nearest_rows, pose_frames
+from q2q_model.bag.foreign.references import with_references
+from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
 from q2q_model.signals.values import Array, MocapFrame
@@ -245,6 +247,37 @@ def test_poses_of_another_clock_are_refused_and_those_after_the_others_kept(tmp_
     assert np.isnan(flight.mocap_pos[:10, 1]).all()
     assert np.array_equal(flight.mocap_pos[10:, 1], [_place(tick, 1)[0] for tick in range(TICKS)])
     assert np.isnan(flight.mocap_pos[20:, 0]).all()
+
+
+def _flown(poses: Array, references: Array) -> tuple[Flight, list[str]]:
+    """Return a flight with poses at some times and references at others, each where its time says."""
+    frames, _ = pose_frames({"cf1": _track(poses)}, 0.005)
+    flight = flight_from_signals("made", {"mocap": frames}).flight
+    return with_references(flight, {"cf1": _track(references)})
+
+
+def test_a_reference_holds_until_the_next_and_a_pause_is_told():
+    ticks = 5.0 + np.arange(1000) / 100.0
+    flight, remarks = _flown(ticks, np.array([3.0, 7.0, 11.5]))
+    assert flight.ref_pos[:, 0, 0].tolist() == [3.0] * 200 + [7.0] * 450 + [11.5] * 350
+    assert remarks == ["references of cf1 pause for 4.5 s after t = 7.000 s: held"]
+    assert _flown(ticks, np.array([3.0, 5.9, 8.8]))[1] == []  # the last one holds, as there is no later one
+
+
+@pytest.mark.parametrize("clock", [-5.0, 12.0])
+def test_references_of_another_clock_are_refused(clock: float):
+    ticks = 5.0 + np.arange(500) / 100.0
+    spans = f"lie at {clock:.3f} to {clock + 5.0:.3f} s, not 5.000 to 9.990 s: the clocks differ"
+    with pytest.raises(ValueError, match=f"references of cf1 {spans}"):
+        _flown(ticks, clock + np.arange(6.0))
+
+
+def test_a_mapped_flight_with_references_of_another_clock_is_refused(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "far", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, offset_ns=700_000_000)
+    with pytest.raises(BagError, match=r"far: references of cf1 lie at 0\.700 to 0\.890 s.*clocks differ"):
+        read_mapped_flight(tmp_path / "far", TopicMap(vehicles={"cf1": "/a"}, references={"cf1": "/b"}))
 
 
 def test_headers_that_are_not_filled_are_named(tmp_path: Path):

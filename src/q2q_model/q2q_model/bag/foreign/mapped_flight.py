@@ -5,7 +5,6 @@ as ROS 2 Jazzy.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.foreign.pose_frames import Poses, pose_frames
+from q2q_model.bag.foreign.references import with_references
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
@@ -54,13 +54,15 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     repairs: list[str] = []
     if topic_map.vehicles or topic_map.poses:
         signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
+    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
     try:
         joined = flight_from_signals(flight_name(path), signals)
+        flight, pauses = with_references(joined.flight, given)
     except ValueError as misfit:
         raise BagError(f"bag {path}: {misfit}") from misfit
-    warn_of_repairs(source.repairs + tuple(f"bag {path}: {repair}" for repair in (*repairs, *joined.repairs)))
-    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
-    return _with_references(source, joined.flight, given)
+    remarks = (*repairs, *joined.repairs, *pauses)
+    warn_of_repairs(source.repairs + tuple(f"bag {path}: {remark}" for remark in remarks))
+    return flight
 
 
 def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict[str, Channel]]:
@@ -135,20 +137,6 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
             )
         tracks[vehicle] = Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
     return tracks
-
-
-def _with_references(source: Source, flight: Flight, given: Mapping[str, Poses]) -> Flight:
-    """Return the flight with its reference positions: at each tick the last one received."""
-    ref_pos = flight.ref_pos.copy()
-    for vehicle, track in given.items():
-        if vehicle not in flight.names:
-            raise BagError(
-                f"bag {source.path}: references of {vehicle}; vehicles are {', '.join(flight.names)}"
-            )
-        row = np.searchsorted(track.t, flight.t, side="right") - 1
-        held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)
-        ref_pos[:, flight.names.index(vehicle)] = held
-    return replace(flight, ref_pos=ref_pos)
 
 
 def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tuple[str, Row]]:
