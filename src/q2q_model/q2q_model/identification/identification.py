@@ -60,6 +60,7 @@ class Recording:
 
     flight: Flight
     log: FlightLog | None = None
+    """At the ticks and vehicles of the flight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +170,9 @@ def recorded_altitudes(
 def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: Vehicle) -> AltitudeRecord:
     if log is None or FEED_FORWARD not in log.columns:
         return record
-    rows = np.clip(np.searchsorted(log.t, record.t - 0.5 * record.dt), 0, log.t.size - 1)
+    logged = np.flatnonzero(np.isfinite(log.values).any(axis=(1, 2)))
+    at = np.searchsorted(log.t[logged], record.t - 0.5 * record.dt)
+    rows = logged[np.clip(at, 0, logged.size - 1)]
     return replace(record, feed_forward=log.column(FEED_FORWARD)[rows] / vehicle.mass)
 
 
