@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagReader, read_flight, read_flight_log
+from q2q_model.flights.column_map import SourceColumn, mapped_table
 from q2q_model.flights.flight_table import flight_table, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.geometry.rotations import euler_from_quat, rotate
@@ -123,6 +124,15 @@ def _vectors(*prefixes: str) -> dict[str, Array]:
     return {"t": t} | {f"{one}{axis}": k + 0.0 * t for k, one in enumerate(prefixes) for axis in "xyz"}
 
 
+def _log_of_a_line() -> bytes:
+    """Return a micro-SD log of 2 s along x at 1 m/s."""
+    variables = [f"stateEstimate.{axis}(f)" for axis in "xyz"]
+    header = struct.pack("<BHHH", 0xBC, 2, 1, 0) + b"rows\0" + struct.pack("<H", 3)
+    header += b"".join(one.encode() + b"\0" for one in variables)
+    rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
+    return header + rows + struct.pack("<I", crc32(header + rows))
+
+
 def test_another_vector_of_a_lone_vehicle_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     _write_csv(_vectors("", "gyro_"), tmp_path / "flight.csv")
     assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
@@ -226,13 +236,45 @@ def test_a_column_map_renames_and_scales_the_columns_of_a_table(tmp_path: Path):
     np.testing.assert_allclose(flight.mocap_pos[:, 0, 0], _columns()["cf50_x"], rtol=1e-12)
 
 
+def test_a_column_map_without_vehicles_is_for_each_vehicle(tmp_path: Path):
+    columns = _vectors("cf1_pos_", "cf2_pos_", "cf2_est_pos_")
+    _write_csv(columns | {"cf2_mV": np.full(40, 3700.0)}, tmp_path / "mm.csv")
+    entries = [f"  {axis}: {{from: pos_{axis}, scale: 0.5, offset: 1.0}}" for axis in "xyz"]
+    entries.append("  vbat: {from: mV, scale: 0.001}")
+    (tmp_path / "map.yaml").write_text("\n".join(["columns:", *entries]))
+    given = [str(tmp_path / "mm.csv"), "--columns", str(tmp_path / "map.yaml")]
+    assert main([*given, "--out", str(tmp_path / "bag")]) == 0
+    flight, log = read_flight(tmp_path / "bag"), read_flight_log(tmp_path / "bag")
+    assert flight.names == ("cf1", "cf2")
+    assert flight.mocap_pos[0].tolist() == [[1.0] * 3, [1.5] * 3]
+    assert log.column("vbat")[0, 1] == pytest.approx(3.7)
+    assert np.isnan(log.column("vbat")[0, 0])
+
+
+def test_a_column_map_of_a_lone_vehicle_leaves_other_vectors():
+    columns = _vectors("", "gyro_")
+    found = mapped_table(columns, {"z": (SourceColumn("x", 1.0, 7.0),)})
+    assert found.keys() == columns.keys()
+    assert found["z"][0] == 7.0
+    assert found["gyro_z"][0] == 1.0
+
+
+def test_a_column_map_names_only_columns_that_are_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    _write_csv(_vectors("cf1_"), tmp_path / "flight.csv")
+    (tmp_path / "cf1_00").write_bytes(_log_of_a_line())
+    (tmp_path / "map.yaml").write_text("columns: {vx: stateEstimate.vx_typo, y: xx}")
+    for file, message in (
+        ("flight.csv", "vx of the column map: there is no stateEstimate.vx_typo; known are cf1_x, cf1_y"),
+        ("cf1_00", "there is no stateEstimate.vx_typo; did you mean stateEstimate."),
+    ):
+        given = [str(tmp_path / file), "--columns", str(tmp_path / "map.yaml")]
+        assert main([*given, "--out", str(tmp_path / "bag")]) == 1
+        assert message in capsys.readouterr().err
+
+
 def test_a_log_goes_into_a_bag_under_its_files_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    variables = [f"stateEstimate.{axis}(f)" for axis in "xyz"]
-    header = struct.pack("<BHHH", 0xBC, 2, 1, 0) + b"rows\0" + struct.pack("<H", 3)
-    header += b"".join(one.encode() + b"\0" for one in variables)
-    rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
     for name in ("cf7_03", "cf8_03"):
-        (tmp_path / name).write_bytes(header + rows + struct.pack("<I", crc32(header + rows)))
+        (tmp_path / name).write_bytes(_log_of_a_line())
     logs = [str(tmp_path / name) for name in ("cf7_03", "cf8_03")]
     assert main([*logs, "--out", str(tmp_path / "bag")]) == 0
     flight = read_flight(tmp_path / "bag")

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
-from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped
+from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped_table
 from q2q_model.flights.flight_table import CARRIED, FlightTable, flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.flights.table_vehicles import vehicle_prefixes
@@ -48,7 +48,7 @@ def _columns(
         if len(paths) > 1:
             raise ValueError(f"{', '.join(map(str, paths))}: give one table, or micro-SD logs only")
         columns = read_columns(paths[0])
-        return (dict(columns) | mapped(columns, chosen) if chosen else columns), []
+        return (mapped_table(columns, chosen) if chosen else columns), []
     logs = read_logs(paths, names.split(",") if names else None)
     notes = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
     return columns_of_logs(logs, chosen), notes
