@@ -24,6 +24,7 @@ from q2q_model.identification.gains.trajectory_gains import (
     gains_from_trajectories,
     is_better,
 )
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -326,6 +327,26 @@ def test_a_vehicle_out_of_sight_is_not_made_up():
     found, remarks = altitude_records(replace(flight, pos=pos, mocap_pos=pos), CRAZYFLIE_2_0)
     assert "hole of 1.0 s at t = 8.99 s" in remarks[0]
     assert [one.t.size for one in found] == [900, 2000]
+
+
+def with_third(flight: Flight, place: Array) -> Flight:
+    """Return a flight with a third vehicle of which only positions (T, 3) were recorded."""
+    arrays = {field.name: getattr(flight, field.name) for field in fields(Flight)}
+    unknown = {k: np.full_like(v[:, :1], np.nan) for k, v in arrays.items() if np.ndim(v) > 1}
+    third = unknown | {"pos": place[:, None], "mocap_pos": place[:, None]}
+    joined = {k: np.concatenate([arrays[k], one], axis=1) for k, one in third.items()}
+    return replace(flight, names=(*flight.names, "spare"), **joined)
+
+
+def test_a_vehicle_that_only_stands_there_is_left_out_and_named():
+    flight = made_flight(CALM)
+    place = np.tile([3.0, 3.0, 0.02], (flight.t.size, 1))
+    found, remarks = altitude_records(with_third(flight, place), CRAZYFLIE_2_0)
+    assert remarks == ["pass: spare never flew: left out of the gains"]
+    np.testing.assert_array_equal(found[0].pos, record_of(CALM).pos)
+    place[1000:1100, 2] = 0.5
+    with pytest.raises(ValueError, match="together: there is no reference of spare; record"):
+        altitude_records(with_third(flight, place), CRAZYFLIE_2_0)
 
 
 def test_a_flight_without_a_reference_says_what_to_record():

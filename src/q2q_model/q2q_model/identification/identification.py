@@ -14,7 +14,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.files.model_file import Fit, ModelFile
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.flight_evidence import FlightEvidence
@@ -162,7 +162,7 @@ def _fit(best: Trial, train: Score, evidence: Sequence[FlightEvidence]) -> Fit:
 def recorded_altitudes(
     one: Recording, vehicle: Vehicle
 ) -> tuple[tuple[AltitudeRecord, ...], tuple[str, ...]]:
-    """Return a flight's records, with the feed-forward of its log if that has one, and remarks on holes."""
+    """Return a flight's records, with the feed-forward of its log if that has one, and remarks."""
     records, holes = altitude_records(one.flight, vehicle)
     return tuple(_with_feed_forward(record, one.log, vehicle) for record in records), tuple(holes)
 
@@ -173,7 +173,8 @@ def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: V
     logged = np.flatnonzero(np.isfinite(log.values).any(axis=(1, 2)))
     at = np.searchsorted(log.t[logged], record.t - 0.5 * record.dt)
     rows = logged[np.clip(at, 0, logged.size - 1)]
-    return replace(record, feed_forward=log.column(FEED_FORWARD)[rows] / vehicle.mass)
+    column = log_at(log, log.t, record.names).column(FEED_FORWARD)
+    return replace(record, feed_forward=column[rows] / vehicle.mass)
 
 
 def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:

@@ -8,14 +8,14 @@
 
 A record has no hole: what a vehicle did in one is not known, and it ends in a state of its own. A flight with
 holes (no frame, a vehicle out of sight, a jump of the clock, two flights in one bag) is one record from each
-hole to the next.
+hole to the next. A vehicle that only stands there is no part of it.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.flights.flight import Flight, of_rows
+from q2q_model.flights.flight import Flight, of_rows, of_vehicles
 from q2q_model.flights.outliers import OutlierThresholds, find_outliers, repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
@@ -28,6 +28,11 @@ SHORTEST = 2.0
 HOLE_S, HOLE_PERIODS = 0.3, 3.0
 """Time without a row from which there is a hole [s], and at least in median periods: a third of the time
 constant of the altitude loop."""
+STILL = 0.02
+"""Distance from its median place that a vehicle on the ground does not leave [m]: far above the noise of
+motion capture, and below the wander of a vehicle that takes off."""
+MOSTLY = 0.99
+"""Share of positions within that distance [-]; others are outliers."""
 STANDING = 0.25
 """Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
 flights, commands in the air are 0.64 or more."""
@@ -90,11 +95,35 @@ def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
 
 
 def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
-    """Return the altitude records of a flight, from hole to hole, and a remark on its holes.
+    """Return the altitude records of a flight, from hole to hole, and remarks on holes and vehicles left out.
 
     Raises:
         ValueError: as `altitude_record`, or no 2 s between holes.
     """
+    standing = _standing(flight)
+    if not standing or len(standing) == len(flight.names):
+        return _between_holes(flight, vehicle)
+    flown = of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
+    records, remarks = _between_holes(flown, vehicle)
+    stood = f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"
+    return records, [stood, *remarks]
+
+
+def _standing(flight: Flight) -> list[str]:
+    """Return the vehicles without a reference or a thrust that stay where they are."""
+    ref, found = _altitude_reference(flight)[..., 0], []
+    pos = np.where(np.isfinite(flight.pos), flight.pos, flight.mocap_pos)
+    for i, name in enumerate(flight.names):
+        place = pos[np.isfinite(pos[:, i]).all(axis=1), i]
+        if np.isfinite(ref[:, i]).any() or (flight.thrust[:, i] > 0.0).any() or not len(place):
+            continue
+        away = np.abs(place - np.median(place, axis=0)).max(axis=1)
+        if np.quantile(away, MOSTLY) < STILL:
+            found.append(name)
+    return found
+
+
+def _between_holes(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
     whole = _whole_rows(_placed(flight), _altitude_reference(flight))
     t, steps = flight.t[whole], np.diff(flight.t[whole])
     usual = float(np.median(steps)) if steps.size else 0.0
@@ -196,9 +225,17 @@ def _common_rows(flight: Flight, placed: Mask, ref: Array) -> slice:
 
 
 def _too_short(flight: Flight) -> ValueError:
+    known = {"reference": np.isfinite(_altitude_reference(flight)[..., 0]), "position": _placed(flight)}
+    lacking = [
+        f"no {what} of {name}"
+        for what, rows in known.items()
+        for name, own in zip(flight.names, rows.T, strict=True)
+        if not own.any()
+    ]
+    which = f": there is {', '.join(lacking)}" if lacking else ""
     return ValueError(
         f"flight {flight.name}: positions and references of {', '.join(flight.names)} never last for "
-        f"{SHORTEST} s together; record the topics mocap (or state) and reference of one flight"
+        f"{SHORTEST} s together{which}; record the topics mocap (or state) and reference of one flight"
     )
 
 
