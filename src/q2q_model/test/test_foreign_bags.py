@@ -80,9 +80,9 @@ def _pose(tick: int, vehicle: int) -> dict[str, dict[str, float]]:
     }
 
 
-@pytest.mark.parametrize(("kind", "extra"), [("NamedPoseArray", ""), ("NamedPoseArrayV2", SECOND_VERSION)])
-def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path: Path, kind: str, extra: str):
-    with (tmp_path / "room.mcap").open("wb") as stream, ForeignWriter(stream) as writer:
+def _write_named(file: Path, kind: str = "NamedPoseArray", extra: str = "", numbers=(231, 232)) -> None:  # noqa: ANN001
+    """Write poses of two vehicles cf<number>; the first is not seen in each fourth message."""
+    with file.open("wb") as stream, ForeignWriter(stream) as writer:
         name = f"motion_capture_tracking_interfaces/msg/{kind}"
         schema = writer.register_msgdef(name, NAMED_POSES.format(extra=extra))
         for tick in range(TICKS):
@@ -91,9 +91,14 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
                 "header": {"stamp": {"sec": 1, "nanosec": tick * 10_000_000}, "frame_id": "world"},
                 "timestamp": 7,
                 "latencies": [{"name": "camera", "value": 0.004}],
-                "poses": [{"name": f"cf{231 + k}", "pose": _pose(tick, k)} for k in seen],
+                "poses": [{"name": f"cf{numbers[k]}", "pose": _pose(tick, k)} for k in seen],
             }
             writer.write_message("/poses", schema, message, log_time=tick, publish_time=tick)
+
+
+@pytest.mark.parametrize(("kind", "extra"), [("NamedPoseArray", ""), ("NamedPoseArrayV2", SECOND_VERSION)])
+def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path: Path, kind: str, extra: str):
+    _write_named(tmp_path / "room.mcap", kind, extra)
     mapped = TopicMap(poses="/poses", rename={"cf231": "cf1"})
     flight = read_mapped_flight(tmp_path / "room.mcap", mapped)
     assert set(flight.names) == {"cf1", "cf232"}
@@ -106,6 +111,29 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
             else:
                 assert np.array_equal(at, _place(tick, k)[0])
                 assert np.array_equal(flight.mocap_quat[tick, flight.names.index(name)], _place(tick, k)[1])
+
+
+@pytest.mark.parametrize(
+    ("mapped", "message"),
+    [
+        (TopicMap(poses="/poses", rename={"cf231": "cf232"}), "cf232 has poses from cf231 in /poses and"),
+        (TopicMap({"cf231": "/poses"}, "/poses"), "cf231 has poses from /poses and from cf231 in /poses"),
+        (TopicMap(poses="/poses", rename={"cf2": "cf1"}), "rename has cf2, .*; names are cf231, cf232"),
+        (TopicMap({"cf1": "/poses"}, rename={"cf2": "cf1"}), "rename has cf2, .* the topic map has no poses"),
+    ],
+)
+def test_a_vehicle_with_two_sources_or_a_name_of_nobody_is_refused(
+    tmp_path: Path, mapped: TopicMap, message: str
+):
+    _write_named(tmp_path / "room.mcap")
+    with pytest.raises(BagError, match=message):
+        read_mapped_flight(tmp_path / "room.mcap", mapped)
+
+
+def test_a_vehicle_twice_in_one_message_is_refused(tmp_path: Path):
+    _write_named(tmp_path / "room.mcap", numbers=(7, 7))
+    with pytest.raises(BagError, match="topic /poses at 0 ns: two poses of cf7"):
+        read_mapped_flight(tmp_path / "room.mcap", TopicMap(poses="/poses"))
 
 
 def _write_ros(writer, store, convert, offset_ns: int = 2 * MS, step_ns: int = 10 * MS, *, back_ns=0) -> None:  # noqa: ANN001

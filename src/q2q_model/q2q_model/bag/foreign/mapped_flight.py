@@ -104,12 +104,34 @@ def _signals(source: Source, channel: Channel) -> list[Signal]:
 
 def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, Poses]:
     rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map)
+    named: dict[str, list[Row]] = {}
     if topic_map.poses:
         for name, row in _rows(source, channels[topic_map.poses], topic_map):
-            rows.setdefault(topic_map.rename.get(name, name), []).append(row)
+            named.setdefault(name, []).append(row)
+    _check_names(source, topic_map, list(named))
+    rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
     if not rows:
         raise BagError(f"bag {source.path} has no pose of any vehicle")
     return _sorted(source, rows)
+
+
+def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str]) -> None:
+    """Raise BagError if a vehicle has two sources of poses, or a name to replace never occurs."""
+    absent = [name for name in topic_map.rename if name not in named]
+    if absent:
+        raise BagError(
+            f"bag {source.path}: rename has {', '.join(absent)}, and poses of it are never there; "
+            f"names are {', '.join(named) or 'none, as the topic map has no poses'}"
+        )
+    sources = dict(topic_map.vehicles)
+    for name in named:
+        vehicle = topic_map.rename.get(name, name)
+        if vehicle in sources:
+            raise BagError(
+                f"bag {source.path}: {vehicle} has poses from {sources[vehicle]} and from {name} in "
+                f"{topic_map.poses}; give one of them another name under rename"
+            )
+        sources[vehicle] = f"{name} in {topic_map.poses}"
 
 
 def _rows_by_vehicle(
@@ -156,6 +178,12 @@ def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tup
         except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
             where = f"topic {channel.topic} at {message.stamp_ns} ns"
             raise BagError(f"bag {source.path}, {where}: no {channel.type_name} ({damage})") from damage
+        names = [name for name, _ in found]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise BagError(
+                f"bag {source.path}, topic {channel.topic} at {message.stamp_ns} ns: two poses of {twice}"
+            )
         yield from found
 
 
