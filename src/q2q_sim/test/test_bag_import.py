@@ -8,13 +8,14 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from q2q_model.bag import BagReader, read_flight, read_flight_log
+from q2q_model.bag import BagReader, read_facts, read_flight, read_flight_log
 from q2q_model.flights.column_map import SourceColumn, mapped_table
 from q2q_model.flights.flight_table import flight_table, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.tools.bag_vehicle import flown_vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
 from q2q_sim.commands.bag_import import main
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
@@ -131,6 +132,21 @@ def _log_of_a_line() -> bytes:
     header += b"".join(one.encode() + b"\0" for one in variables)
     rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
     return header + rows + struct.pack("<I", crc32(header + rows))
+
+
+def test_an_imported_bag_names_its_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    _write_csv(_columns(), tmp_path / "flight.csv")
+    given = [str(tmp_path / "flight.csv"), "--out"]
+    assert main([*given, str(tmp_path / "named"), "--vehicle", "crazyflie_2_1"]) == 0
+    assert "not named" not in capsys.readouterr().out
+    flown = flown_vehicle(tmp_path / "named")
+    assert (flown.vehicle, flown.note) == (CRAZYFLIE_2_1, "")
+    assert main([*given, str(tmp_path / "silent")]) == 0
+    assert "its vehicle is not named; --vehicle" in capsys.readouterr().out
+    assert read_facts(tmp_path / "silent").vehicle == ""
+    with pytest.raises(SystemExit):
+        main([*given, str(tmp_path / "wrong"), "--vehicle", "crazyflie_2_2"])
+    assert "did you mean crazyflie_2_" in capsys.readouterr().err
 
 
 def test_another_vector_of_a_lone_vehicle_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
