@@ -6,6 +6,7 @@ Parsing and checking need the standard library only, so help and errors appear w
 """
 
 import argparse
+import math
 import os
 import re
 import sys
@@ -129,6 +130,17 @@ def require_existing(what: str, *paths: Path) -> None:
     for path in paths:
         if not path.exists():
             raise ValueError(f"no {what} at {path}")
+
+
+def positive_number(given: str) -> float:
+    """Return a number above zero: a type of arguments, refused if it is not finite."""
+    try:
+        number = float(given)
+    except ValueError:
+        number = math.nan
+    if not 0.0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"{given} is no number above 0")
+    return number
 
 
 def output_file(given: str) -> Path:
