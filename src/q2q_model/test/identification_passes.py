@@ -38,7 +38,9 @@ def terms() -> list[FlightTerms]:
 
 def evidence() -> list[FlightEvidence]:
     """Return the made flights with the pushes that their sensors show."""
-    return [FlightEvidence(record, tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)]
+    return [
+        FlightEvidence((record,), tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)
+    ]
 
 
 def pushes(made: Pass) -> list[ForceSamples]:

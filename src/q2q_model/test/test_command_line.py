@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.commands import identify
 from q2q_model.commands.command_line import (
     CommandLine,
     nearest,
@@ -161,3 +162,11 @@ def test_a_broken_pipe_to_another_process_is_told(capsys: pytest.CaptureFixture[
 
     assert run_command(made(), lambda _: work, []) == 1
     assert capsys.readouterr().err == "tool: the recorder has gone\n"
+
+
+@pytest.mark.parametrize("given", ["nan", "inf", "0", "-0.1", "much"])
+def test_a_threshold_that_is_no_number_above_zero_is_refused(given: str, capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as ended:
+        identify.main(["bag", "--out", "model.q2q", f"--threshold={given}"])
+    assert ended.value.code == 2
+    assert f"argument --threshold: {given} is no number above 0" in capsys.readouterr().err

@@ -17,7 +17,9 @@ from q2q_model.identification.force.downwash_force import (
     ForceRecord,
     ForceSamples,
     force_samples,
+    known_rows,
     pooled,
+    remark_on_unmeasured,
     score,
 )
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
@@ -123,6 +125,41 @@ def test_r2_is_one_for_the_law_that_pushed_and_zero_for_none():
     assert score(MEASURED_LAW, samples).r2_ahead_20ms == pytest.approx(1.0, abs=1e-12)
     assert score(NoInteraction(), samples).r2_exposed == 0.0
     assert score(MEASURED_LAW, samples).n == int((np.abs(rel[:, 1]) < 0.15).sum())
+
+
+def test_a_vehicle_that_is_away_spoils_no_row_of_others():
+    made = record(passing(), np.zeros(1000))
+    third = np.zeros((1000, 1, 3))
+    third[:, :, 0] = 3.0
+    third[600:, :, 0] = 0.4  # comes within half a metre of vehicle 0
+    motion = replace(
+        made.motion,
+        pos=np.concatenate([made.motion.pos, third], axis=1),
+        vel=np.zeros((1000, 3, 3)),
+        axis=np.tile([0.0, 0.0, 1.0], (1000, 3, 1)),
+    )
+    unseen = np.zeros((1000, 1), dtype=bool)
+    unseen[400:500] = True  # one second without a measurement before, none of two
+    joined = replace(
+        made,
+        names=("a", "b", "c"),
+        motion=motion,
+        push=np.zeros((1000, 3)),
+        whole=np.concatenate([made.whole, unseen], axis=1),
+        saturated=np.zeros((1000, 3), dtype=bool),
+    )
+    np.testing.assert_array_equal(known_rows(joined)[:, 0], np.arange(1000) < 600)
+    assert known_rows(joined)[400:500, 2].all()
+    assert known_rows(joined)[:, 2].sum() == 100
+    brief = joined.whole.copy()
+    brief[:, 2] = True
+    brief[100:250, 2] = False  # 1.5 s: a gap, in which it may be anywhere
+    gap = known_rows(replace(joined, whole=brief))
+    np.testing.assert_array_equal(gap[:, 0], brief[:, 2])
+    assert remark_on_unmeasured(joined) == ""
+    never = replace(joined, whole=np.concatenate([made.whole, np.zeros((1000, 1), dtype=bool)], axis=1))
+    assert remark_on_unmeasured(never) == "made: nothing was measured of c"
+    assert force_samples(never)[0].usable.sum() == 600
 
 
 def test_motors_logged_as_pwm_saturate_where_those_logged_as_duty_do():

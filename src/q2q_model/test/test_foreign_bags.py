@@ -22,6 +22,8 @@ from q2q_model.bag import (
     read_mapped_flight,
 )
 from q2q_model.bag.foreign.pose_frames import Poses, nearest_rows, pose_frames
+from q2q_model.bag.foreign.references import with_references
+from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
 from q2q_model.signals.values import Array, MocapFrame
@@ -78,9 +80,9 @@ def _pose(tick: int, vehicle: int) -> dict[str, dict[str, float]]:
     }
 
 
-@pytest.mark.parametrize(("kind", "extra"), [("NamedPoseArray", ""), ("NamedPoseArrayV2", SECOND_VERSION)])
-def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path: Path, kind: str, extra: str):
-    with (tmp_path / "room.mcap").open("wb") as stream, ForeignWriter(stream) as writer:
+def _write_named(file: Path, kind: str = "NamedPoseArray", extra: str = "", numbers=(231, 232)) -> None:  # noqa: ANN001
+    """Write poses of two vehicles cf<number>; the first is not seen in each fourth message."""
+    with file.open("wb") as stream, ForeignWriter(stream) as writer:
         name = f"motion_capture_tracking_interfaces/msg/{kind}"
         schema = writer.register_msgdef(name, NAMED_POSES.format(extra=extra))
         for tick in range(TICKS):
@@ -89,9 +91,14 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
                 "header": {"stamp": {"sec": 1, "nanosec": tick * 10_000_000}, "frame_id": "world"},
                 "timestamp": 7,
                 "latencies": [{"name": "camera", "value": 0.004}],
-                "poses": [{"name": f"cf{231 + k}", "pose": _pose(tick, k)} for k in seen],
+                "poses": [{"name": f"cf{numbers[k]}", "pose": _pose(tick, k)} for k in seen],
             }
             writer.write_message("/poses", schema, message, log_time=tick, publish_time=tick)
+
+
+@pytest.mark.parametrize(("kind", "extra"), [("NamedPoseArray", ""), ("NamedPoseArrayV2", SECOND_VERSION)])
+def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path: Path, kind: str, extra: str):
+    _write_named(tmp_path / "room.mcap", kind, extra)
     mapped = TopicMap(poses="/poses", rename={"cf231": "cf1"})
     flight = read_mapped_flight(tmp_path / "room.mcap", mapped)
     assert set(flight.names) == {"cf1", "cf232"}
@@ -104,6 +111,29 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
             else:
                 assert np.array_equal(at, _place(tick, k)[0])
                 assert np.array_equal(flight.mocap_quat[tick, flight.names.index(name)], _place(tick, k)[1])
+
+
+@pytest.mark.parametrize(
+    ("mapped", "message"),
+    [
+        (TopicMap(poses="/poses", rename={"cf231": "cf232"}), "cf232 has poses from cf231 in /poses and"),
+        (TopicMap({"cf231": "/poses"}, "/poses"), "cf231 has poses from /poses and from cf231 in /poses"),
+        (TopicMap(poses="/poses", rename={"cf2": "cf1"}), "rename has cf2, .*; names are cf231, cf232"),
+        (TopicMap({"cf1": "/poses"}, rename={"cf2": "cf1"}), "rename has cf2, .* the topic map has no poses"),
+    ],
+)
+def test_a_vehicle_with_two_sources_or_a_name_of_nobody_is_refused(
+    tmp_path: Path, mapped: TopicMap, message: str
+):
+    _write_named(tmp_path / "room.mcap")
+    with pytest.raises(BagError, match=message):
+        read_mapped_flight(tmp_path / "room.mcap", mapped)
+
+
+def test_a_vehicle_twice_in_one_message_is_refused(tmp_path: Path):
+    _write_named(tmp_path / "room.mcap", numbers=(7, 7))
+    with pytest.raises(BagError, match="topic /poses at 0 ns: two poses of cf7"):
+        read_mapped_flight(tmp_path / "room.mcap", TopicMap(poses="/poses"))
 
 
 def _write_ros(writer, store, convert, offset_ns: int = 2 * MS, step_ns: int = 10 * MS, *, back_ns=0) -> None:  # noqa: ANN001
@@ -245,6 +275,37 @@ def test_poses_of_another_clock_are_refused_and_those_after_the_others_kept(tmp_
     assert np.isnan(flight.mocap_pos[:10, 1]).all()
     assert np.array_equal(flight.mocap_pos[10:, 1], [_place(tick, 1)[0] for tick in range(TICKS)])
     assert np.isnan(flight.mocap_pos[20:, 0]).all()
+
+
+def _flown(poses: Array, references: Array) -> tuple[Flight, list[str]]:
+    """Return a flight with poses at some times and references at others, each where its time says."""
+    frames, _ = pose_frames({"cf1": _track(poses)}, 0.005)
+    flight = flight_from_signals("made", {"mocap": frames}).flight
+    return with_references(flight, {"cf1": _track(references)})
+
+
+def test_a_reference_holds_until_the_next_and_a_pause_is_told():
+    ticks = 5.0 + np.arange(1000) / 100.0
+    flight, remarks = _flown(ticks, np.array([3.0, 7.0, 11.5]))
+    assert flight.ref_pos[:, 0, 0].tolist() == [3.0] * 200 + [7.0] * 450 + [11.5] * 350
+    assert remarks == ["references of cf1 pause for 4.5 s after t = 7.000 s: held"]
+    assert _flown(ticks, np.array([3.0, 5.9, 8.8]))[1] == []  # the last one holds, as there is no later one
+
+
+@pytest.mark.parametrize("clock", [-5.0, 12.0])
+def test_references_of_another_clock_are_refused(clock: float):
+    ticks = 5.0 + np.arange(500) / 100.0
+    spans = f"lie at {clock:.3f} to {clock + 5.0:.3f} s, not 5.000 to 9.990 s: the clocks differ"
+    with pytest.raises(ValueError, match=f"references of cf1 {spans}"):
+        _flown(ticks, clock + np.arange(6.0))
+
+
+def test_a_mapped_flight_with_references_of_another_clock_is_refused(tmp_path: Path):
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    with SqliteWriter(tmp_path / "far", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        _write_ros(writer, store, store.serialize_cdr, offset_ns=700_000_000)
+    with pytest.raises(BagError, match=r"far: references of cf1 lie at 0\.700 to 0\.890 s.*clocks differ"):
+        read_mapped_flight(tmp_path / "far", TopicMap(vehicles={"cf1": "/a"}, references={"cf1": "/b"}))
 
 
 def test_headers_that_are_not_filled_are_named(tmp_path: Path):

@@ -192,7 +192,7 @@ def test_a_late_downwash_is_found_with_its_speed():
         replace(one, law=MEASURED_LAW, speed=speed) for one, speed in zip(FLOWN, (0.5, 1.0, 0.8), strict=True)
     ]
     shifted = [_delayed(pushes(one)) for one in late]
-    flights = [FlightEvidence(record, tuple(one)) for record, one in zip(records(), shifted, strict=True)]
+    flights = [FlightEvidence((record,), tuple(one)) for record, one in zip(records(), shifted, strict=True)]
     fit = fit_jet(flights, LOOP, JetForm("exponential", carried=0.0, delayed=True, spreading=False))
     assert fit.jet.travel_speed == pytest.approx(MEASURED_LAW.travel_speed, rel=0.1)
     assert fit.jet.strength == pytest.approx(2.5, rel=0.05)

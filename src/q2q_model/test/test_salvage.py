@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from mcap.data_stream import RecordBuilder
 from mcap.reader import make_reader
 from mcap.records import Channel, Header, McapRecord, Message, Schema
+from mcap.writer import Writer
 
 from q2q_model.bag import (
     BagError,
@@ -39,6 +40,26 @@ def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
     reader = BagReader(tmp_path / "bag")
     assert "no metadata.yaml" in reader.repairs[0]
     assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written["/mocap"], strict=True))
+
+
+def test_a_file_whose_summary_has_no_channels_is_read_whole_and_said(tmp_path: Path):
+    written = write_bag(tmp_path / "bag", 30, {"/mocap": MocapFrame})["/mocap"]
+    terse = tmp_path / "terse.mcap"
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream, terse.open("wb") as out:
+        left_out = {"use_statistics": False, "repeat_channels": False, "repeat_schemas": False}
+        writer = Writer(out, **left_out)
+        writer.start("ros2")
+        for schema, channel, message in make_reader(stream).iter_messages():
+            assert schema is not None
+            if message.log_time == 0:
+                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
+                number = writer.register_channel(channel.topic, channel.message_encoding, kind)
+            writer.add_message(number, message.log_time, message.data, message.publish_time)
+        writer.finish()
+    reader = BagReader(terse)
+    assert reader.topics == {"/mocap": "q2q_msgs/msg/MocapFrame"}
+    assert "its summary has no channels; recovered 30 messages" in reader.repairs[0]
+    assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written, strict=True))
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9, 0.999])

@@ -156,5 +156,9 @@ def test_a_hole_of_a_log_is_marked() -> None:
 def test_a_map_comes_before_the_firmwares_names_and_lacking_positions_are_named() -> None:
     found = flight(new_format(2), z=(SourceColumn("stateEstimate.x", 2.0, 1.0),))
     np.testing.assert_allclose(found["cf1_z"], 2.0 * found["cf1_x"] + 1.0, atol=1e-9)
+    with pytest.raises(ValueError, match=r"z of the column map: there is no stateEstimate.zz; did you mean"):
+        flight(new_format(2), z=(SourceColumn("stateEstimate.zz"),))
+    log = usd_log(new_format(2))
+    kept = {name: one for name, one in log.variables.items() if name != "stateEstimate.z"}
     with pytest.raises(ValueError, match=r"cf1 logs no z; .* it logs stateEstimate.x"):
-        flight(new_format(2), z=(SourceColumn("none"),))
+        columns_of_logs({"cf1": type(log)(log.t, kept, ())})

@@ -8,12 +8,14 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from q2q_model.bag import BagReader, read_flight, read_flight_log
+from q2q_model.bag import BagReader, read_facts, read_flight, read_flight_log
+from q2q_model.flights.column_map import SourceColumn, mapped_table
 from q2q_model.flights.flight_table import flight_table, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.tools.bag_vehicle import flown_vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
 from q2q_sim.commands.bag_import import main
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
@@ -108,13 +110,83 @@ def test_a_lone_vehicle_has_plain_columns_and_differences_where_nothing_is_logge
         ({"t": None}, "has no column t"),
         ({"t": np.zeros(40)}, "must begin at 0 or later and increase; row 1 of 40"),
         ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
-        ({"cf50_x": None, "cf51_x": None}, "neither x nor <vehicle>_x"),
+        ({"cf50_x": None, "cf51_x": None}, "neither x, y, z nor <vehicle>_x, _y, _z"),
     ],
 )
 def test_a_table_that_is_no_flight_is_named(change: dict[str, Array | None], message: str):
     columns = {name: change.get(name, values) for name, values in _columns().items()}
     with pytest.raises(ValueError, match=message):
         flight_table({name: values for name, values in columns.items() if values is not None})
+
+
+def _vectors(*prefixes: str) -> dict[str, Array]:
+    """Return t and a vector of each prefix: the x of the k-th is k."""
+    t = 0.01 * np.arange(40)
+    return {"t": t} | {f"{one}{axis}": k + 0.0 * t for k, one in enumerate(prefixes) for axis in "xyz"}
+
+
+def _log_of_a_line() -> bytes:
+    """Return a micro-SD log of 2 s along x at 1 m/s."""
+    variables = [f"stateEstimate.{axis}(f)" for axis in "xyz"]
+    header = struct.pack("<BHHH", 0xBC, 2, 1, 0) + b"rows\0" + struct.pack("<H", 3)
+    header += b"".join(one.encode() + b"\0" for one in variables)
+    rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
+    return header + rows + struct.pack("<I", crc32(header + rows))
+
+
+def test_an_imported_bag_names_its_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    _write_csv(_columns(), tmp_path / "flight.csv")
+    given = [str(tmp_path / "flight.csv"), "--out"]
+    assert main([*given, str(tmp_path / "named"), "--vehicle", "crazyflie_2_1"]) == 0
+    assert "not named" not in capsys.readouterr().out
+    flown = flown_vehicle(tmp_path / "named")
+    assert (flown.vehicle, flown.note) == (CRAZYFLIE_2_1, "")
+    assert main([*given, str(tmp_path / "silent")]) == 0
+    assert "its vehicle is not named; --vehicle" in capsys.readouterr().out
+    assert read_facts(tmp_path / "silent").vehicle == ""
+    with pytest.raises(SystemExit):
+        main([*given, str(tmp_path / "wrong"), "--vehicle", "crazyflie_2_2"])
+    assert "did you mean crazyflie_2_" in capsys.readouterr().err
+
+
+def test_another_vector_of_a_lone_vehicle_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    _write_csv(_vectors("", "gyro_"), tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    assert "40 ticks of cf1 (x, y, z)" in capsys.readouterr().out
+    flight, log = read_flight(tmp_path / "bag"), read_flight_log(tmp_path / "bag")
+    assert flight.names == ("cf1",)
+    assert np.all(flight.mocap_pos == 0.0)
+    assert np.all(log.column("gyro_x") == 1.0)
+
+
+def test_an_estimate_of_a_vehicle_is_in_the_log_of_that_vehicle():
+    table = flight_table(_vectors("cf1_", "cf1_est_", "cf2_", "cf2_est_"))
+    assert table.names == ("cf1", "cf2")
+    assert table.columns["x"][0].tolist() == [0.0, 2.0]
+    assert table.columns["est_x"][0].tolist() == [1.0, 3.0]
+
+
+def test_a_vector_without_all_three_axes_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    columns = _vectors("wind_", "cf1_")
+    del columns["wind_z"]
+    _write_csv(columns, tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    out = capsys.readouterr().out
+    assert "40 ticks of cf1 (cf1_x, cf1_y, cf1_z)" in out
+    assert "left out, as of no vehicle: wind_x, wind_y" in out
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        (_vectors("", "cf2_"), "cf2 may be a vehicle.* the table has x, y, z and cf2_x, cf2_y, cf2_z;"),
+        (_vectors("drone_", "drone_2_"), "drone_2 may be a vehicle.* drone_y, drone_z and drone_2_x"),
+        (_vectors("", "left_") | {"left_qw": np.ones(40)}, "left may be a vehicle.* left_z, left_qw"),
+    ],
+)
+def test_a_table_of_one_vehicle_or_of_several_is_refused(columns: dict[str, Array], message: str):
+    with pytest.raises(ValueError, match=message):
+        flight_table(columns)
 
 
 def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
@@ -180,13 +252,45 @@ def test_a_column_map_renames_and_scales_the_columns_of_a_table(tmp_path: Path):
     np.testing.assert_allclose(flight.mocap_pos[:, 0, 0], _columns()["cf50_x"], rtol=1e-12)
 
 
+def test_a_column_map_without_vehicles_is_for_each_vehicle(tmp_path: Path):
+    columns = _vectors("cf1_pos_", "cf2_pos_", "cf2_est_pos_")
+    _write_csv(columns | {"cf2_mV": np.full(40, 3700.0)}, tmp_path / "mm.csv")
+    entries = [f"  {axis}: {{from: pos_{axis}, scale: 0.5, offset: 1.0}}" for axis in "xyz"]
+    entries.append("  vbat: {from: mV, scale: 0.001}")
+    (tmp_path / "map.yaml").write_text("\n".join(["columns:", *entries]))
+    given = [str(tmp_path / "mm.csv"), "--columns", str(tmp_path / "map.yaml")]
+    assert main([*given, "--out", str(tmp_path / "bag")]) == 0
+    flight, log = read_flight(tmp_path / "bag"), read_flight_log(tmp_path / "bag")
+    assert flight.names == ("cf1", "cf2")
+    assert flight.mocap_pos[0].tolist() == [[1.0] * 3, [1.5] * 3]
+    assert log.column("vbat")[0, 1] == pytest.approx(3.7)
+    assert np.isnan(log.column("vbat")[0, 0])
+
+
+def test_a_column_map_of_a_lone_vehicle_leaves_other_vectors():
+    columns = _vectors("", "gyro_")
+    found = mapped_table(columns, {"z": (SourceColumn("x", 1.0, 7.0),)})
+    assert found.keys() == columns.keys()
+    assert found["z"][0] == 7.0
+    assert found["gyro_z"][0] == 1.0
+
+
+def test_a_column_map_names_only_columns_that_are_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    _write_csv(_vectors("cf1_"), tmp_path / "flight.csv")
+    (tmp_path / "cf1_00").write_bytes(_log_of_a_line())
+    (tmp_path / "map.yaml").write_text("columns: {vx: stateEstimate.vx_typo, y: xx}")
+    for file, message in (
+        ("flight.csv", "vx of the column map: there is no stateEstimate.vx_typo; known are cf1_x, cf1_y"),
+        ("cf1_00", "there is no stateEstimate.vx_typo; did you mean stateEstimate."),
+    ):
+        given = [str(tmp_path / file), "--columns", str(tmp_path / "map.yaml")]
+        assert main([*given, "--out", str(tmp_path / "bag")]) == 1
+        assert message in capsys.readouterr().err
+
+
 def test_a_log_goes_into_a_bag_under_its_files_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    variables = [f"stateEstimate.{axis}(f)" for axis in "xyz"]
-    header = struct.pack("<BHHH", 0xBC, 2, 1, 0) + b"rows\0" + struct.pack("<H", 3)
-    header += b"".join(one.encode() + b"\0" for one in variables)
-    rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
     for name in ("cf7_03", "cf8_03"):
-        (tmp_path / name).write_bytes(header + rows + struct.pack("<I", crc32(header + rows)))
+        (tmp_path / name).write_bytes(_log_of_a_line())
     logs = [str(tmp_path / name) for name in ("cf7_03", "cf8_03")]
     assert main([*logs, "--out", str(tmp_path / "bag")]) == 0
     flight = read_flight(tmp_path / "bag")

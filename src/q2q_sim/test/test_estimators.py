@@ -11,7 +11,12 @@ from q2q_model.identification.identification import Recording
 from q2q_model.signals.values import MocapFrame
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.estimators.estimate_errors import ReplayedErrors, replayed_errors, settled, summary
-from q2q_sim.experiments.estimators.estimator_table import errors_json
+from q2q_sim.experiments.estimators.estimator_table import (
+    error_table,
+    errors_json,
+    flight_table_of,
+    print_whole,
+)
 from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion, recorded_motion
 from q2q_sim.experiments.estimators.replayed_estimates import ahead, feed, filtered_motion
@@ -131,6 +136,30 @@ def test_the_interval_of_a_median_spans_the_flights() -> None:
     assert pooled.interval is not None
     assert 1.0 <= pooled.interval[0] < 3.0 < pooled.interval[1] <= 5.0
     assert summary(flights[:2]).interval is None
+
+
+def test_the_table_keeps_its_unit_and_its_numbers_in_a_pipe(capsys: pytest.CaptureFixture[str]) -> None:
+    errors = np.linspace(0.0, 12.3456, 200)  # [m]
+    found = [ReplayedErrors(f"flight [{k}]", "30 % lost", "all axes", errors + k, 200, 3) for k in range(5)]
+    print_whole(error_table(found))
+    print_whole(flight_table_of(found))
+    out = capsys.readouterr().out
+    assert "Distance from motion capture [mm], 5 flights" in out
+    assert "Median of each flight [mm]" in out
+    assert "flight [3]" in out
+    worst, median = 1e3 * (errors.max() + 4.0), 1e3 * np.median(errors + 2.0)
+    assert f" {worst:.1f} " in out
+    assert f" {median:.1f} " in out
+    assert max(len(line) for line in out.splitlines()) > 80
+    assert "…" not in out
+
+
+def test_a_slower_recording_is_refused_with_its_rate() -> None:
+    third = np.arange(0, T.size, 3)
+    whole = circle().flight
+    slow = replace(whole, t=T[third], mocap_pos=whole.mocap_pos[third], mocap_quat=whole.mocap_quat[third])
+    with pytest.raises(ValueError, match=r"flight circle has motion capture at 33 Hz; .* 80 Hz is the"):
+        recorded_motion(Recording(slow))
 
 
 @pytest.mark.parametrize(("recording", "says"), [(circle(), "in the air")])

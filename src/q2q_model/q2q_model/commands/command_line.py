@@ -6,6 +6,7 @@ Parsing and checking need the standard library only, so help and errors appear w
 """
 
 import argparse
+import math
 import os
 import re
 import sys
@@ -146,6 +147,17 @@ def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:
             raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
         return found
 
+    return number
+
+
+def positive_number(given: str) -> float:
+    """Return a number above zero: a type of arguments, refused if it is not finite."""
+    try:
+        number = float(given)
+    except ValueError:
+        number = math.nan
+    if not 0.0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"{given} is no number above 0")
     return number
 
 

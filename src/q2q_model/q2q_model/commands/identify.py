@@ -10,6 +10,7 @@ from q2q_model.commands.command_line import (
     UsageError,
     Work,
     output_file,
+    positive_number,
     require_existing,
     run_command,
 )
@@ -55,7 +56,9 @@ def parser() -> CommandLine:
         help="auto selects by held-out error",
     )
     add_recording_options(made)
-    made.add_argument("--threshold", type=float, default=0.1, help="|eta| at the learned zone's edge [m/s^2]")
+    made.add_argument(
+        "--threshold", type=positive_number, default=0.1, help="|eta| at the learned zone's edge [m/s^2]"
+    )
     made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
     made.add_argument("--model", default="paper_law", help="initial model of --live")
     made.add_argument("--no-plots", action="store_true", help="draw nothing")

@@ -5,18 +5,20 @@
       vbat: {from: pm.vbatMV, scale: 0.001}     # ours = scale * theirs + offset
       az: {from: acc_up, offset: -9.81}
 
-Our columns are those of q2q_model.flights.flight_table, SI, without the vehicle's name. FIRMWARE has the log
-variables of the Crazyflie's firmware and of the logs of aerorobotics/neural-swarm.
+Our columns are those of q2q_model.flights.flight_table, SI, without the vehicle's name; in a table of several
+vehicles, `<vehicle>_` is before theirs, and so before ours. FIRMWARE has the log variables of the Crazyflie's
+firmware and of the logs of aerorobotics/neural-swarm.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
+from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -104,3 +106,46 @@ def mapped(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
         if present is not None:
             found[ours] = present.scale * columns[present.name] + present.offset
     return found
+
+
+def mapped_table(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
+    """Return the columns of a table, and ours for each vehicle.
+
+    A source is a whole name in the table or, where there is none, what follows `<vehicle>_`.
+
+    Raises:
+        ValueError: the table has no column of a source.
+    """
+    plain = {ours: of for ours, of in chosen.items() if any(one.name in columns for one in of)}
+    prefixed = {ours: of for ours, of in chosen.items() if ours not in plain}
+    names = [one.name for of in prefixed.values() for one in of]
+    require_sources(prefixed, [name for name in names if _prefixes(columns, [name])], _all_names(columns))
+    found = dict(columns) | mapped(columns, plain)
+    for prefix in _prefixes(columns, names):
+        own = {name.removeprefix(prefix): columns[name] for name in columns if name.startswith(prefix)}
+        found |= {f"{prefix}{ours}": values for ours, values in mapped(own, prefixed).items()}
+    return found
+
+
+def require_sources(chosen: ColumnMap, present: Collection[str], known: Collection[str]) -> None:
+    """Raise ValueError with the nearest known name if no source of a column is present."""
+    for ours, sources in chosen.items():
+        if not any(one.name in present for one in sources):
+            given = " or ".join(one.name for one in sources)
+            raise ValueError(f"{ours} of the column map: there is no {given}; {name_hint(given, known)}")
+
+
+def _prefixes(columns: Collection[str], sources: Collection[str]) -> list[str]:
+    """Return `<vehicle>_` of the columns that end in a source, without those of vectors of a vehicle."""
+    found = {
+        name.removesuffix(source): None
+        for name in columns
+        for source in sources
+        if name.endswith(f"_{source}")
+    }
+    return [one for one in found if not any(one != other and one.startswith(other) for other in found)]
+
+
+def _all_names(columns: Collection[str]) -> list[str]:
+    """Return the names in a table, whole and without a vehicle."""
+    return sorted({*columns, *(name.split("_", 1)[-1] for name in columns)})

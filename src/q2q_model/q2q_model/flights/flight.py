@@ -107,6 +107,23 @@ def of_vehicle(flight: Flight, name: str) -> Flight:
     return replace(flight, names=(name,), **made)
 
 
+def of_vehicles(flight: Flight, names: Names) -> Flight:
+    """Return the flight of some vehicles.
+
+    Raises:
+        ValueError: a vehicle is not in the flight.
+    """
+    rows = [flight.names.index(name) for name in names]
+    made = {field: getattr(flight, field)[:, rows] for field in _WIDTHS}
+    return replace(flight, names=names, **made)
+
+
+def of_rows(flight: Flight, rows: slice) -> Flight:
+    """Return some ticks of a flight, in views of the arrays."""
+    made = {field: getattr(flight, field)[rows] for field in _WIDTHS}
+    return replace(flight, t=flight.t[rows], **made)
+
+
 def flight_from_signals(name: str, signals: Mapping[str, Sequence[Signal]]) -> JoinedFlight:
     """Return a flight of signals joined by their stamps; see `flight_from_rows`."""
     return flight_from_rows(name, {topic: rows_of_signals(found) for topic, found in signals.items()})

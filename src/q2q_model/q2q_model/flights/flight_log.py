@@ -2,7 +2,12 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from q2q_model.signals.values import Array, Names
+
+SAME_S = 1e-6
+"""Most that two stamps of one tick differ by [s]: a float of seconds since 1970 is exact to 0.24 us."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,3 +30,28 @@ class FlightLog:
         if name not in self.columns:
             raise KeyError(f"the flight's log has no column {name!r}; it has {', '.join(self.columns)}")
         return self.values[:, :, self.columns.index(name)]
+
+
+def log_at(log: FlightLog, t: Array, names: Names) -> FlightLog:
+    """Return a log at the ticks (T,) and vehicles of its flight; NaN at ticks that it lacks.
+
+    Raises:
+        ValueError: the log lacks a vehicle, or has no row at any tick.
+    """
+    if log.names == names and log.t.shape == t.shape and bool(np.all(np.abs(log.t - t) <= SAME_S)):
+        return log
+    if not set(names) <= set(log.names):
+        raise ValueError(
+            f"its log is of {', '.join(log.names)}, not of {', '.join(names)}: log all vehicles under their "
+            "names, or record the flight without a log"
+        )
+    order = np.argsort(log.t, kind="stable")
+    row = np.clip(np.searchsorted(log.t[order], t - SAME_S), 0, log.t.size - 1)
+    same = np.abs(log.t[order][row] - t) <= SAME_S
+    if not same.any():
+        raise ValueError(
+            f"none of the {log.t.size} rows of its log ({log.t.min():.3f} to {log.t.max():.3f} s) is at one "
+            f"of its {t.size} ticks ({t[0]:.3f} to {t[-1]:.3f} s): stamp rows with the ticks"
+        )
+    own = log.values[order][row][:, [log.names.index(name) for name in names]]
+    return FlightLog(t, names, log.columns, log.units, np.where(same[:, None, None], own, np.nan))

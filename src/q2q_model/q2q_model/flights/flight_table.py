@@ -4,7 +4,7 @@ Two layouts are supported, both in SI units with one row per tick:
 
 | layout | columns | vehicles |
 |---|---|---|
-| several | `t`, then `<name>_x`, `<name>_y`, ... for each vehicle | the names before `_x` |
+| several | `t`, then `<name>_x`, `<name>_y`, ... for each vehicle | q2q_model.flights.table_vehicles |
 | one | `t`, then `x`, `y`, ... | `cf1` |
 
 | columns | become |
@@ -17,13 +17,13 @@ Two layouts are supported, both in SI units with one row per tick:
 | all others | the log, under their own names |
 """
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.table_vehicles import vehicle_prefixes
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
@@ -40,7 +40,6 @@ from q2q_model.signals.values import (
 )
 from q2q_model.vehicle.constants import GRAVITY
 
-LONE_VEHICLE = "cf1"
 POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
 REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")
 CARRIED = {*POS, *QUAT, *VEL, *RATE, *REF, *REF_VEL, *ACC, "thrust_cmd", "yawref_deg", "roll", "pitch", "yaw"}
@@ -85,8 +84,8 @@ class FlightTable:
 def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     """Return a table's columns sorted by vehicle.
 
-    Raises ValueError for a table without t or positions, or a time that is negative, not a number or not
-    increasing.
+    Raises ValueError for a table without t or positions, one whose columns can be read as those of one
+    vehicle or of several, or a time that is negative, not a number or not increasing.
     """
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
@@ -95,15 +94,10 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     if not len(t) or not t[0] >= 0.0 or len(late):
         row = int(late[0]) + 1 if len(late) else 0
         raise ValueError(f"t must begin at 0 or later and increase; row {row} of {len(t)} does not")
-    prefixes = [
-        match[1] for name in columns if (match := re.fullmatch(r"(\w+)_x", name)) and match[1] != "est"
-    ]
-    if not prefixes and "x" not in columns:
-        raise ValueError(f"the table has neither x nor <vehicle>_x; it has {', '.join(columns)}")
-    names = tuple(prefixes) or (LONE_VEHICLE,)
-    keys = {f"{name}_": row for row, name in enumerate(names)} if prefixes else {"": 0}
+    prefixes = vehicle_prefixes(tuple(columns), CARRIED)
+    names = tuple(prefixes)
     found: dict[str, Array] = {}
-    for key, row in keys.items():
+    for row, key in enumerate(prefixes.values()):
         for name in columns:
             if name != "t" and name.startswith(key):
                 place = found.setdefault(name.removeprefix(key), np.full((len(t), len(names)), np.nan))

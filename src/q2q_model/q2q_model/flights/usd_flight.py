@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from q2q_model.flights.column_map import FIRMWARE, ColumnMap, mapped
+from q2q_model.flights.column_map import FIRMWARE, ColumnMap, mapped, require_sources
 from q2q_model.flights.usd_log import UsdLog
 from q2q_model.geometry.quaternion32 import decompressed
 from q2q_model.geometry.rotations import quat_from_euler
@@ -38,8 +38,11 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
         given: Sources of columns, before those of FIRMWARE.
 
     Raises:
-        ValueError: a vehicle has no position, or the logs have no second in common.
+        ValueError: a vehicle has no position, a given source is in no log, or the logs have no second in
+            common.
     """
+    variables = sorted({name for log in logs.values() for name in log.variables})
+    require_sources(given or {}, variables, variables)
     chosen = {**FIRMWARE, **(given or {})}
     starts = {name: log.t[0] for name, log in logs.items()}
     shared = max(starts.values()) - min(starts.values()) <= SHARED_CLOCK_S

@@ -1,5 +1,6 @@
 """Evidence of one flight about downwash, and the roles of its vehicles."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,18 +22,24 @@ GAPS = (0.1, 1.2)
 class FlightEvidence:
     """Evidence of one flight: altitudes, and forces if sensors and commands were recorded."""
 
-    record: AltitudeRecord
+    records: tuple[AltitudeRecord, ...]
+    """One, or one from each hole of the flight to the next."""
     pushes: tuple[ForceSamples, ...]
 
     @property
     def name(self) -> str:
         """Return the flight's name."""
-        return self.record.name
+        return self.records[0].name
 
-    @property
-    def motion(self) -> Motion:
-        """Return the flight's motion."""
-        return Motion(self.record.t, self.record.pos, self.record.vel, self.record.axis)
+
+def motion_along(record: AltitudeRecord) -> Motion:
+    """Return the motion in a record."""
+    return Motion(record.t, record.pos, record.vel, record.axis)
+
+
+def every_record(flights: Sequence[FlightEvidence]) -> list[AltitudeRecord]:
+    """Return the records of all flights."""
+    return [record for flight in flights for record in flight.records]
 
 
 def has_exposure(record: AltitudeRecord) -> bool:

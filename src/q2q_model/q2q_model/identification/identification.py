@@ -6,6 +6,7 @@ flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.files.model_file import Fit, ModelFile
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.flight_evidence import FlightEvidence
@@ -28,7 +29,7 @@ from q2q_model.identification.force.recorded_force import (
 )
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.force.thrust_lag import thrust_lag
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
@@ -59,6 +60,7 @@ class Recording:
 
     flight: Flight
     log: FlightLog | None = None
+    """At the ticks and vehicles of the flight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,17 +104,17 @@ def identify(
         ValueError: a flight lacks data that a step needs; the message names what to record.
     """
     on_step("records")
-    records = [recorded_altitudes(one, params.vehicle) for one in recordings]
+    flown, holes = zip(*(recorded_altitudes(one, params.vehicle) for one in recordings), strict=True)
     on_step("gains")
-    gains, remarks = _gains(records)
+    gains, remarks = _gains([*chain(*flown)])
     lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
     loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
     on_step("pushes")
     pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
     pushed = [sample for samples in pushes for sample in samples]
-    evidence = [FlightEvidence(*pair) for pair in zip(records, pushes, strict=True)]
+    evidence = [FlightEvidence(*pair) for pair in zip(flown, pushes, strict=True)]
     on_step("zone")
-    decay, no_decay = _decay(records)
+    decay, no_decay = _decay([*chain(*flown)])
     omitted = remarks_on_networks(params.model_type, evidence)
     tried = candidates(params.model_type, evidence, loop)
     trials, failed = score_candidates(tried, evidence, loop, on_step)
@@ -136,7 +138,7 @@ def identify(
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
         file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
-        remarks=(*remarks, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
+        remarks=(*chain(*holes), *remarks, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
     )
 
 
@@ -157,13 +159,22 @@ def _fit(best: Trial, train: Score, evidence: Sequence[FlightEvidence]) -> Fit:
     )
 
 
-def recorded_altitudes(one: Recording, vehicle: Vehicle) -> AltitudeRecord:
-    """Return a flight's record, with the feed-forward of its log if that has one."""
-    record = altitude_record(one.flight, vehicle)
-    if one.log is None or FEED_FORWARD not in one.log.columns:
+def recorded_altitudes(
+    one: Recording, vehicle: Vehicle
+) -> tuple[tuple[AltitudeRecord, ...], tuple[str, ...]]:
+    """Return a flight's records, with the feed-forward of its log if that has one, and remarks."""
+    records, holes = altitude_records(one.flight, vehicle)
+    return tuple(_with_feed_forward(record, one.log, vehicle) for record in records), tuple(holes)
+
+
+def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: Vehicle) -> AltitudeRecord:
+    if log is None or FEED_FORWARD not in log.columns:
         return record
-    rows = np.clip(np.searchsorted(one.log.t, record.t - 0.5 * record.dt), 0, one.log.t.size - 1)
-    return replace(record, feed_forward=one.log.column(FEED_FORWARD)[rows] / vehicle.mass)
+    logged = np.flatnonzero(np.isfinite(log.values).any(axis=(1, 2)))
+    at = np.searchsorted(log.t[logged], record.t - 0.5 * record.dt)
+    rows = logged[np.clip(at, 0, logged.size - 1)]
+    column = log_at(log, log.t, record.names).column(FEED_FORWARD)
+    return replace(record, feed_forward=column[rows] / vehicle.mass)
 
 
 def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:

@@ -12,8 +12,9 @@ from q2q_model import palette
 from q2q_model.downwash.interaction_model import InteractionModel, at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
-from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.flight_evidence import every_record, is_lower, motion_along
 from q2q_model.identification.force.along_flight import eta_along
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import Identification
 from q2q_model.signals.values import Array
@@ -47,7 +48,7 @@ def _figures(found: Identification) -> dict[str, Draw]:
     if found.decay is not None:
         figures["fig4_dev"] = partial(_decay_figure, found.decay)
     if loop is not None:
-        calm, pushed = (end(found.evidence, key=_largest_push) for end in (min, max))
+        calm, pushed = (end(every_record(found.evidence), key=_largest_push) for end in (min, max))
         figures["fig5_gains"] = partial(_altitude_figure, calm, loop, None, "learned loop, no downwash")
         title = "learned loop and downwash"
         figures["fig6_7_altitude"] = partial(_altitude_figure, pushed, loop, model, title)
@@ -55,8 +56,8 @@ def _figures(found: Identification) -> dict[str, Draw]:
     return figures
 
 
-def _largest_push(flight: FlightEvidence) -> float:
-    return float(np.abs(flight.record.deviation).max())
+def _largest_push(record: AltitudeRecord) -> float:
+    return float(np.abs(record.deviation).max())
 
 
 def _decay_figure(decay: DecayFit) -> Figure:
@@ -73,12 +74,13 @@ def _decay_figure(decay: DecayFit) -> Figure:
 
 
 def _altitude_figure(
-    flight: FlightEvidence, loop: AltitudeLoop, model: InteractionModel | None, title: str
+    record: AltitudeRecord, loop: AltitudeLoop, model: InteractionModel | None, title: str
 ) -> Figure:
-    record, n = flight.record, len(flight.record.names)
+    n = len(record.names)
     deviation = free_response(loop, record.dt, record.start, record.jerk)
     if model is not None:
-        deviation = deviation + downwash_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
+        eta = eta_along(model, motion_along(record))[..., 2]
+        deviation = deviation + downwash_response(loop, record.dt, eta)
     figure = Figure(figsize=(9.0, 2.8 * n))
     figure.subplots_adjust(left=0.09, right=0.98, top=1.0 - 0.2 / n, bottom=0.18 / n, hspace=0.08)
     figure.suptitle(f"{record.name}: {title}", x=0.09, ha="left")

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from q2q_model.documents.plain_values import Plain
 from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.deviation import DeviationParams
+from q2q_model.identification.flight_evidence import every_record
 from q2q_model.identification.force.loading import usable_loading
 from q2q_model.identification.identification import Identification
 from q2q_model.identification.intervals import Interval
@@ -17,8 +18,8 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
     loop = found.file.gains
     return {
         "outliers": {
-            "found": sum(one.record.outliers for one in found.evidence),
-            "samples": sum(one.record.samples for one in found.evidence),
+            "found": sum(one.outliers for one in every_record(found.evidence)),
+            "samples": sum(one.samples for one in every_record(found.evidence)),
         },
         "gains": {
             "k_p": found.gains.k_p.as_list(),
@@ -62,8 +63,9 @@ def _spans(found: Sequence[tuple[str, Interval]]) -> list[tuple[str, list[float]
 def summary(found: Identification) -> str:
     """Return the results as text."""
     gains, held = found.gains, found.held_out
+    outliers = sum(one.outliers for one in every_record(found.evidence))
     lines = [
-        f"{len(found.evidence)} flights, {sum(one.record.outliers for one in found.evidence)} outliers",
+        f"{len(found.evidence)} flights, {outliers} outliers",
         _gain("K_p", gains.k_p),
         _gain("K_d", gains.k_d),
     ]

@@ -7,7 +7,15 @@ from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
-from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, score
+from q2q_model.identification.force.downwash_force import (
+    FEWEST_FREE,
+    FLOOR,
+    ForceSamples,
+    ForceScore,
+    force_samples,
+    remark_on_unmeasured,
+    score,
+)
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.identification import Recording, force_record
 from q2q_model.tools.bag_vehicle import common_vehicle
@@ -38,14 +46,23 @@ def run(args: Namespace) -> int:
 def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
     lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
     found: dict[str, list[ForceSamples]] = {}
+    measured = False
     for one in recordings:
         record = force_record(one, vehicle, lag)
         if record is None:
             print(f"evaluate: {one.flight.name} has no measured force: not scored", file=sys.stderr)
+        elif remark := remark_on_unmeasured(record):
+            print(f"evaluate: {remark}", file=sys.stderr)
+        measured = measured or record is not None
         found[one.flight.name] = [] if record is None else force_samples(record)
-    if not any(found.values()):
+    if not measured:
         raise ValueError(
             "no flight has a measured force: record imu and command, or a log with faz_est, gap and pwm1-4"
+        )
+    if not any(found.values()):
+        raise ValueError(
+            f"no vehicle has {FEWEST_FREE} measured rows in clear air: above {FLOOR} m, no motor saturated, "
+            "no vehicle above or below within 0.3 m horizontally"
         )
     return found
 

@@ -6,7 +6,14 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    positive_number,
+    require_existing,
+    run_command,
+)
 from q2q_model.files.model_choice import check_model
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
@@ -77,7 +84,7 @@ def _add_zone(made: CommandLine) -> None:
     zone.add_argument("--d", type=float, default=1.1, help="half height of the zone [m] (default 1.1)")
     zone.add_argument("--model", help="zone of this interaction model: a shipped name or a .q2q file")
     zone.add_argument(
-        "--threshold", type=float, help="with --model: zone where its downwash exceeds this [m/s^2]"
+        "--threshold", type=positive_number, help="with --model: zone where its downwash exceeds this [m/s^2]"
     )
     zone.add_argument(
         "--cut", type=float, help="with --model: zone that avoids this share of the height error"

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.vehicle.constants import VEHICLES
 
 EXAMPLE = """\
-  ros2 run q2q_sim bag_import flight.parquet --out flight
+  ros2 run q2q_sim bag_import flight.parquet --vehicle crazyflie_2_1 --out flight
   ros2 run q2q_sim bag_import cf1_00 cf2_00 --out flight"""
 
 
@@ -41,6 +42,9 @@ def parser() -> CommandLine:
     )
     made.add_argument(
         "--names", metavar="A,B", help="vehicles of the logs; default: file names up to the last _number"
+    )
+    made.add_argument(
+        "--vehicle", default="", choices=tuple(VEHICLES), help="vehicle that flew, for the bag's metadata"
     )
     made.add_argument(
         "--out", type=Path, required=True, metavar="BAG", help="folder to write; must not exist"

@@ -5,10 +5,11 @@ from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from q2q_model.bag import LOG_TOPIC, BagWriter, write_log_row
-from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped
-from q2q_model.flights.flight_table import FlightTable, flight_table, log_of, signals_of
+from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
+from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped_table
+from q2q_model.flights.flight_table import CARRIED, FlightTable, flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.table_vehicles import vehicle_prefixes
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
@@ -19,14 +20,26 @@ def run(args: Namespace) -> int:
     chosen = load_column_map(args.columns) if args.columns else None
     columns, notes = _columns(args.flight, args.names, chosen)
     table = flight_table(columns)
-    counts = write_bag(table, args.out)
-    print(f"{args.out}: {len(table.t)} ticks of {', '.join(table.names)}")
+    counts = write_bag(table, args.out, FlightFacts(vehicle=args.vehicle))
+    _print_vehicles(columns, len(table.t), args.out)
     for topic, count in counts.items():
         print(f"  {topic}: {count} messages")
     print(f"  {int(table.gap.sum())} samples lie in gaps of the source: not in /mocap")
     for note in notes:
         print(f"  {note}")
+    if not args.vehicle:
+        print("  its vehicle is not named; --vehicle names it for the tools that read the bag")
     return 0
+
+
+def _print_vehicles(columns: Mapping[str, Array], ticks: int, out: Path) -> None:
+    """Print which columns became positions of a vehicle, and which are of none."""
+    prefixes = vehicle_prefixes(tuple(columns), CARRIED)
+    placed = [f"{name} ({key}x, {key}y, {key}z)" for name, key in prefixes.items()]
+    print(f"{out}: {ticks} ticks of {', '.join(placed)}")
+    lost = [name for name in columns if name != "t" and not name.startswith(tuple(prefixes.values()))]
+    if lost:
+        print(f"  left out, as of no vehicle: {', '.join(lost)}")
 
 
 def _columns(
@@ -37,7 +50,7 @@ def _columns(
         if len(paths) > 1:
             raise ValueError(f"{', '.join(map(str, paths))}: give one table, or micro-SD logs only")
         columns = read_columns(paths[0])
-        return (dict(columns) | mapped(columns, chosen) if chosen else columns), []
+        return (mapped_table(columns, chosen) if chosen else columns), []
     logs = read_logs(paths, names.split(",") if names else None)
     notes = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
     return columns_of_logs(logs, chosen), notes
@@ -62,10 +75,10 @@ def read_logs(paths: Sequence[Path], names: Sequence[str] | None = None) -> dict
     return logs
 
 
-def write_bag(table: FlightTable, path: Path) -> dict[str, int]:
-    """Write a table as a bag; return the number of messages on each topic."""
+def write_bag(table: FlightTable, path: Path, facts: FlightFacts | None = None) -> dict[str, int]:
+    """Write a table as a bag with facts about the flight; return the number of messages on each topic."""
     log, signals = log_of(table), signals_of(table)
-    with BagWriter(path) as bag:
+    with BagWriter(path, facts=facts) as bag:
         for row, together in enumerate(zip(*signals.values(), strict=True)):
             for topic, signal in zip(signals, together, strict=True):
                 bag.write_signal(topic, round(signal.t * 1e9), signal)

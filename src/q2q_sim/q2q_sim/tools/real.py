@@ -13,6 +13,7 @@ import numpy as np
 
 from q2q_model.bag import read_flight_log
 from q2q_model.documents.json_file import write_json
+from q2q_model.flights.flight_log import log_at
 from q2q_model.flights.flight_table import flight_table
 from q2q_model.flights.table_file import read_columns
 from q2q_model.identification.force.along_flight import Motion
@@ -41,10 +42,10 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     at = np.searchsorted(flight.t, log.t)
     seen = motion_of(flight)
     motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
-    samples = force_samples(push_of_log(name, log, motion))
+    samples = force_samples(push_of_log(name, log_at(log, log.t, flight.names), motion))
     found = scored(samples, flight.eta[at, :, 2])
     pushes = [
-        PredictedPush(log.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])
+        PredictedPush(flight.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])
         for one in samples
     ]
     picture = save(prediction_figure(pushes), OUT / f"{name}.png")

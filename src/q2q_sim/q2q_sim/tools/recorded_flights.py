@@ -9,7 +9,6 @@ from q2q_model.identification.identification import Recording
 from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, common_vehicle
 from q2q_model.tools.recordings import read_recordings
-from q2q_model.vehicle.constants import DEFAULT_VEHICLE, vehicle_by_name
 
 
 def read_flights(paths: Sequence[Path], topics: TopicMap | None = None) -> tuple[list[Recording], list[str]]:
@@ -30,14 +29,16 @@ def read_flights(paths: Sequence[Path], topics: TopicMap | None = None) -> tuple
 
 
 def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """Return the bags and tables among paths and in folders, and a note on each other file given."""
+    """Return the bags and tables among paths and in folders, and a note on each other file."""
     found, notes = [], []
     for path in paths:
         if path.is_dir() and not is_bag(path):
-            inside = sorted(one for one in path.iterdir() if one.suffix == ".parquet" or is_bag(one))
-            if not inside:
-                raise ValueError(f"{path} is no bag, and there is neither a bag nor a .parquet in it")
-            found += inside
+            there = sorted(one for one in path.iterdir() if one.suffix in TABLES or is_bag(one))
+            others = [one for one in there if one.suffix == ".csv" and not is_flight_csv(one)]
+            if len(there) == len(others):
+                raise ValueError(f"{path} is no bag, and has neither a bag nor a table of a flight in it")
+            found += [one for one in there if one not in others]
+            notes += [f"skipped: {one} has no column t: it is no flight" for one in others]
         elif path.suffix in TABLES or is_bag(path) or not path.exists():
             found.append(path)
         else:
@@ -47,13 +48,17 @@ def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
     return found, notes
 
 
+def is_flight_csv(path: Path) -> bool:
+    """Return whether a CSV file has a column t, as a flight has and a list of flights has not."""
+    with path.open(encoding="utf-8", errors="replace") as stream:
+        return "t" in [name.strip().strip('"') for name in stream.readline().split(",")]
+
+
 def vehicle_of(paths: Sequence[Path], override: str = "") -> FlownVehicle:
-    """Return the common vehicle of the flights; `override` overrides it, and tables name none.
+    """Return the common vehicle of the flights; `override` overrides it. Tables name none.
 
     Raises:
         ValueError: an unknown vehicle, or bags of different ones.
     """
-    bags = [path for path in flights_among(paths)[0] if is_bag(path)]
-    if override or not bags:
-        return FlownVehicle(vehicle_by_name(override or DEFAULT_VEHICLE))
-    return common_vehicle(bags)
+    found = flights_among(paths)[0]
+    return common_vehicle([path for path in found if is_bag(path)] or found, override)

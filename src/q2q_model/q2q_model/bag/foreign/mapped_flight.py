@@ -5,7 +5,6 @@ as ROS 2 Jazzy.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.foreign.pose_frames import Poses, pose_frames
+from q2q_model.bag.foreign.references import with_references
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
@@ -54,13 +54,15 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     repairs: list[str] = []
     if topic_map.vehicles or topic_map.poses:
         signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
+    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
     try:
         joined = flight_from_signals(flight_name(path), signals)
+        flight, pauses = with_references(joined.flight, given)
     except ValueError as misfit:
         raise BagError(f"bag {path}: {misfit}") from misfit
-    warn_of_repairs(source.repairs + tuple(f"bag {path}: {repair}" for repair in (*repairs, *joined.repairs)))
-    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
-    return _with_references(source, joined.flight, given)
+    remarks = (*repairs, *joined.repairs, *pauses)
+    warn_of_repairs(source.repairs + tuple(f"bag {path}: {remark}" for remark in remarks))
+    return flight
 
 
 def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict[str, Channel]]:
@@ -102,12 +104,34 @@ def _signals(source: Source, channel: Channel) -> list[Signal]:
 
 def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, Poses]:
     rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map)
+    named: dict[str, list[Row]] = {}
     if topic_map.poses:
         for name, row in _rows(source, channels[topic_map.poses], topic_map):
-            rows.setdefault(topic_map.rename.get(name, name), []).append(row)
+            named.setdefault(name, []).append(row)
+    _check_names(source, topic_map, list(named))
+    rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
     if not rows:
         raise BagError(f"bag {source.path} has no pose of any vehicle")
     return _sorted(source, rows)
+
+
+def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str]) -> None:
+    """Raise BagError if a vehicle has two sources of poses, or a name to replace never occurs."""
+    absent = [name for name in topic_map.rename if name not in named]
+    if absent:
+        raise BagError(
+            f"bag {source.path}: rename has {', '.join(absent)}, and poses of it are never there; "
+            f"names are {', '.join(named) or 'none, as the topic map has no poses'}"
+        )
+    sources = dict(topic_map.vehicles)
+    for name in named:
+        vehicle = topic_map.rename.get(name, name)
+        if vehicle in sources:
+            raise BagError(
+                f"bag {source.path}: {vehicle} has poses from {sources[vehicle]} and from {name} in "
+                f"{topic_map.poses}; give one of them another name under rename"
+            )
+        sources[vehicle] = f"{name} in {topic_map.poses}"
 
 
 def _rows_by_vehicle(
@@ -137,20 +161,6 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
     return tracks
 
 
-def _with_references(source: Source, flight: Flight, given: Mapping[str, Poses]) -> Flight:
-    """Return the flight with its reference positions: at each tick the last one received."""
-    ref_pos = flight.ref_pos.copy()
-    for vehicle, track in given.items():
-        if vehicle not in flight.names:
-            raise BagError(
-                f"bag {source.path}: references of {vehicle}; vehicles are {', '.join(flight.names)}"
-            )
-        row = np.searchsorted(track.t, flight.t, side="right") - 1
-        held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)
-        ref_pos[:, flight.names.index(vehicle)] = held
-    return replace(flight, ref_pos=ref_pos)
-
-
 def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tuple[str, Row]]:
     """Yield name (empty for a topic of one vehicle) and row of every pose of a channel."""
     kind = channel.type_name.rsplit("/", 1)[-1]
@@ -168,6 +178,12 @@ def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tup
         except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
             where = f"topic {channel.topic} at {message.stamp_ns} ns"
             raise BagError(f"bag {source.path}, {where}: no {channel.type_name} ({damage})") from damage
+        names = [name for name, _ in found]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise BagError(
+                f"bag {source.path}, topic {channel.topic} at {message.stamp_ns} ns: two poses of {twice}"
+            )
         yield from found
 
 

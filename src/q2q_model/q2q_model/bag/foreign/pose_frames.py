@@ -63,21 +63,31 @@ def _ticks(tracks: Mapping[str, Poses], tolerance_s: float) -> Array:
     for vehicle, track in others:
         away = np.abs(track.t - ticks[_nearest(ticks, track.t)])
         if (away > tolerance_s).all():
-            raise ValueError(_apart(vehicle, track.t, ticks, tolerance_s))
+            raise ValueError(_unmatched(vehicle, track.t, ticks, tolerance_s))
         ticks = np.union1d(ticks, track.t[away > max(hole_s, tolerance_s)])
     return ticks
 
 
-def _apart(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
+def _unmatched(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
     """Return why no pose of a vehicle is in a frame."""
-    if t[0] <= ticks[-1] and ticks[0] <= t[-1]:
-        period_s = float(np.median(np.diff(ticks)))
-        return (
-            f"no pose of {vehicle} was captured within tolerance_s = {tolerance_s:g} s of a frame: raise it "
-            f"in the topic map to half the period of {period_s:.3f} s"
-        )
+    if misfit := apart(f"poses of {vehicle}", t, ticks):
+        return misfit
+    period_s = float(np.median(np.diff(ticks)))
+    return (
+        f"no pose of {vehicle} was captured within tolerance_s = {tolerance_s:g} s of a frame: raise it "
+        f"in the topic map to half the period of {period_s:.3f} s"
+    )
+
+
+def apart(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> str:
+    """Return why ascending stamps `t` are of other times than the ticks; empty if they are not.
+
+    They may end up to `before_s` [s] before the first tick.
+    """
+    if t[0] <= ticks[-1] and ticks[0] - before_s <= t[-1]:
+        return ""
     spans = f"{t[0]:.3f} to {t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
-    return f"poses of {vehicle} lie at {spans}: the clocks differ, or the recordings do not overlap"
+    return f"{what} lie at {spans}: the clocks differ, or the recordings do not overlap"
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:

@@ -1,8 +1,8 @@
 """A bag of any kind as a list of channels and a stream of bytes.
 
 Complete MCAP files are read by their index (q2q_model.bag.storage.indexed_mcap), all others through rosbags.
-An MCAP bag that was not closed (truncated by a kill, without metadata.yaml) is salvaged; `repairs` lists what
-that took.
+An MCAP bag that was not closed (truncated by a kill, without metadata.yaml), or whose summary leaves out the
+channels, is salvaged; `repairs` lists what that took.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -137,6 +137,8 @@ def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
     ros1 = file.suffix == ROS1_SUFFIX
     with (Ros1Reader if ros1 else Reader)(file) as reader:
         channels = tuple(_channel(connection) for connection in reader.connections)
+    if not channels and any(one.suffix == ".mcap" for one in _storage_files(file)):
+        raise ValueError("its summary has no channels")
 
     def read(topics: Collection[str]) -> Iterator[RawMessage]:
         done = 0

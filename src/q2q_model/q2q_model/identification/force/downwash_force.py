@@ -7,10 +7,13 @@ recorded flights of two and three Crazyflies (data of Neural-Swarm2, T-RO 2021) 
 
 | rows | rule |
 |---|---|
-| usable | measured for every vehicle, z_i > 0.3 m, no motor saturated |
+| known | measured for this vehicle, and for every other that is not away |
+| usable | known, z_i > 0.3 m, no motor saturated |
 | free | usable, and for every neighbour dxy > 0.3 m or dz < 0.05 m (dz = z_j - z_i); at least 200 |
 | exposed | usable, and some neighbour at dxy < 0.15 m and 0.1 < dz < 1.2 m |
 | upper | usable, a neighbour at dxy < 0.1 m and -0.8 < dz < -0.15 m, none above within 0.3 m |
+
+A vehicle is away while it is not measured for 2 s (it stands, or has left) at more than 0.5 m horizontally.
 
     R2 = 1 - mean((y - eta)^2) / mean(y^2)  over exposed rows, pooled over flights
 
@@ -29,6 +32,10 @@ from q2q_model.signals.values import Array, Mask, Names
 
 FLOOR = 0.3
 """Height below which there is ground effect [m]."""
+ABSENT_S = 2.0
+"""Time without a measurement from which a vehicle is away [s]: gaps of recorded flights are up to 0.8 s."""
+ABSENT_APART = 0.5
+"""Least horizontal distance of a vehicle that is away [m]: there is no observable downwash beyond."""
 FEWEST_FREE = 200
 """Fewest free rows for the median."""
 
@@ -139,7 +146,7 @@ def scored_rows(record: ForceRecord, i: int) -> ScoredRows:
     pos = record.motion.pos
     rel = pos[:, others] - pos[:, i : i + 1]
     across, dz = np.hypot(rel[..., 0], rel[..., 1]), rel[..., 2]
-    usable = record.whole.all(axis=1) & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
+    usable = known_rows(record)[:, i] & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
     above = (across < 0.3) & (dz > 0.0)
     under = (across < 0.1) & (dz > -0.8) & (dz < -0.15)
     return ScoredRows(
@@ -148,3 +155,27 @@ def scored_rows(record: ForceRecord, i: int) -> ScoredRows:
         exposed=usable & ((across < 0.15) & (dz > 0.1) & (dz < 1.2)).any(axis=1),
         upper=usable & under.any(axis=1) & ~above.any(axis=1),
     )
+
+
+def known_rows(record: ForceRecord) -> Mask:
+    """Return where a vehicle was measured, and every other that is not away, (T, n)."""
+    pos = record.motion.pos
+    across = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)
+    away = _absent(record)[:, None, :] & (across > ABSENT_APART)
+    return np.asarray((record.whole[:, None, :] | away).all(axis=2))
+
+
+def _absent(record: ForceRecord) -> Mask:
+    """Return the rows of stretches of at least ABSENT_S without a measurement, (T, n)."""
+    found, t = np.zeros_like(record.whole), record.motion.t
+    for i, whole in enumerate(record.whole.T):
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], ~whole, [False]))))
+        for first, end in edges.reshape(-1, 2):
+            found[first:end, i] = t[end - 1] - t[first] >= ABSENT_S
+    return found
+
+
+def remark_on_unmeasured(record: ForceRecord) -> str:
+    """Return a remark on the vehicles without any measurement; empty if there is none."""
+    never = [name for name, own in zip(record.names, record.whole.T, strict=True) if not own.any()]
+    return f"{record.name}: nothing was measured of {', '.join(never)}" if never else ""

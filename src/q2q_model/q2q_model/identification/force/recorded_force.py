@@ -54,12 +54,13 @@ def motor_duty(log: FlightLog) -> Array:
 
 
 def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
-    """Return the vertical force in a flight's log, at the ticks of the log."""
+    """Return the vertical force in a flight's log, at the ticks and vehicles of the log and the motion."""
+    logged = np.isfinite(log.column("gap"))
     return ForceRecord(
         name=name,
         names=log.names,
         motion=motion,
-        push=log.column("faz_est") / LOG_MASS,
+        push=np.where(logged, log.column("faz_est") / LOG_MASS, 0.0),
         whole=log.column("gap") == 0.0,
         saturated=np.asarray(motor_duty(log).max(axis=-1) > FULL_DUTY),
     )

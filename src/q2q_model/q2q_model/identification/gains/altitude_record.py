@@ -5,22 +5,34 @@
 | r | pos | position [m], world, (T, n, 3) |
 | z_ref z_ref' z_ref'' | ref | altitude reference and its derivatives [m], [m/s], [m/s^2], (T, n, 3) |
 | U1 b_z / m - g | commanded_acc | commanded vertical acceleration [m/s^2], (T, n) |
+
+A record has no hole: what a vehicle did in one is not known, and it ends in a state of its own. A flight with
+holes (no frame, a vehicle out of sight, a jump of the clock, two flights in one bag) is one record from each
+hole to the next. A vehicle that only stands there is no part of it.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight import Flight, of_rows, of_vehicles
 from q2q_model.flights.outliers import OutlierThresholds, find_outliers, repair
 from q2q_model.geometry.rotations import rotate
-from q2q_model.signals.values import Array, Mask, Names
+from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 UP = np.array([0.0, 0.0, 1.0])
 """Body z of a level vehicle."""
 SHORTEST = 2.0
 """Least duration of a record [s], about the time constant of the altitude loop."""
+HOLE_S, HOLE_PERIODS = 0.3, 3.0
+"""Time without a row from which there is a hole [s], and at least in median periods: a third of the time
+constant of the altitude loop."""
+STILL = 0.02
+"""Distance from its median place that a vehicle on the ground does not leave [m]: far above the noise of
+motion capture, and below the wander of a vehicle that takes off."""
+MOSTLY = 0.99
+"""Share of positions within that distance [-]; others are outliers."""
 STANDING = 0.25
 """Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
 flights, commands in the air are 0.64 or more."""
@@ -82,8 +94,61 @@ def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
     )
 
 
+def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
+    """Return the altitude records of a flight, from hole to hole, and remarks on holes and vehicles left out.
+
+    Raises:
+        ValueError: as `altitude_record`, or no 2 s between holes.
+    """
+    standing = _standing(flight)
+    if not standing or len(standing) == len(flight.names):
+        return _between_holes(flight, vehicle)
+    flown = of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
+    records, remarks = _between_holes(flown, vehicle)
+    stood = f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"
+    return records, [stood, *remarks]
+
+
+def _standing(flight: Flight) -> list[str]:
+    """Return the vehicles without a reference or a thrust that stay where they are."""
+    ref, found = _altitude_reference(flight)[..., 0], []
+    pos = np.where(np.isfinite(flight.pos), flight.pos, flight.mocap_pos)
+    for i, name in enumerate(flight.names):
+        place = pos[np.isfinite(pos[:, i]).all(axis=1), i]
+        if np.isfinite(ref[:, i]).any() or (flight.thrust[:, i] > 0.0).any() or not len(place):
+            continue
+        away = np.abs(place - np.median(place, axis=0)).max(axis=1)
+        if np.quantile(away, MOSTLY) < STILL:
+            found.append(name)
+    return found
+
+
+def _between_holes(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
+    whole = _whole_rows(_placed(flight), _altitude_reference(flight))
+    t, steps = flight.t[whole], np.diff(flight.t[whole])
+    usual = float(np.median(steps)) if steps.size else 0.0
+    holes = np.flatnonzero(steps > max(HOLE_S, HOLE_PERIODS * usual))
+    if not holes.size:
+        return [altitude_record(flight, vehicle)], []
+    ends = zip([0, *(holes + 1)], [*holes, t.size - 1], strict=True)
+    parts = [slice(int(whole[first]), int(whole[last]) + 1) for first, last in ends]
+    long = [part for part in parts if flight.t[part][-1] - flight.t[part][0] >= SHORTEST]
+    if not long:
+        raise _too_short(flight)
+    remark = _remark_on_holes(flight.name, t[holes], steps[holes], len(parts) - len(long))
+    return [altitude_record(of_rows(flight, part), vehicle) for part in long], [remark]
+
+
+def _remark_on_holes(name: str, t: Array, seconds: Array, left_out: int) -> str:
+    worst = int(np.argmax(seconds))
+    which = f"hole of {seconds[worst]:.1f} s at t = {t[worst]:.2f} s"
+    several = f"{len(t)} holes, the longest a {which}" if len(t) > 1 else which
+    short = f"; {left_out} pieces shorter than {SHORTEST:g} s are left out" if left_out else ""
+    return f"{name}: {several}, or a jump of the clock: nothing is inferred across it{short}"
+
+
 def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
-    """Return the altitude record of a flight of identical vehicles.
+    """Return the altitude record of a flight of identical vehicles; holes are interpolated.
 
     Filtered states, the input of the controller, are used where recorded; else motion capture with
     interpolated outliers (section 2.2) and its differences.
@@ -92,11 +157,10 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         ValueError: no reference, no believable positions, or less than 2 s of both.
     """
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
-    visible = _finite_rows(mocap)
+    visible, placed = _finite_rows(mocap), _placed(flight)
     bad = find_outliers(flight.t, mocap)
     _check_believable(flight, visible, bad)
     ref = _altitude_reference(flight)
-    placed = visible | _finite_rows(flight.pos)
     rows = _common_rows(flight, placed, ref)
     repaired = repair(flight.t, mocap, bad)
     pos = np.where(np.isfinite(flight.pos), flight.pos, repaired)
@@ -142,15 +206,37 @@ def _altitude_reference(flight: Flight) -> Array:
     return np.asarray(ref)
 
 
+def _placed(flight: Flight) -> Mask:
+    """Return where a position is known, (T, n)."""
+    return _finite_rows(flight.mocap_pos) | _finite_rows(flight.pos)
+
+
+def _whole_rows(placed: Mask, ref: Array) -> Rows:
+    """Return the rows with position and reference of every vehicle, (k,)."""
+    return np.flatnonzero(placed.all(axis=1) & np.isfinite(ref).all(axis=(1, 2)))
+
+
 def _common_rows(flight: Flight, placed: Mask, ref: Array) -> slice:
     """Return the rows from the first to the last with position and reference of every vehicle."""
-    whole = np.nonzero(placed.all(axis=1) & np.isfinite(ref).all(axis=(1, 2)))[0]
+    whole = _whole_rows(placed, ref)
     if whole.size == 0 or flight.t[whole[-1]] - flight.t[whole[0]] < SHORTEST:
-        raise ValueError(
-            f"flight {flight.name}: positions and references of {', '.join(flight.names)} never last for "
-            f"{SHORTEST} s together; record the topics mocap (or state) and reference of one flight"
-        )
+        raise _too_short(flight)
     return slice(int(whole[0]), int(whole[-1]) + 1)
+
+
+def _too_short(flight: Flight) -> ValueError:
+    known = {"reference": np.isfinite(_altitude_reference(flight)[..., 0]), "position": _placed(flight)}
+    lacking = [
+        f"no {what} of {name}"
+        for what, rows in known.items()
+        for name, own in zip(flight.names, rows.T, strict=True)
+        if not own.any()
+    ]
+    which = f": there is {', '.join(lacking)}" if lacking else ""
+    return ValueError(
+        f"flight {flight.name}: positions and references of {', '.join(flight.names)} never last for "
+        f"{SHORTEST} s together{which}; record the topics mocap (or state) and reference of one flight"
+    )
 
 
 def _attitude(flight: Flight) -> Array:

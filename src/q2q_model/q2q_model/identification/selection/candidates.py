@@ -16,7 +16,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.forked import forked
-from q2q_model.identification.flight_evidence import FlightEvidence, has_exposure
+from q2q_model.identification.flight_evidence import FlightEvidence, every_record, has_exposure
 from q2q_model.identification.force.jet_fit import (
     JetFit,
     JetForm,
@@ -77,7 +77,7 @@ def candidates(kind: str, flights: Sequence[FlightEvidence], loop: AltitudeLoop)
     kinds = {"auto": (_jets, _networks), "jet": (_jets,), "envelope_network": (_networks,)}
     if kind not in kinds:
         raise ValueError(f"unknown model type {kind!r}: choose one of {', '.join(kinds)}")
-    if not any(has_exposure(flight.record) for flight in flights):
+    if not any(has_exposure(record) for record in every_record(flights)):
         return [replace(NOTHING, name="no downwash: nobody flew under another")]
     kept = kinds[kind]
     if kind == "auto" and _long_encounters(flights):
@@ -162,7 +162,7 @@ def fit_jet(
     pushes = [one for flight in flights for one in flight.pushes]
     if any(one.exposed.any() for one in pushes):
         return fit_to_pushes(pushes, form, solved)
-    return fit_to_altitudes([flight.record for flight in flights], loop, form, solved)
+    return fit_to_altitudes(every_record(flights), loop, form, solved)
 
 
 def with_deviation(
@@ -206,7 +206,11 @@ def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
 def _long_encounters(flights: Sequence[FlightEvidence]) -> list[str]:
     """Return the names of flights with more active samples than `MOST_ACTIVE`."""
     reach = _reach(NetworkFitParams())
-    return [one.name for one in flights if active_samples(one.record, reach).size > MOST_ACTIVE]
+    return [
+        one.name
+        for one in flights
+        if any(active_samples(record, reach).size > MOST_ACTIVE for record in one.records)
+    ]
 
 
 def _reach(params: NetworkFitParams) -> tuple[float, float]:
@@ -215,9 +219,11 @@ def _reach(params: NetworkFitParams) -> tuple[float, float]:
 
 def _networks(flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> list[Candidate]:
     params = NetworkFitParams()
-    terms = {one.name: flight_terms(one.record, loop, _reach(params)) for one in flights}
+    terms = {
+        one.name: [flight_terms(record, loop, _reach(params)) for record in one.records] for one in flights
+    }
 
     def fit(chosen: Sequence[FlightEvidence]) -> EnvelopeNetwork:
-        return fit_networks([terms[one.name] for one in chosen], params)
+        return fit_networks([part for one in chosen for part in terms[one.name]], params)
 
     return [Candidate(NETWORKS, "envelope_network", 322, fit)]

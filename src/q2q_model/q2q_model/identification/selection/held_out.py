@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.model_file import RoleScores
-from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.flight_evidence import FlightEvidence, is_lower, motion_along
 from q2q_model.identification.force.along_flight import eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.command_gains import GainFit
@@ -86,12 +86,13 @@ def score_on(model: InteractionModel, flights: Sequence[FlightEvidence], loop: A
 
 
 def _sums(model: InteractionModel, flight: FlightEvidence, loop: AltitudeLoop) -> _Sums:
-    record = flight.record
-    free = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
-    missed = free - downwash_response(loop, record.dt, eta_along(model, flight.motion)[..., 2])
     altitude, push = np.zeros((2, 3)), np.zeros((2, 2))
-    for i, lower in enumerate(is_lower(record)):
-        altitude[0 if lower else 1] += [missed[:, i] @ missed[:, i], free[:, i] @ free[:, i], free.shape[0]]
+    for record in flight.records:
+        free = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
+        missed = free - downwash_response(loop, record.dt, eta_along(model, motion_along(record))[..., 2])
+        for i, lower in enumerate(is_lower(record)):
+            sums = [missed[:, i] @ missed[:, i], free[:, i] @ free[:, i], free.shape[0]]
+            altitude[0 if lower else 1] += sums
     for one in flight.pushes:
         push[0] += _push_sums(model, one, one.exposed)
         push[1] += _push_sums(model, one, one.upper)

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
+from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
@@ -10,12 +12,20 @@ from q2q_sim.firmware.estimator import DT
 from q2q_sim.flight.run_json import Json
 
 MILLIMETRE = 1000.0
+UNBOUNDED = 10_000
+"""Width in which no table is cut [characters]."""
+
+
+def print_whole(table: Table) -> None:
+    """Print a table at its full width, also where the output is narrower, as that of a pipe is."""
+    wide = Console(width=UNBOUNDED)
+    Console(width=max(Console().width, wide.measure(table).maximum)).print(table)
 
 
 def error_table(found: Sequence[ReplayedErrors]) -> Table:
     """Return the errors over all flights."""
     flights = len({one.flight for one in found})
-    made = Table(title=f"Distance from motion capture [mm], {flights} flights")
+    made = Table(title=Text(f"Distance from motion capture [mm], {flights} flights"))
     for column in ("motion capture", "estimator", "median", "95 % interval", "p95", "worst", "diverged"):
         left = column in ("motion capture", "estimator")
         made.add_column(column, justify="left" if left else "right", no_wrap=True)
@@ -27,14 +37,14 @@ def error_table(found: Sequence[ReplayedErrors]) -> Table:
 def flight_table_of(found: Sequence[ReplayedErrors]) -> Table:
     """Return the medians of every flight."""
     names = list(dict.fromkeys(one.estimator for one in found))
-    made = Table(title="Median of each flight [mm]")
+    made = Table(title=Text("Median of each flight [mm]"))
     for column in ("flight", "motion capture", *names):
         left = column in ("flight", "motion capture")
         made.add_column(column, justify="left" if left else "right", overflow="fold")
     for flight, condition in dict.fromkeys((one.flight, one.condition) for one in found):
         own = {one.estimator: one for one in found if (one.flight, one.condition) == (flight, condition)}
         medians = [f"{MILLIMETRE * summary([own[name]]).median:.1f}" if name in own else "" for name in names]
-        made.add_row(flight, condition, *medians)
+        made.add_row(Text(flight), condition, *medians)
     return made
 
 

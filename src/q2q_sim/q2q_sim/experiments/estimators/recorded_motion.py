@@ -35,6 +35,8 @@ SMOOTHED = 9
 """Ticks of a derivative: noise of 0.03 mm becomes 0.4 mm/s."""
 LIFTED = 0.05
 """Height above the start in flight [m]."""
+SLOWEST_HZ = 80.0
+"""Least rate of motion capture [Hz]: conditions are cuts of samples at 100 Hz."""
 SHORTEST = 5.0
 """Least time in the air [s]."""
 ROUNDING = 1e-6
@@ -71,7 +73,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     """Return the motion in a recording of one vehicle.
 
     Raises:
-        ValueError: several vehicles, no attitudes, or less than SHORTEST in the air.
+        ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or less than SHORTEST in the air.
     """
     flight = recording.flight
     if len(flight.names) != 1:
@@ -79,9 +81,15 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
             f"flight {flight.name} has {len(flight.names)} vehicles; give flights of one vehicle"
         )
     there = np.isfinite(flight.mocap_pos[:, 0]).all(axis=1) & np.isfinite(flight.mocap_quat[:, 0]).all(axis=1)
-    if there.sum() < SHORTEST / DT:
-        raise ValueError(f"flight {flight.name} has {there.sum()} poses; {SHORTEST:g} s of them are needed")
     t = flight.t[there]
+    rate_hz = 1.0 / float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    if 0.0 < rate_hz < SLOWEST_HZ:
+        raise ValueError(
+            f"flight {flight.name} has motion capture at {rate_hz:.0f} Hz; what estimators are given are "
+            f"cuts of 100 Hz, and {SLOWEST_HZ:g} Hz is the least"
+        )
+    if len(t) < SHORTEST / DT:
+        raise ValueError(f"flight {flight.name} has {len(t)} poses; {SHORTEST:g} s of them are needed")
     at = np.arange(t[0], t[-1] + ROUNDING, DT)
     pos = np.asarray(CubicSpline(t, flight.mocap_pos[there, 0])(at))
     quat = normalised(resampled(t, continuous(flight.mocap_quat[there, 0]), at))

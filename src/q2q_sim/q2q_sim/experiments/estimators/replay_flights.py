@@ -4,12 +4,15 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from rich.console import Console
-
 from q2q_model.documents.json_file import write_json
 from q2q_model.identification.identification import Recording
 from q2q_sim.experiments.estimators.estimate_errors import ReplayedErrors, replayed_errors
-from q2q_sim.experiments.estimators.estimator_table import error_table, errors_json, flight_table_of
+from q2q_sim.experiments.estimators.estimator_table import (
+    error_table,
+    errors_json,
+    flight_table_of,
+    print_whole,
+)
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion, recorded_motion
 
 
@@ -23,9 +26,8 @@ def replay_flights(recordings: Sequence[Recording], args: Namespace) -> int:
             found += replayed_errors(motion, range(args.seeds))
     if not found:
         raise ValueError("none of these flights can be replayed")
-    console = Console()
     for table in [error_table(found), *([flight_table_of(found)] if args.each else [])]:
-        console.print(table)
+        print_whole(table)
     if args.json:
         write_json(errors_json(found, args.seeds), args.json)
     return 0

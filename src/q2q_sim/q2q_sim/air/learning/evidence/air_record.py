@@ -17,11 +17,12 @@ from q2q_model.identification.force.downwash_force import (
     ForceRecord,
     ForceSamples,
     force_samples,
+    known_rows,
 )
 from q2q_model.identification.force.recorded_force import MOTORS, lagged, motor_duty
 from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.identification import Recording, force_record
-from q2q_model.signals.values import Array, Mask
+from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
 ALONE = 0.3
@@ -49,7 +50,7 @@ class AirRecord:
     samples: tuple[ForceSamples, ...]
     """Vertical downwash of each vehicle with enough rows in clear air."""
     measured: Mask
-    """Rows measured for every vehicle, without a saturated motor of this one, at any height, (T, n)."""
+    """Rows known by the scoring rule, without a saturated motor of this vehicle, at any height, (T, n)."""
     clear: Mask
     """Those above the ground effect with no vehicle near horizontally, (T, n)."""
     force: Array
@@ -80,7 +81,7 @@ class AirRecord:
 def air_records(
     recordings: Sequence[Recording], vehicle: Vehicle, known_lag: float | None = None
 ) -> tuple[list[AirRecord], list[str]]:
-    """Return the records of flights with a measured force, and one note on each other flight.
+    """Return the records of flights with a measured force, and notes on other flights and on vehicles.
 
     With a known time constant of thrust [s], no flight's own one is looked for.
     """
@@ -94,10 +95,20 @@ def air_records(
                 f"{one.flight.name} has no measured force: record imu and command, or faz_est, gap and pwm1-4"
             )
         elif not record.measured.any():
-            notes.append(f"{record.name} has no usable row: every row is a gap or has a saturated motor")
+            notes.append(
+                f"{record.name} has no usable row: each is a gap of a vehicle or of one near it, or has a "
+                "saturated motor"
+            )
         else:
             found.append(record)
+            notes += _remarks(record, one.flight.names)
     return found, notes
+
+
+def _remarks(record: AirRecord, names: Names) -> list[str]:
+    """Return a remark on the vehicles without a usable row, if there are any."""
+    idle = [name for name, rows in zip(names, record.measured.T, strict=True) if not rows.any()]
+    return [f"{record.name}: no usable row of {', '.join(idle)}"] if idle else []
 
 
 def _record(one: Recording, vehicle: Vehicle, lag: float, own_lag: float | None) -> AirRecord | None:
@@ -105,8 +116,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float, own_lag: float | None)
     if forces is None:
         return None
     flight, t = one.flight, one.flight.t
-    whole = np.asarray(forces.whole.all(axis=1))
-    measured: Mask = whole[:, None] & ~forces.saturated
+    measured: Mask = known_rows(forces) & ~forces.saturated
     clear = measured & (forces.motion.pos[..., 2] > FLOOR) & alone(forces.motion.pos, ALONE)
     command = lagged(flight.thrust, t, lag)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command

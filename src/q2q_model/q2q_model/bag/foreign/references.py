@@ -1,0 +1,47 @@
+"""Reference positions of a bag of other software: at each tick, the last one received.
+
+References may be as rare as goals are. They belong to the clock of the poses, at the latest HELD_S before the
+first of these.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_model.bag.foreign.pose_frames import Poses, apart
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import Array
+
+HELD_S = 3.0
+"""Age of a reference from which it is told that it is held [s]: a goal is flown to within that, a stream has
+ended."""
+
+
+def with_references(flight: Flight, given: Mapping[str, Poses]) -> tuple[Flight, list[str]]:
+    """Return the flight with its reference positions, and remarks on pauses of the references.
+
+    Raises:
+        ValueError: references of a vehicle that the flight has not, or on another clock.
+    """
+    ref_pos, remarks = flight.ref_pos.copy(), []
+    for vehicle, track in given.items():
+        if vehicle not in flight.names:
+            raise ValueError(f"references of {vehicle}; vehicles are {', '.join(flight.names)}")
+        if misfit := apart(f"references of {vehicle}", track.t, flight.t, HELD_S):
+            raise ValueError(misfit)
+        row = np.searchsorted(track.t, flight.t, side="right") - 1
+        held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)
+        ref_pos[:, flight.names.index(vehicle)] = held
+        remarks += _pauses(vehicle, track.t, flight.t)
+    return replace(flight, ref_pos=ref_pos), remarks
+
+
+def _pauses(vehicle: str, t: Array, ticks: Array) -> list[str]:
+    """Return a remark if a tick has an older reference than HELD_S, and newer ones come later."""
+    row = np.searchsorted(t, ticks, side="right") - 1
+    age = np.where((row >= 0) & (row < len(t) - 1), ticks - t[np.clip(row, 0, None)], 0.0)
+    oldest = int(np.argmax(age))
+    if age[oldest] <= HELD_S:
+        return []
+    return [f"references of {vehicle} pause for {age[oldest]:.1f} s after t = {t[row[oldest]]:.3f} s: held"]

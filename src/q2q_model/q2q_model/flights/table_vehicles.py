@@ -1,0 +1,71 @@
+"""Vehicles of a table, by the names of its columns.
+
+A vehicle is a prefix with `_x`, `_y` and `_z`, or `cf1` for a table with plain `x`, `y` and `z`. Other
+vectors have such columns too:
+
+| columns | read as |
+|---|---|
+| x y z, gyro_x gyro_y gyro_z | one vehicle, `gyro_x` in its log |
+| cf1_x cf1_y cf1_z, cf1_est_x cf1_est_y cf1_est_z | one vehicle, `est_x` in its log |
+| x y z or cf1_x cf1_y cf1_z, and a prefix as in the rows above that may be a vehicle | refused |
+
+A prefix may be a vehicle if it ends in a number (`cf2`, `drone_2`), or has attitude, velocity, reference or
+thrust as well.
+"""
+
+import re
+from collections.abc import Collection
+
+LONE_VEHICLE = "cf1"
+AXES = ("x", "y", "z")
+ESTIMATE = "est"
+"""Prefix of the positions estimated onboard, of a table of one vehicle."""
+
+
+def vehicle_prefixes(columns: Collection[str], carried: Collection[str]) -> dict[str, str]:
+    """Return vehicle -> what the names of its columns begin with, in the order of the table.
+
+    Args:
+        columns: names of the columns.
+        carried: columns of a vehicle, without its name, that are in signals.
+
+    Raises:
+        ValueError: there is no vehicle, or two readings are possible.
+    """
+    placed = [name for name in _before_x(columns) if all(f"{name}_{axis}" in columns for axis in AXES)]
+    if all(axis in columns for axis in AXES):
+        _refuse_vehicles(placed, columns, carried, "x, y, z")
+        return {LONE_VEHICLE: ""}
+    found = {}
+    for name in placed:
+        owner = next((other for other in placed if name.startswith(f"{other}_")), None)
+        if owner is None:
+            found[name] = f"{name}_"
+        else:
+            _refuse_vehicles([name], columns, carried, f"{owner}_x, {owner}_y, {owner}_z")
+    if not found:
+        raise ValueError(
+            f"the table has neither x, y, z nor <vehicle>_x, _y, _z; it has {', '.join(columns)}"
+        )
+    return found
+
+
+def _before_x(columns: Collection[str]) -> list[str]:
+    return [
+        match[1] for name in columns if (match := re.fullmatch(r"(\w+)_x", name)) and match[1] != ESTIMATE
+    ]
+
+
+def _refuse_vehicles(
+    placed: Collection[str], columns: Collection[str], carried: Collection[str], beside: str
+) -> None:
+    """Raise ValueError if one of these prefixes may be a vehicle beside other positions."""
+    more = set(carried) - set(AXES)
+    for name in placed:
+        own = sorted(one for one in more if f"{name}_{one}" in columns)
+        if name[-1].isdigit() or own:
+            shown = ", ".join(f"{name}_{one}" for one in (*AXES, *own[:1]))
+            raise ValueError(
+                f"{name} may be a vehicle, or a vector of another one: the table has {beside} and {shown}; "
+                "rename the columns of one of them"
+            )
