@@ -1,6 +1,6 @@
 """Identification procedure, from recorded flights to gains, zone and model: sections 2.2 to 3.2 in order.
 
-flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta, d -> candidates for eta
+flights -> repaired records -> gains (12)-(13) -> pushes -> dev, alpha, beta, d -> candidates for eta
 -> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
 """
 
@@ -27,7 +27,6 @@ from q2q_model.identification.force.recorded_force import (
     push_of_sensors,
 )
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
-from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
@@ -105,10 +104,9 @@ def identify(
     records = [recorded_altitudes(one, params.vehicle) for one in recordings]
     on_step("gains")
     gains, remarks = _gains(records)
-    lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
-    loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
+    loop = replace(gains.loop, lag=params.vehicle.thrust_lag if gains.from_commands else 0.0)
     on_step("pushes")
-    pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
+    pushes, told = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
     evidence = [FlightEvidence(*pair) for pair in zip(records, pushes, strict=True)]
     on_step("zone")
@@ -136,7 +134,7 @@ def identify(
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
         file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
-        remarks=(*remarks, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
+        remarks=(*remarks, *told, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
     )
 
 
@@ -178,9 +176,25 @@ def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | 
     return push_of_sensors(one.flight, vehicle, lag)
 
 
-def _pushes(one: Recording, vehicle: Vehicle, lag: float) -> tuple[ForceSamples, ...]:
-    record = force_record(one, vehicle, lag)
-    return tuple(force_samples(record)) if record is not None else ()
+def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
+    """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
+    count = sum(not _has_force_log(one) for one in recordings)
+    told = f"force of {count} flights is from imu and command, with a thrust lag of {lag:g} s"
+    return [told] if count else []
+
+
+def _has_force_log(one: Recording) -> bool:
+    return one.log is not None and is_force_log(one.log)
+
+
+def _pushes(
+    recordings: Sequence[Recording], vehicle: Vehicle
+) -> tuple[list[tuple[ForceSamples, ...]], list[str]]:
+    """Return the samples of every flight, and notes on their force."""
+    records = [force_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
+    pushes = [tuple(force_samples(record)) if record is not None else () for record in records]
+    sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
+    return pushes, lag_note(sampled, vehicle.thrust_lag)
 
 
 def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:

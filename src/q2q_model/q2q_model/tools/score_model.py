@@ -7,9 +7,9 @@ from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import ModelFile
 from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, score
-from q2q_model.identification.force.thrust_lag import thrust_lag
-from q2q_model.identification.identification import Recording, force_record
+from q2q_model.identification.identification import Recording, force_record, lag_note
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import Vehicle
@@ -17,17 +17,24 @@ from q2q_model.vehicle.constants import Vehicle
 
 def run(args: Namespace) -> int:
     """Score a model, print and write the scores, and return the exit status."""
-    law = find_model(args.model).interaction
+    model = find_model(args.model)
+    law = model.interaction
     bags, left_out = bags_among(args.bags)
     recordings, repairs = read_recordings(bags, topic_map(args.topics))
     flown = common_vehicle(bags, args.vehicle)
-    samples = _samples(recordings, flown.vehicle)
+    lag = _lag(model, flown.vehicle)
+    samples = _samples(recordings, flown.vehicle, lag)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
-    text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
+    text = {
+        "thrust_lag_s": lag,
+        "flights": {name: asdict(one) for name, one in scores.items()},
+        "pooled": asdict(pooled),
+    }
     if args.json:
         write_json(text, args.json)
-    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
+    notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
+    for note in [*notes, *lag_note([one for one in recordings if samples[one.flight.name]], lag)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
         print(_line(name, one))
@@ -35,8 +42,12 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
-    lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
+def _lag(model: ModelFile, vehicle: Vehicle) -> float:
+    """Return the thrust lag that the model was fitted with, else the vehicle's [s]."""
+    return model.gains.lag if model.gains and model.gains.lag > 0.0 else vehicle.thrust_lag
+
+
+def _samples(recordings: Sequence[Recording], vehicle: Vehicle, lag: float) -> dict[str, list[ForceSamples]]:
     found: dict[str, list[ForceSamples]] = {}
     for one in recordings:
         record = force_record(one, vehicle, lag)
