@@ -27,6 +27,7 @@ from q2q_model.identification.force.recorded_force import (
     push_of_sensors,
 )
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
+from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
@@ -44,7 +45,7 @@ from q2q_model.identification.selection.candidates import (
 )
 from q2q_model.identification.selection.held_out import Score, doubts, score_on
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, Vehicle
 
 StepCallback = Callable[[str], None]
 
@@ -103,7 +104,7 @@ def identify(
     on_step("records")
     records = [recorded_altitudes(one, params.vehicle) for one in recordings]
     on_step("gains")
-    gains, remarks = _gains(records)
+    gains, remarks = _gains(records, params.vehicle)
     loop = replace(gains.loop, lag=params.vehicle.thrust_lag if gains.from_commands else 0.0)
     on_step("pushes")
     pushes, told = _pushes(recordings, params.vehicle)
@@ -194,12 +195,14 @@ def _pushes(
     records = [force_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
     pushes = [tuple(force_samples(record)) if record is not None else () for record in records]
     sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
-    return pushes, lag_note(sampled, vehicle.thrust_lag)
+    told = sensor_notes([one.flight for one in recordings], vehicle)
+    return pushes, [*told, *lag_note(sampled, vehicle.thrust_lag)]
 
 
-def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
+def _gains(records: Sequence[AltitudeRecord], vehicle: Vehicle) -> tuple[GainFit, list[str]]:
     try:
-        return gains_from_commands(records), []
+        fit = gains_from_commands(records)
+        return fit, _weight_note(fit, vehicle)
     except ValueError as missing:
         found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
         if needs_offset := is_better(shifted, found):
@@ -215,6 +218,20 @@ def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
             from_commands=False,
         )
         return fit, [f"gains are from trajectories, downwash and lag included: {missing}"]
+
+
+def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
+    """Return a note if the commanded thrust carries another weight than the vehicle's."""
+    if abs(fit.loop.offset) <= MOST_OFFSET:
+        return []
+    carried = vehicle.mass * (1.0 + fit.loop.offset / GRAVITY)
+    return [
+        (
+            f"the commanded thrust carries {1e3 * carried:.1f} g, and {vehicle.name} weighs "
+            f"{1e3 * vehicle.mass:.1f} g: the gains are wrong by that ratio: give the vehicle that was flown "
+            "(--vehicle)"
+        )
+    ]
 
 
 def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:

@@ -9,6 +9,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile
 from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, score
+from q2q_model.identification.force.sensor_check import sensor_notes
 from q2q_model.identification.identification import Recording, force_record, lag_note
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
@@ -34,6 +35,7 @@ def run(args: Namespace) -> int:
     if args.json:
         write_json(text, args.json)
     notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
+    notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
     for note in [*notes, *lag_note([one for one in recordings if samples[one.flight.name]], lag)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
