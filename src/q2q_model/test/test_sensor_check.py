@@ -1,4 +1,4 @@
-"""Accelerometers that contradict the commands are told, with the mass or the slope that they have."""
+"""Flights in other units, frames or orders, or of another vehicle, are told or refused."""
 
 import re
 from dataclasses import replace
@@ -9,7 +9,8 @@ from made_flights import GRAVITY, Pass, made_flight
 
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.force.sensor_check import sensor_notes
-from q2q_model.identification.identification import ProcedureParams, Recording, identify
+from q2q_model.identification.identification import ProcedureParams, Recording, force_record, identify
+from q2q_model.tools.identify_report import summary
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 
@@ -61,3 +62,25 @@ def test_the_weight_is_also_told_where_no_accelerometer_was_recorded():
     found = identify([Recording(blind)], ProcedureParams("jet", vehicle=CRAZYFLIE_2_1), lambda _: None)
     (told,) = (one for one in found.remarks if "carries" in one)
     assert told.startswith("the commanded thrust carries 34.0 g, and crazyflie_2_1 weighs 27.0 g")
+
+
+def test_a_flight_that_is_not_upright_is_refused_by_every_step():
+    flight = made_flight(MADE)
+    w_first = replace(flight, quat=np.roll(flight.quat, 1, axis=-1))
+    for step in (
+        lambda: identify([Recording(w_first)], ProcedureParams("jet"), lambda _: None),
+        lambda: force_record(Recording(w_first), CRAZYFLIE_2_0, 0.07),
+    ):
+        with pytest.raises(ValueError, match=r"cf1 points -1.00 upwards in the median.* order x y z w"):
+            step()
+
+
+def test_gains_that_lead_away_from_the_reference_are_not_written():
+    flight = made_flight(MADE)
+    turned = replace(flight, thrust=2.0 * CRAZYFLIE_2_0.hover_thrust - flight.thrust)
+    found = identify([Recording(turned)], ProcedureParams("jet"), lambda _: None)
+    assert found.file.gains is None
+    assert any("the model file has no gains, as K_p -10 and K_d -5" in remark for remark in found.remarks)
+    told = summary(found)
+    assert told.count(": negative, the commands lead away from the reference") == 2
+    assert "not identifiable" not in told

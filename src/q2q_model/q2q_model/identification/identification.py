@@ -28,7 +28,7 @@ from q2q_model.identification.force.recorded_force import (
 )
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record, check_upright
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
@@ -134,13 +134,17 @@ def identify(
         loading=dict(spread).get("loading") or loading_of(model, pushed),
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
-        file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
+        file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, evidence)),
         remarks=(*remarks, *told, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
     )
 
 
 def _file(
-    model: InteractionModel, zone: LevelSet | None, loop: AltitudeLoop, residual: ResidualFit | None, fit: Fit
+    model: InteractionModel,
+    zone: LevelSet | None,
+    loop: AltitudeLoop | None,
+    residual: ResidualFit | None,
+    fit: Fit,
 ) -> ModelFile:
     process = residual.process if residual else None
     return ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit, residual=process)
@@ -169,8 +173,10 @@ def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | 
     """Return a flight's measured force, from its log or its sensors; None if it has neither.
 
     Raises:
-        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air.
+        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, or is not
+            upright.
     """
+    check_upright(one.flight)
     check_weight(one.flight, vehicle)
     if one.log is not None and is_force_log(one.log):
         return push_of_log(one.flight.name, one.log, motion_of(one.flight))
@@ -202,7 +208,7 @@ def _pushes(
 def _gains(records: Sequence[AltitudeRecord], vehicle: Vehicle) -> tuple[GainFit, list[str]]:
     try:
         fit = gains_from_commands(records)
-        return fit, _weight_note(fit, vehicle)
+        return fit, [*_sign_note(fit), *_weight_note(fit, vehicle)]
     except ValueError as missing:
         found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
         if needs_offset := is_better(shifted, found):
@@ -218,6 +224,18 @@ def _gains(records: Sequence[AltitudeRecord], vehicle: Vehicle) -> tuple[GainFit
             from_commands=False,
         )
         return fit, [f"gains are from trajectories, downwash and lag included: {missing}"]
+
+
+def _sign_note(fit: GainFit) -> list[str]:
+    """Return a note if the gains do not hold a vehicle at its reference."""
+    if fit.holds:
+        return []
+    return [
+        (
+            f"the model file has no gains, as K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both "
+            "above 0: is z up in positions and references, and is the reference that of the controller?"
+        )
+    ]
 
 
 def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
