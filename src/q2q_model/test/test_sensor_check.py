@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,12 +11,13 @@ from made_flights import GRAVITY, Pass, made_flight
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.force.sensor_check import sensor_notes
 from q2q_model.identification.identification import ProcedureParams, Recording, force_record, identify
+from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.tools.identify_report import summary
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 
 STIFF = AltitudeLoop(10.0, 5.0, lag=CRAZYFLIE_2_0.thrust_lag)
-MADE = Pass(loop=STIFF, start=0.3, noise=1e-4, gust=0.1)
+MADE = Pass(loop=STIFF, start=0.3, noise=1e-4, gust=0.1, seconds=16.0)
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -84,3 +86,23 @@ def test_gains_that_lead_away_from_the_reference_are_not_written():
     told = summary(found)
     assert told.count(": negative, the commands lead away from the reference") == 2
     assert "not identifiable" not in told
+
+
+@pytest.mark.parametrize("filtered", [True, False])
+def test_velocities_that_are_filtered_poses_are_told(filtered: bool, tmp_path: Path):
+    flight = made_flight(MADE)
+    columns = {"t": flight.t}
+    for axis, name in enumerate("xyz"):
+        columns |= {f"cf1_{name}": flight.pos[:, 0, axis], f"cf1_{name}ref": flight.ref_pos[:, 0, axis]}
+        columns |= {} if filtered else {f"cf1_v{name}": flight.vel[:, 0, axis]}
+    columns |= {f"cf1_q{name}": flight.quat[:, 0, k] for k, name in enumerate("xyzw")}
+    columns |= {f"cf1_w{name}": np.zeros(flight.t.size) for name in "pqr"}
+    columns["cf1_thrust_cmd"] = flight.thrust[:, 0]
+    table = tmp_path / "flight.csv"
+    np.savetxt(
+        table, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns), comments=""
+    )
+    found = identify([recording_of_table(table)], ProcedureParams("jet"), lambda _: None)
+    told = [one for one in found.remarks if "record the topic state" in one]
+    assert len(told) == int(filtered)
+    assert (abs(found.gains.k_d.value - STIFF.k_d) < 0.1) is not filtered

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, TopicMap, read_flight, read_flight_log, read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TYPE
-from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.flight_table import flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
@@ -18,13 +18,18 @@ def recording_of_table(path: Path) -> Recording:
     signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
     log = log_of(table)
     flight = flight_from_signals(path.stem, signals).flight
-    return Recording(with_filtered_states(flight), log if log.columns else None)
+    return _recording(flight, log if log.columns else None)
 
 
 def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
     """Return the flight in a bag, by a map if other software wrote it; raise BagError if it is not valid."""
     flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
-    return Recording(with_filtered_states(flight), _log(bag))
+    return _recording(flight, _log(bag))
+
+
+def _recording(flight: Flight, log: FlightLog | None) -> Recording:
+    whole = with_filtered_states(flight)
+    return Recording(whole, log, filtered=whole is not flight)
 
 
 def _log(bag: Path) -> FlightLog | None:
