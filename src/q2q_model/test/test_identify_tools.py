@@ -1,6 +1,7 @@
 """Run identify and evaluate as a user does, on the bags of the repository."""
 
 import json
+import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -84,10 +85,10 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     assert set(scores) == {"thrust_lag_s", "flights", "pooled"}
     assert scores["thrust_lag_s"] == CRAZYFLIE_2_0.thrust_lag
     assert set(scores["pooled"]) == {*NUMBERS, "n"}
-    assert scores["flights"]["table2_1"] == scores["pooled"]
+    assert scores["flights"]["table2_1"] == scores["pooled"] | {"in_fit": True}
     assert scores["pooled"]["r2_exposed"] > 0.9
     told = capsys.readouterr()
-    assert "table2_1" in told.out
+    assert re.search(r"table2_1 .*, in the fit: not held out$", told.out, re.MULTILINE)
     assert "force of 1 flights is from imu and command, with a thrust lag of 0.07 s" in told.err
 
 

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile
+from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, score
 from q2q_model.identification.force.sensor_check import sensor_notes
 from q2q_model.identification.identification import Recording, force_record, lag_note
@@ -27,9 +28,10 @@ def run(args: Namespace) -> int:
     samples = _samples(recordings, flown.vehicle, lag)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
+    taught = {name for name in scores if is_among(name, model.fit.flights if model.fit else ())}
     text = {
         "thrust_lag_s": lag,
-        "flights": {name: asdict(one) for name, one in scores.items()},
+        "flights": {name: asdict(one) | {"in_fit": name in taught} for name, one in scores.items()},
         "pooled": asdict(pooled),
     }
     if args.json:
@@ -39,7 +41,7 @@ def run(args: Namespace) -> int:
     for note in [*notes, *lag_note([one for one in recordings if samples[one.flight.name]], lag)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
-        print(_line(name, one))
+        print(_line(name, one) + (f", {IN_FIT}" if name in taught else ""))
     print(_line("pooled", pooled))
     return 0
 
