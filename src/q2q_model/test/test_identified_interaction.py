@@ -107,6 +107,8 @@ def test_identify_goes_from_flights_to_a_model_that_holds():
     assert eta_error(found.file.interaction, FLOWN[2]) < 0.10
     assert found.zone is not None
     assert found.zone.d == pytest.approx(0.83 * np.sqrt(0.392 / 0.1) - 0.33, rel=0.1)
+    (extent,) = (one for one in found.remarks if one.startswith("zone from the downwash"))
+    assert f"d = {found.zone.d:.2f} m lies beyond the largest gap flown, 0.8" in extent  # 0.7 m, and the push
     assert steps[0] == "records"
     assert steps[-1] == "final fit"
 
@@ -121,6 +123,16 @@ def test_commands_that_answer_gusts_do_not_move_the_thrust_lag():
     assert found.file.gains.lag == CRAZYFLIE_2_0.thrust_lag
     (told,) = (one for one in found.remarks if "thrust lag" in one)
     assert told == f"force of {len(flights)} flights is from imu and command, with a thrust lag of 0.07 s"
+
+
+def test_a_zone_that_ends_at_the_models_range_is_told():
+    recordings = [Recording(made_flight(one)) for one in FLOWN]
+    params = ProcedureParams(model_type="jet", threshold=0.02)
+    found = identify(recordings, params, lambda _: None)
+    assert found.zone is not None
+    assert found.zone.d == pytest.approx(1.5, abs=0.011)  # the jet's range, to a grid step
+    (extent,) = (one for one in found.remarks if one.startswith("zone from the downwash"))
+    assert "is the range of the model, where its downwash still exceeds 0.02 m/s^2, and lies" in extent
 
 
 def test_flights_without_commands_still_give_a_model_and_a_remark():

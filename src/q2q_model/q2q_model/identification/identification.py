@@ -16,7 +16,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
-from q2q_model.identification.flight_evidence import FlightEvidence
+from q2q_model.identification.flight_evidence import FlightEvidence, largest_gap
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
 from q2q_model.identification.force.loading import loading_of
 from q2q_model.identification.force.recorded_force import (
@@ -121,7 +121,7 @@ def identify(
     on_step("final fit")
     best, model, unfit = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
-    zone, no_zone = _learned_zone(model, params.threshold)
+    zone, on_zone = _learned_zone(model, params.threshold, records)
     doubted = doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []
     train = score_on(model, evidence, loop)
     spread = parameter_intervals(best.candidate, model, evidence, loop)
@@ -138,7 +138,7 @@ def identify(
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
         file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, evidence)),
-        remarks=(*remarks, *told, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
+        remarks=(*remarks, *told, *no_decay, *omitted, *failed, *unfit, *on_zone, *doubted),
     )
 
 
@@ -282,8 +282,17 @@ def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str
     return decay, []
 
 
-def _learned_zone(model: InteractionModel, threshold: float) -> tuple[LevelSet | None, list[str]]:
+def _learned_zone(
+    model: InteractionModel, threshold: float, records: Sequence[AltitudeRecord]
+) -> tuple[LevelSet | None, list[str]]:
     try:
-        return level_set(model, threshold), []
+        zone = level_set(model, threshold)
     except ValueError as empty:
         return None, [f"no zone from the learned downwash, the paper's is kept: {empty}"]
+    reasons, flown = [], largest_gap(records)
+    if zone.d >= model.reach.vertical:
+        reasons.append(f"is the range of the model, where its downwash still exceeds {threshold:g} m/s^2")
+    if zone.d > flown:
+        reasons.append(f"lies beyond the largest gap flown, {flown:.2f} m: it is extrapolated")
+    told = f"zone from the downwash: d = {zone.d:.2f} m {', and '.join(reasons)}"
+    return zone, [told] if reasons else []
