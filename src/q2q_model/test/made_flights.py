@@ -14,6 +14,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 STEP, TICK = 0.002, 0.01
 """Physics and recording [s]."""
+GUST_S = 0.25
 LOOP = AltitudeLoop(k_p=0.81, k_d=0.43, lag=0.1)
 
 
@@ -31,6 +32,8 @@ class Pass:
     law: InteractionModel = PAPER_LAW
     noise: float = 0.0
     """Of measured positions [m] and, fifty times this, of velocities and accelerations."""
+    gust: float = 0.0
+    """Standard deviation of vertical gusts, correlated over a quarter of a second [m/s^2]."""
 
 
 @cache
@@ -60,13 +63,14 @@ def made_flight(made: Pass) -> Flight:
 
 
 def _fly(made: Pass, ticks: int) -> tuple[Array, Array, Array, Array]:
-    """Return pos, vel (T, 2, 3), lagged lift and eta (T, 2), by semi-implicit steps of 2 ms."""
+    """Return pos, vel (T, 2, 3), lagged lift with gusts and eta (T, 2), by semi-implicit steps of 2 ms."""
     loop, per = made.loop, round(TICK / STEP)
     pos, vel = np.zeros((ticks, 2, 3)), np.zeros((ticks, 2, 3))
     lifts, etas = np.zeros((ticks, 2)), np.zeros((ticks, 2))
     ref = np.array([1.0, 1.0 + made.gap])
     z, v = ref + np.array([made.start, 0.0]), np.zeros(2)
     lift = loop.offset - loop.k_p * (z - ref)
+    gust, stir = np.zeros(2), np.random.default_rng(12)
     for k in range(ticks * per):
         y = np.array([0.0, np.clip(made.speed * (k * STEP - made.seconds / 2), -1.0, 1.0)])
         rel = np.array([0.0, y[1] - y[0], z[1] - z[0]])
@@ -76,9 +80,12 @@ def _fly(made: Pass, ticks: int) -> tuple[Array, Array, Array, Array]:
             row = k // per
             pos[row, :, 1], pos[row, :, 2], vel[row, :, 2] = y, z, v
             vel[row, 1, 1] = made.speed if abs(y[1]) < 1.0 else 0.0
-            lifts[row], etas[row] = lift, eta
+            lifts[row], etas[row] = lift + gust, eta
         expected = loop.offset - loop.k_p * (z - ref) - loop.k_d * v
         lift = lift + (1.0 - np.exp(-STEP / loop.lag)) * (expected - lift) if loop.lag > 0.0 else expected
-        v = v + STEP * (lift + eta)
+        v = v + STEP * (lift + gust + eta)
         z = z + STEP * v
+        if made.gust > 0.0:
+            kick = made.gust * (2.0 * STEP / GUST_S) ** 0.5
+            gust = (1.0 - STEP / GUST_S) * gust + kick * stir.normal(size=2)
     return pos, vel, lifts, etas

@@ -11,7 +11,6 @@ from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
-from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.gains.altitude_record import (
     AltitudeRecord,
     altitude_record,
@@ -190,17 +189,6 @@ def test_flights_of_one_and_of_two_vehicles_give_gains_together():
     fit = gains_from_trajectories([record_of(both), alone])
     assert [one.shape for one in fit.mse] == [(2,), (1,)]
     assert fit.loop.k_p == pytest.approx(0.81, rel=2e-3)
-
-
-def test_the_thrusts_lag_is_found_from_accelerometer_and_command():
-    found = thrust_lag([made_flight(made) for made in (CALM, *PASSES)], CRAZYFLIE_2_0)
-    assert found == pytest.approx(LOOP.lag, abs=0.01)  # a tick: commands are held for one
-
-
-def test_without_an_accelerometer_no_lag_is_claimed():
-    flight = made_flight(CALM)
-    blind = replace(flight, specific_force_body=np.full_like(flight.specific_force_body, np.nan))
-    assert thrust_lag([blind], CRAZYFLIE_2_0) is None
 
 
 def test_dev_is_the_mean_of_both_deviations_while_above_each_other():

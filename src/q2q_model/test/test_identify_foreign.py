@@ -198,6 +198,6 @@ def test_a_flight_without_pushes_keeps_its_place_in_the_scores(tmp_path: Path):
     words = ["--model", "paper_law", str(bag), str(BAGS / "table2_1"), "--json", str(out)]
     assert evaluate.main(words) == 0
     scores = json.loads(out.read_text())
-    nothing = {**dict.fromkeys(NUMBERS), "n": 0}
+    nothing = {**dict.fromkeys(NUMBERS), "n": 0, "in_fit": False}
     assert scores["flights"]["silent"] == nothing
-    assert scores["flights"]["table2_1"] == scores["pooled"]
+    assert scores["flights"]["table2_1"] == scores["pooled"] | {"in_fit": False}

@@ -1,7 +1,9 @@
 """Run identify and evaluate as a user does, on the bags of the repository."""
 
 import json
+import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +11,11 @@ import pytest
 
 from q2q_model.bag import BagError
 from q2q_model.commands import evaluate, identify
-from q2q_model.files.model_file import load
+from q2q_model.files.model_file import load, save
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.force.recorded_force import motion_of
 from q2q_model.tools.recordings import bags_among, read_recordings
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"
 NUMBERS = ("r2_exposed", "rmse_exposed_mps2", "mean_upper_mps2", "r2_ahead_20ms")
@@ -79,11 +82,26 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     words = ["--model", str(found / "model.q2q"), str(FLIGHTS[0]), "--json", str(out)]
     assert evaluate.main(words) == 0
     scores = json.loads(out.read_text())
-    assert set(scores) == {"flights", "pooled"}
+    assert set(scores) == {"thrust_lag_s", "flights", "pooled"}
+    assert scores["thrust_lag_s"] == CRAZYFLIE_2_0.thrust_lag
     assert set(scores["pooled"]) == {*NUMBERS, "n"}
-    assert scores["flights"]["table2_1"] == scores["pooled"]
+    assert scores["flights"]["table2_1"] == scores["pooled"] | {"in_fit": True}
     assert scores["pooled"]["r2_exposed"] > 0.9
-    assert "table2_1" in capsys.readouterr().out
+    told = capsys.readouterr()
+    assert re.search(r"table2_1 .*, in the fit: not held out$", told.out, re.MULTILINE)
+    assert "force of 1 flights is from imu and command, with a thrust lag of 0.07 s" in told.err
+
+
+@needs_bags
+def test_evaluate_takes_the_thrust_lag_that_the_model_was_fitted_with(found: Path, tmp_path: Path):
+    model = load(found / "model.q2q")
+    assert model.gains is not None
+    other = replace(model, gains=replace(model.gains, lag=0.12))
+    save(tmp_path / "other.q2q", other)
+    out = tmp_path / "scores.json"
+    words = ["--model", str(tmp_path / "other.q2q"), str(FLIGHTS[0]), "--json", str(out)]
+    assert evaluate.main(words) == 0
+    assert json.loads(out.read_text())["thrust_lag_s"] == 0.12
 
 
 @needs_bags

@@ -72,7 +72,6 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         quat=np.broadcast_to([0.0, 0.0, 0.0, 1.0], (*shape, 4)).copy(),
         rate_body=np.zeros((*shape, 3)),
         lag=0.07,
-        own_lag=0.07,
         motors=None,
     )
     return with_force(blank, np.zeros(shape))

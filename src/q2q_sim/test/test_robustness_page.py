@@ -10,8 +10,8 @@ import pytest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
 from q2q_sim.experiments.robustness.fill_robustness import (
-    Draws,
-    Numbers,
+    FlightDraws,
+    KeptNumbers,
     asked_flights,
     read,
     run,
@@ -69,10 +69,10 @@ def test_the_page_names_what_is_worse_than_ignoring_and_nothing_else() -> None:
 
 def test_numbers_are_kept_in_a_file(tmp_path: Path) -> None:
     errors = {"a": Errors(0.012345, 0.5, 1e-3), "b": Errors(1.0, 2.0, 3.0)}
-    for draws in (Draws(2, 2001), None):
-        save(Numbers(errors, draws), tmp_path / "numbers.json")
-        assert read(tmp_path / "numbers.json") == Numbers(errors, draws)
-    assert read(tmp_path / "none.json") == Numbers({}, None)
+    for draws in (FlightDraws(2, 2001), None):
+        save(KeptNumbers(errors, draws), tmp_path / "numbers.json")
+        assert read(tmp_path / "numbers.json") == KeptNumbers(errors, draws)
+    assert read(tmp_path / "none.json") == KeptNumbers({}, None)
     (tmp_path / "bad.json").write_text("[1]")
     with pytest.raises(ValueError, match=r"bad\.json has no numbers of flights"):
         read(tmp_path / "bad.json")
@@ -80,7 +80,7 @@ def test_numbers_are_kept_in_a_file(tmp_path: Path) -> None:
 
 def test_numbers_of_other_draws_are_refused_and_nothing_is_flown(tmp_path: Path) -> None:
     kept = tmp_path / "numbers.json"
-    save(Numbers({}, Draws(2, 2001)), kept)
+    save(KeptNumbers({}, FlightDraws(2, 2001)), kept)
     before = kept.read_bytes()
     asked = Namespace(airs=["ring"], seeds=25, seed=7, json=kept, out=tmp_path / "page.md", table_only=False)
     with pytest.raises(ValueError, match=r"is of --seeds 2 --seed 2001: give these, or another file"):

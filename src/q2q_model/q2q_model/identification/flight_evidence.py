@@ -8,6 +8,7 @@ import numpy as np
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.signals.values import Array
 
 NEAR = 0.5
 """Horizontal distance within which a vehicle counts as above or below another [m]."""
@@ -44,9 +45,19 @@ def every_record(flights: Sequence[FlightEvidence]) -> list[AltitudeRecord]:
 
 def has_exposure(record: AltitudeRecord) -> bool:
     """Return whether any vehicle flies under another."""
+    return bool(_gaps(record).size)
+
+
+def largest_gap(records: Sequence[AltitudeRecord]) -> float:
+    """Return the largest height difference of a vehicle under another [m]; 0 if none flies so."""
+    return max((float(_gaps(record).max(initial=0.0)) for record in records), default=0.0)
+
+
+def _gaps(record: AltitudeRecord) -> Array:
+    """Return the height differences of exposed rows [m]."""
     rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
     gap = np.abs(rel[..., 2])
-    return bool(((np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])).any())
+    return gap[(np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])]
 
 
 def is_lower(record: AltitudeRecord) -> list[bool]:

@@ -1,6 +1,6 @@
 """Identification procedure, from recorded flights to gains, zone and model: sections 2.2 to 3.2 in order.
 
-flights -> repaired records -> gains (12)-(13) -> thrust lag -> dev, alpha, beta, d -> candidates for eta
+flights -> repaired records -> gains (12)-(13) -> pushes -> dev, alpha, beta, d -> candidates for eta
 -> held-out errors -> the model, fitted on all flights -> its zone |eta| >= threshold
 """
 
@@ -17,7 +17,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
-from q2q_model.identification.flight_evidence import FlightEvidence
+from q2q_model.identification.flight_evidence import FlightEvidence, largest_gap
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
 from q2q_model.identification.force.loading import loading_of
 from q2q_model.identification.force.recorded_force import (
@@ -28,8 +28,8 @@ from q2q_model.identification.force.recorded_force import (
     push_of_sensors,
 )
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
-from q2q_model.identification.force.thrust_lag import thrust_lag
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
+from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records, check_upright
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
@@ -46,7 +46,7 @@ from q2q_model.identification.selection.candidates import (
 )
 from q2q_model.identification.selection.held_out import Score, doubts, score_on
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, Vehicle
 
 StepCallback = Callable[[str], None]
 
@@ -61,6 +61,8 @@ class Recording:
     flight: Flight
     log: FlightLog | None = None
     """At the ticks and vehicles of the flight."""
+    filtered: bool = False
+    """Whether no states were recorded, and those of the flight are of the mocap filter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,22 +108,22 @@ def identify(
     on_step("records")
     flown, holes = zip(*(recorded_altitudes(one, params.vehicle) for one in recordings), strict=True)
     on_step("gains")
-    gains, remarks = _gains([*chain(*flown)])
-    lag = thrust_lag([one.flight for one in recordings], params.vehicle) or params.vehicle.thrust_lag
-    loop = replace(gains.loop, lag=lag if gains.from_commands else 0.0)
+    records = [*chain(*flown)]
+    gains, remarks = _gains(records, recordings, params.vehicle)
+    loop = replace(gains.loop, lag=params.vehicle.thrust_lag if gains.from_commands else 0.0)
     on_step("pushes")
-    pushes = [_pushes(one, params.vehicle, lag) for one in recordings]
+    pushes, told = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
     evidence = [FlightEvidence(*pair) for pair in zip(flown, pushes, strict=True)]
     on_step("zone")
-    decay, no_decay = _decay([*chain(*flown)])
+    decay, no_decay = _decay(records)
     omitted = remarks_on_networks(params.model_type, evidence)
     tried = candidates(params.model_type, evidence, loop)
     trials, failed = score_candidates(tried, evidence, loop, on_step)
     on_step("final fit")
     best, model, unfit = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
-    zone, no_zone = _learned_zone(model, params.threshold)
+    zone, on_zone = _learned_zone(model, params.threshold, records)
     doubted = doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []
     train = score_on(model, evidence, loop)
     spread = parameter_intervals(best.candidate, model, evidence, loop)
@@ -137,13 +139,17 @@ def identify(
         loading=dict(spread).get("loading") or loading_of(model, pushed),
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
-        file=_file(model, zone, loop, residual, _fit(best, train, evidence)),
-        remarks=(*chain(*holes), *remarks, *no_decay, *omitted, *failed, *unfit, *no_zone, *doubted),
+        file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, evidence)),
+        remarks=tuple(chain(*holes, remarks, told, no_decay, omitted, failed, unfit, on_zone, doubted)),
     )
 
 
 def _file(
-    model: InteractionModel, zone: LevelSet | None, loop: AltitudeLoop, residual: ResidualFit | None, fit: Fit
+    model: InteractionModel,
+    zone: LevelSet | None,
+    loop: AltitudeLoop | None,
+    residual: ResidualFit | None,
+    fit: Fit,
 ) -> ModelFile:
     process = residual.process if residual else None
     return ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit, residual=process)
@@ -181,22 +187,44 @@ def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | 
     """Return a flight's measured force, from its log or its sensors; None if it has neither.
 
     Raises:
-        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air.
+        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, or is not
+            upright.
     """
+    check_upright(one.flight)
     check_weight(one.flight, vehicle)
     if one.log is not None and is_force_log(one.log):
         return push_of_log(one.flight.name, one.log, motion_of(one.flight))
     return push_of_sensors(one.flight, vehicle, lag)
 
 
-def _pushes(one: Recording, vehicle: Vehicle, lag: float) -> tuple[ForceSamples, ...]:
-    record = force_record(one, vehicle, lag)
-    return tuple(force_samples(record)) if record is not None else ()
+def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
+    """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
+    count = sum(not _has_force_log(one) for one in recordings)
+    told = f"force of {count} flights is from imu and command, with a thrust lag of {lag:g} s"
+    return [told] if count else []
 
 
-def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
+def _has_force_log(one: Recording) -> bool:
+    return one.log is not None and is_force_log(one.log)
+
+
+def _pushes(
+    recordings: Sequence[Recording], vehicle: Vehicle
+) -> tuple[list[tuple[ForceSamples, ...]], list[str]]:
+    """Return the samples of every flight, and notes on their force."""
+    records = [force_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
+    pushes = [tuple(force_samples(record)) if record is not None else () for record in records]
+    sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
+    told = sensor_notes([one.flight for one in recordings], vehicle)
+    return pushes, [*told, *lag_note(sampled, vehicle.thrust_lag)]
+
+
+def _gains(
+    records: Sequence[AltitudeRecord], recordings: Sequence[Recording], vehicle: Vehicle
+) -> tuple[GainFit, list[str]]:
     try:
-        return gains_from_commands(records), []
+        fit = gains_from_commands(records)
+        return fit, [*_sign_note(fit), *_weight_note(fit, vehicle), *_filter_note(recordings)]
     except ValueError as missing:
         found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
         if needs_offset := is_better(shifted, found):
@@ -214,6 +242,46 @@ def _gains(records: Sequence[AltitudeRecord]) -> tuple[GainFit, list[str]]:
         return fit, [f"gains are from trajectories, downwash and lag included: {missing}"]
 
 
+def _sign_note(fit: GainFit) -> list[str]:
+    """Return a note if the gains do not hold a vehicle at its reference."""
+    if fit.holds:
+        return []
+    return [
+        (
+            f"the model file has no gains, as K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both "
+            "above 0: is z up in positions and references, and is the reference that of the controller?"
+        )
+    ]
+
+
+def _filter_note(recordings: Sequence[Recording]) -> list[str]:
+    """Return a note if velocities are filtered positions, which need not be those that the controller had."""
+    count = sum(one.filtered for one in recordings)
+    if not count:
+        return []
+    return [
+        (
+            f"{count} of {len(recordings)} flights have no states: K_d is fitted to velocities that the "
+            "mocap filter makes of their poses. It is too small, beyond its interval, if the controller had "
+            "other velocities (4.7 for 5 by noise of 0.3 mm, 3.5 by 1 mm): record the topic state"
+        )
+    ]
+
+
+def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
+    """Return a note if the commanded thrust carries another weight than the vehicle's."""
+    if abs(fit.loop.offset) <= MOST_OFFSET:
+        return []
+    carried = vehicle.mass * (1.0 + fit.loop.offset / GRAVITY)
+    return [
+        (
+            f"the commanded thrust carries {1e3 * carried:.1f} g, and {vehicle.name} weighs "
+            f"{1e3 * vehicle.mass:.1f} g: the gains are wrong by that ratio: give the vehicle that was flown "
+            "(--vehicle)"
+        )
+    ]
+
+
 def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:
     try:
         decay = fit_decay(records)
@@ -227,8 +295,17 @@ def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str
     return decay, []
 
 
-def _learned_zone(model: InteractionModel, threshold: float) -> tuple[LevelSet | None, list[str]]:
+def _learned_zone(
+    model: InteractionModel, threshold: float, records: Sequence[AltitudeRecord]
+) -> tuple[LevelSet | None, list[str]]:
     try:
-        return level_set(model, threshold), []
+        zone = level_set(model, threshold)
     except ValueError as empty:
         return None, [f"no zone from the learned downwash, the paper's is kept: {empty}"]
+    reasons, flown = [], largest_gap(records)
+    if zone.d >= model.reach.vertical:
+        reasons.append(f"is the range of the model, where its downwash still exceeds {threshold:g} m/s^2")
+    if zone.d > flown:
+        reasons.append(f"lies beyond the largest gap flown, {flown:.2f} m: it is extrapolated")
+    told = f"zone from the downwash: d = {zone.d:.2f} m {', and '.join(reasons)}"
+    return zone, [told] if reasons else []

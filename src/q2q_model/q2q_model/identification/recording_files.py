@@ -4,7 +4,7 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, TopicMap, read_flight, read_flight_log, read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TYPE
-from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.flight_table import flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
@@ -18,8 +18,7 @@ def recording_of_table(path: Path) -> Recording:
     signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
     log = log_of(table)
     flight = flight_from_signals(path.stem, signals).flight
-    own = log_at(log, flight.t, flight.names) if log.columns else None
-    return Recording(with_filtered_states(flight), own)
+    return _recording(flight, log_at(log, flight.t, flight.names) if log.columns else None)
 
 
 def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
@@ -30,7 +29,12 @@ def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
         own = log_at(log, flight.t, flight.names) if log else None
     except ValueError as misfit:
         raise BagError(f"bag {bag}: {misfit}") from misfit
-    return Recording(with_filtered_states(flight), own)
+    return _recording(flight, own)
+
+
+def _recording(flight: Flight, log: FlightLog | None) -> Recording:
+    whole = with_filtered_states(flight)
+    return Recording(whole, log, filtered=whole is not flight)
 
 
 def _log(bag: Path) -> FlightLog | None:

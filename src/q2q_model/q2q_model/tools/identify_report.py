@@ -92,6 +92,8 @@ def _ranged(one: Interval) -> str:
 
 def _gain(name: str, found: Interval) -> str:
     remark = "" if found.is_positive else ": not identifiable from these flights"
+    if found.high < 0.0:
+        remark = ": negative, the commands lead away from the reference"
     return f"{name} {found.value:.5f} [{found.low:.5f}, {found.high:.5f}]{remark}"
 
 

@@ -7,6 +7,8 @@ from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import ModelFile
+from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.force.downwash_force import (
     FEWEST_FREE,
     FLOOR,
@@ -16,8 +18,8 @@ from q2q_model.identification.force.downwash_force import (
     remark_on_unmeasured,
     score,
 )
-from q2q_model.identification.force.thrust_lag import thrust_lag
-from q2q_model.identification.identification import Recording, force_record
+from q2q_model.identification.force.sensor_check import sensor_notes
+from q2q_model.identification.identification import Recording, force_record, lag_note
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import Vehicle
@@ -25,26 +27,39 @@ from q2q_model.vehicle.constants import Vehicle
 
 def run(args: Namespace) -> int:
     """Score a model, print and write the scores, and return the exit status."""
-    law = find_model(args.model).interaction
+    model = find_model(args.model)
+    law = model.interaction
     bags, left_out = bags_among(args.bags)
     recordings, repairs = read_recordings(bags, topic_map(args.topics))
     flown = common_vehicle(bags, args.vehicle)
-    samples = _samples(recordings, flown.vehicle)
+    lag = _lag(model, flown.vehicle)
+    samples = _samples(recordings, flown.vehicle, lag)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
-    text = {"flights": {name: asdict(one) for name, one in scores.items()}, "pooled": asdict(pooled)}
+    taught = {name for name in scores if is_among(name, model.fit.flights if model.fit else ())}
+    text = {
+        "thrust_lag_s": lag,
+        "flights": {name: asdict(one) | {"in_fit": name in taught} for name, one in scores.items()},
+        "pooled": asdict(pooled),
+    }
     if args.json:
         write_json(text, args.json)
-    for note in [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]:
+    notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
+    notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
+    for note in [*notes, *lag_note([one for one in recordings if samples[one.flight.name]], lag)]:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
-        print(_line(name, one))
+        print(_line(name, one) + (f", {IN_FIT}" if name in taught else ""))
     print(_line("pooled", pooled))
     return 0
 
 
-def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
-    lag = thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
+def _lag(model: ModelFile, vehicle: Vehicle) -> float:
+    """Return the thrust lag that the model was fitted with, else the vehicle's [s]."""
+    return model.gains.lag if model.gains and model.gains.lag > 0.0 else vehicle.thrust_lag
+
+
+def _samples(recordings: Sequence[Recording], vehicle: Vehicle, lag: float) -> dict[str, list[ForceSamples]]:
     found: dict[str, list[ForceSamples]] = {}
     measured = False
     for one in recordings:

@@ -16,9 +16,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.files.model_file import Fit, ModelFile, save
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, ForceSamples, force_samples
 from q2q_model.identification.force.held_out_flights import HeldOutScores, held_out_scores
-from q2q_model.identification.force.recorded_force import is_force_log
-from q2q_model.identification.force.thrust_lag import thrust_lag
-from q2q_model.identification.identification import Recording, force_record
+from q2q_model.identification.identification import force_record
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path, flights_folder
@@ -115,18 +113,11 @@ def score_flights(flights: DemoFlights) -> HeldOutScores:
 def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
     """Return the samples of every flight with a measured force."""
     recordings, notes = read_flights(paths)
-    lag = _lag(recordings, vehicle)
-    records = {one.flight.name: force_record(one, vehicle, lag) for one in recordings}
+    records = {one.flight.name: force_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
     unmeasured = [f"{name} has no measured force: left out" for name, one in records.items() if one is None]
     for note in (*notes, *unmeasured):
         _tell(note)
     return {name: force_samples(one) for name, one in records.items() if one is not None}
-
-
-def _lag(recordings: Sequence[Recording], vehicle: Vehicle) -> float:
-    """Return the lag of thrust that fits flights whose force is from sensors, else the vehicle's [s]."""
-    sensed = [one.flight for one in recordings if one.log is None or not is_force_log(one.log)]
-    return thrust_lag(sensed, vehicle) or vehicle.thrust_lag
 
 
 def _save_model(scores: HeldOutScores, out: Path) -> Path:

@@ -36,6 +36,8 @@ MOSTLY = 0.99
 STANDING = 0.25
 """Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
 flights, commands in the air are 0.64 or more."""
+LEAST_UP = 0.5
+"""Least median of the vertical component of body z [-]: a tilt of 60 degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,8 +156,10 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     interpolated outliers (section 2.2) and its differences.
 
     Raises:
-        ValueError: no reference, no believable positions, or less than 2 s of both.
+        ValueError: no reference, no believable positions, less than 2 s of both, or an attitude that is not
+            upright.
     """
+    check_upright(flight)
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
     visible, placed = _finite_rows(mocap), _placed(flight)
     bad = find_outliers(flight.t, mocap)
@@ -183,6 +187,19 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         outliers=int((bad & visible).sum()),
         samples=int(visible.sum()),
     )
+
+
+def check_upright(flight: Flight) -> None:
+    """Raise ValueError if body z of a vehicle does not point up in the median of its flight."""
+    up = _attitude(flight)[..., 2]
+    for i, name in enumerate(flight.names):
+        flies = flight.thrust[:, i] > 0.0
+        median = float(np.median(up[flies, i] if flies.any() else up[:, i]))
+        if median < LEAST_UP:
+            raise ValueError(
+                f"flight {flight.name}: body z of {name} points {median:.2f} upwards in the median, "
+                f"{LEAST_UP:g} or more is expected: are quaternions in the order x y z w, and is z up?"
+            )
 
 
 def _check_believable(flight: Flight, visible: Mask, bad: Mask) -> None:

@@ -57,6 +57,11 @@ class GainFit:
     """Standard deviation of the residual: [m/s^2] from commands, [m] from trajectories."""
     from_commands: bool = True
 
+    @property
+    def holds(self) -> bool:
+        """Return whether the gains lead a vehicle to its reference."""
+        return self.loop.k_p > 0.0 and self.loop.k_d > 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class _Equation:

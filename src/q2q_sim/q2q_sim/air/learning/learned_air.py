@@ -66,7 +66,7 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         ValueError: no flight has a usable row.
     """
     on_step("records")
-    records, notes = air_records(recordings, vehicle)
+    records, notes = air_records(recordings, vehicle, vehicle.thrust_lag)
     if not records:
         raise ValueError("; ".join(notes))
     load = rate_load_term(records, vehicle)

@@ -3,8 +3,9 @@
     a_0 = median over clear air of (R f)_z - T_c b_z / m      T_c: commanded thrust after the thrust lag
 
 for each vehicle of each flight, with the vehicle's nominal mass m. A mean offset beyond HEAVIEST is that of
-another vehicle: its term is not learned. Lag and motor curve are medians over flights; headroom is at the
-highest voltage flown, its loss by volt the slope from there to the lowest. The attitude loop is LOOP.
+another vehicle: its term is not learned. The motor curve is a median over flights; headroom is at the highest
+voltage flown, its loss by volt the slope from there to the lowest. The thrust lag is the vehicle's, the
+attitude loop LOOP.
 """
 
 from collections.abc import Sequence
@@ -47,7 +48,7 @@ def vehicle_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[
         return None
     values = [
         *_spread_of_offsets(offsets, vehicle.mass),
-        _lag(records, vehicle),
+        Fitted(LAG, vehicle.thrust_lag, None, None, 0, f"not learned: that of {vehicle.name}"),
         *_headroom(motor_curves(records), vehicle),
     ]
     found = {one.path.removeprefix("vehicle."): one.value for one in values}
@@ -86,14 +87,6 @@ def _spread_of_offsets(offsets: Array, mass: float) -> list[Fitted]:
     found = spread(estimate, offsets.size)
     source = f"flights of vehicles, for a mass of {mass * 1e3:.1f} g"
     return [fitted(found, k, path, offsets.size, source) for k, path in enumerate(OFFSETS)]
-
-
-def _lag(records: Sequence[AirRecord], vehicle: Vehicle) -> Fitted:
-    lags = np.array([record.own_lag for record in records if record.own_lag is not None])
-    if not lags.size:
-        return Fitted(LAG, vehicle.thrust_lag, None, None, 0, f"not learned: that of {vehicle.name}")
-    found = spread(lambda weight: np.array([np.median(_drawn(lags, weight))]), lags.size)
-    return fitted(found, 0, LAG, lags.size, "flights with accelerometer and command")
 
 
 def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:

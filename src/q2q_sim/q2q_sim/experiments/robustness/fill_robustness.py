@@ -19,8 +19,8 @@ DRAWS = "draws and seed"
 """Key of the draws in a file of numbers; the others are flights."""
 
 
-class Draws(NamedTuple):
-    """Draws of each flight."""
+class FlightDraws(NamedTuple):
+    """Draws of every flight in a file."""
 
     each: int
     """Number in each flight."""
@@ -28,18 +28,18 @@ class Draws(NamedTuple):
     """Of the first."""
 
 
-class Numbers(NamedTuple):
+class KeptNumbers(NamedTuple):
     """Numbers of flights in a file."""
 
     errors: Mapping[str, Errors]
-    draws: Draws | None
+    draws: FlightDraws | None
     """None in files of before 2026-11-28."""
 
 
 def run(given: Namespace) -> int:
     """Fly what is missing, keep the numbers after each flight, write the page; return the exit status."""
     flights = asked_flights(given.airs, given.seeds, given.seed)
-    numbers, asked = read(given.json), Draws(given.seeds, given.seed)
+    numbers, asked = read(given.json), FlightDraws(given.seeds, given.seed)
     kept = numbers.draws or asked
     if kept != asked:
         raise ValueError(
@@ -50,7 +50,7 @@ def run(given: Namespace) -> int:
     missing = [name for name in wanted if name not in found]
     for name in () if given.table_only else track(missing, "flights"):
         found[name] = fly_perturbed(wanted[name])
-        save(Numbers(found, asked), given.json)
+        save(KeptNumbers(found, asked), given.json)
     complete = [one for one in flights if key(one) in found and key(ignoring(one)) in found]
     if not complete:
         raise ValueError(f"{given.json} holds none of these flights: leave out {TABLE_ONLY}")
@@ -70,23 +70,23 @@ def asked_flights(airs: Sequence[str], draws: int, seed: int) -> list[PerturbedF
     ]
 
 
-def read(file: Path) -> Numbers:
+def read(file: Path) -> KeptNumbers:
     """Return the numbers in a file, none if there is no file.
 
     Raises:
         ValueError: the file has another form.
     """
     if not file.is_file():
-        return Numbers({}, None)
+        return KeptNumbers({}, None)
     try:
         body = json.loads(file.read_text(encoding="utf-8"))
-        draws = Draws(*body.pop(DRAWS)) if DRAWS in body else None
-        return Numbers({str(name): Errors(*map(float, row)) for name, row in body.items()}, draws)
+        draws = FlightDraws(*body.pop(DRAWS)) if DRAWS in body else None
+        return KeptNumbers({str(name): Errors(*map(float, row)) for name, row in body.items()}, draws)
     except (AttributeError, TypeError, ValueError) as wrong:
         raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
 
 
-def save(numbers: Numbers, file: Path) -> None:
+def save(numbers: KeptNumbers, file: Path) -> None:
     """Replace a file by these numbers [m], a line for each flight after their draws."""
     rows = [f" {json.dumps(DRAWS)}: {json.dumps(numbers.draws)}"] if numbers.draws else []
     rows += [

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.documents.json_file import write_json
+from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.identification import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.validation.comparison import Comparison, comparison
 from q2q_sim.experiments.validation.drawn_air import draws_in
 from q2q_sim.experiments.validation.flight_alone import (
@@ -27,10 +29,11 @@ from q2q_sim.plant.swarm import vehicle_in
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     tracked, single = _flyable(recordings, vehicle)
+    taught = air.flights if isinstance(air, RoomAir) else ()
     done = [_flown(one, air, vehicle, args.draws) for one in tracked]
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
     if args.json:
-        write_json(as_json(done, alone), args.json)
+        write_json(as_json(done, alone, taught), args.json)
     if args.out:
         print(f"page: {write_page(done, alone, Path(args.air).name, args.out)}")
     if alone:
@@ -67,7 +70,7 @@ def _flyable(
 
 def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: int) -> ComparedAlone:
     one = compared_alone(flight, vehicle, air, range(draws))
-    print(_line(f"{flight.name}, height", comparison([one.vertical])))
+    print(_line(f"{flight.name}, height", comparison([one.vertical])) + _fit_note(flight.name, air))
     return one
 
 
@@ -76,8 +79,13 @@ def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -
     one = validated(flight, vehicle_in(air, vehicle), make, range(draws))
     if not one.has_wake:
         _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
-    print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))
+    line = _line(flight.name, comparison(one.under if one.has_wake else one.clear))
+    print(line + _fit_note(flight.name, air))
     return one
+
+
+def _fit_note(name: str, air: FlownAir) -> str:
+    return f", {IN_FIT}" if isinstance(air, RoomAir) and is_among(name, air.flights) else ""
 
 
 def _line(name: str, one: Comparison) -> str:

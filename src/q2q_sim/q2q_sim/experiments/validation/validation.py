@@ -5,7 +5,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from q2q_model.signals.values import Array, Mask
+from q2q_model.flights.same_flight import is_among
+from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.experiments.validation.comparison import (
     Comparison,
@@ -91,10 +92,21 @@ def is_told_apart(numbers: Comparison) -> bool:
     return not all(ok for ok, _ in _judged(numbers))
 
 
-def as_json(flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = ()) -> dict[str, object]:
-    """Return the numbers of all flights and pooled ones; None where nothing was compared."""
+def as_json(
+    flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = (), taught: Names = ()
+) -> dict[str, object]:
+    """Return the numbers of all flights and pooled ones; None where nothing was compared.
+
+    Args:
+        flights: flights of several vehicles.
+        alone: flights of one vehicle.
+        taught: names of the flights that the air was learned from.
+    """
     return {
-        "flights": {one.flight.name: _flight_json(one) for one in flights},
+        "flights": {
+            one.flight.name: {**_flight_json(one), "in_fit": is_among(one.flight.name, taught)}
+            for one in flights
+        },
         "pooled": asdict(pooled(flights)),
         "pooled_clear": asdict(comparison([part for one in flights for part in one.clear])),
         "intervals": {
@@ -102,7 +114,9 @@ def as_json(flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] =
             "pooled_clear": flight_intervals([one.clear for one in flights]),
         },
         "alone": {
-            "flights": {one.name: _alone_json([one]) for one in alone},
+            "flights": {
+                one.name: {**_alone_json([one]), "in_fit": is_among(one.name, taught)} for one in alone
+            },
             "pooled": _alone_json(alone),
         },
         "verdict": verdict(pooled(flights)),

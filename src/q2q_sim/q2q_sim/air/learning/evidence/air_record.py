@@ -20,7 +20,6 @@ from q2q_model.identification.force.downwash_force import (
     known_rows,
 )
 from q2q_model.identification.force.recorded_force import MOTORS, lagged, motor_duty
-from q2q_model.identification.force.thrust_lag import thrust_lag
 from q2q_model.identification.identification import Recording, force_record
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
@@ -67,8 +66,6 @@ class AirRecord:
     """Body rates [rad/s], (T, n, 3)."""
     lag: float
     """Time constant of thrust of all flights [s]."""
-    own_lag: float | None
-    """That of this flight alone; None if it does not show, or was not looked for."""
     motors: Motors | None
     """None if the flight has no log of them."""
 
@@ -79,17 +76,18 @@ class AirRecord:
 
 
 def air_records(
-    recordings: Sequence[Recording], vehicle: Vehicle, known_lag: float | None = None
+    recordings: Sequence[Recording], vehicle: Vehicle, lag: float
 ) -> tuple[list[AirRecord], list[str]]:
     """Return the records of flights with a measured force, and notes on other flights and on vehicles.
 
-    With a known time constant of thrust [s], no flight's own one is looked for.
+    Args:
+        recordings: flights.
+        vehicle: the vehicle that flew.
+        lag: time constant of thrust [s].
     """
-    lag = known_lag or thrust_lag([one.flight for one in recordings], vehicle) or vehicle.thrust_lag
     found, notes = [], []
     for one in recordings:
-        own_lag = None if known_lag else thrust_lag([one.flight], vehicle)
-        record = _record(one, vehicle, lag, own_lag)
+        record = _record(one, vehicle, lag)
         if record is None:
             notes.append(
                 f"{one.flight.name} has no measured force: record imu and command, or faz_est, gap and pwm1-4"
@@ -111,7 +109,7 @@ def _remarks(record: AirRecord, names: Names) -> list[str]:
     return [f"{record.name}: no usable row of {', '.join(idle)}"] if idle else []
 
 
-def _record(one: Recording, vehicle: Vehicle, lag: float, own_lag: float | None) -> AirRecord | None:
+def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     forces = force_record(one, vehicle, lag)
     if forces is None:
         return None
@@ -133,7 +131,6 @@ def _record(one: Recording, vehicle: Vehicle, lag: float, own_lag: float | None)
         quat=flight.quat,
         rate_body=flight.gyro_body,
         lag=lag,
-        own_lag=own_lag,
         motors=_motors(one),
     )
 

@@ -1,0 +1,10 @@
+"""Whether a flight is among those that a model or an air was fitted to, by its name."""
+
+from collections.abc import Iterable
+
+IN_FIT = "in the fit: not held out"
+
+
+def is_among(name: str, fitted: Iterable[str]) -> bool:
+    """Return whether a flight is among others; the folders before a name may be missing in either."""
+    return any(f"/{name}".endswith(f"/{one}") or f"/{one}".endswith(f"/{name}") for one in fitted)

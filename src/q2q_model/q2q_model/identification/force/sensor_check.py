@@ -1,0 +1,96 @@
+"""Check of the accelerometer against the commanded thrust in clear air.
+
+There (R f_body)_z = s lagged(U1) b_z / m + o. The offset o at s = 1 shows a wrong mass, or an accelerometer
+without gravity or with it twice; the slope s shows other units than m/s^2. With the correlation r of both
+sides and their deviations, the two regression lines enclose s:
+
+    r dev(f) / dev(U1 b_z / m) <= s <= dev(f) / dev(U1 b_z / m) / r
+
+The first is too small in gusts, which commands answer, and the second with noise of the accelerometer.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_model.identification.force.downwash_force import FEWEST_FREE, scored_rows
+from q2q_model.identification.force.recorded_force import push_of_sensors, recorded_acceleration
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+
+MOST_OFFSET = 0.1 * GRAVITY
+"""Largest offset of a vehicle of the given mass [m/s^2]: at most 0.67 in recorded flights of 34 g."""
+SLOPES = (0.7, 1.3)
+"""Bounds of the slope [-]: the lines of recorded flights enclose some slope of 0.9 to 1.1."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Agreement:
+    """Accelerometer of one vehicle of one flight against its commands."""
+
+    offset: float
+    """[m/s^2]"""
+    slopes: tuple[float, float]
+    """Slopes of both regression lines [-]."""
+
+
+def sensor_notes(flights: Sequence[Flight], vehicle: Vehicle) -> list[str]:
+    """Return notes on vehicles whose accelerometer contradicts the commands for `vehicle`."""
+    found = [one for flight in flights for one in _agreements(flight, vehicle)]
+    shifted = [one.offset for one in found if abs(one.offset) > MOST_OFFSET]
+    scaled = [one.slopes for one in found if one.slopes[1] < SLOPES[0] or one.slopes[0] > SLOPES[1]]
+    return _shift_note(shifted, len(found), vehicle) or _scale_note(scaled, len(found))
+
+
+def _shift_note(shifted: Sequence[float], count: int, vehicle: Vehicle) -> list[str]:
+    if not shifted:
+        return []
+    offset = float(np.median(shifted))
+    carried = vehicle.mass * (1.0 - offset / GRAVITY)
+    return [
+        (
+            f"accelerometer less thrust / mass is {offset:.2f} m/s^2 in clear air for {len(shifted)} of "
+            f"{count} vehicles of flights, at most {MOST_OFFSET:.2f} is expected: {vehicle.name} weighs "
+            f"{1e3 * vehicle.mass:.1f} g, and the thrust carries {1e3 * carried:.1f} g: give the vehicle "
+            "that was flown (--vehicle), or record the specific force, 9.81 m/s^2 upwards at rest"
+        )
+    ]
+
+
+def _scale_note(scaled: Sequence[tuple[float, float]], count: int) -> list[str]:
+    if not scaled:
+        return []
+    low, high = np.median(np.array(scaled), axis=0)
+    return [
+        (
+            f"accelerometer over thrust / mass has a slope of {low:.2f} to {high:.2f} in clear air for "
+            f"{len(scaled)} of {count} vehicles of flights, {SLOPES[0]:g} to {SLOPES[1]:g} is expected: is "
+            "it in m/s^2, and thrust in newtons?"
+        )
+    ]
+
+
+def _agreements(flight: Flight, vehicle: Vehicle) -> list[_Agreement]:
+    """Return the agreement of every vehicle with enough rows in clear air."""
+    found = recorded_acceleration(flight, vehicle)
+    record = push_of_sensors(flight, vehicle, vehicle.thrust_lag)
+    if found is None or record is None:
+        return []
+    free = [scored_rows(record, i).free for i in range(len(flight.names))]
+    lift = found.force - record.push
+    return [
+        _Agreement(float(np.median(record.push[rows, i])), _slopes(lift[rows, i], found.force[rows, i]))
+        for i, rows in enumerate(free)
+        if rows.sum() >= FEWEST_FREE
+    ]
+
+
+def _slopes(lift: Array, force: Array) -> tuple[float, float]:
+    """Return the slopes of both regression lines; 0 and infinite if they do not rise together."""
+    lift, force = lift - lift.mean(), force - force.mean()
+    along = float(lift @ force)
+    if along <= 0.0:
+        return 0.0, np.inf
+    return along / float(lift @ lift), float(force @ force) / along

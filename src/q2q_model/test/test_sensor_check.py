@@ -1,0 +1,108 @@
+"""Flights in other units, frames or orders, or of another vehicle, are told or refused."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_flights import GRAVITY, Pass, made_flight
+
+from q2q_model.flights.flight import Flight
+from q2q_model.identification.force.sensor_check import sensor_notes
+from q2q_model.identification.identification import ProcedureParams, Recording, force_record, identify
+from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.tools.identify_report import summary
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
+
+STIFF = AltitudeLoop(10.0, 5.0, lag=CRAZYFLIE_2_0.thrust_lag)
+MADE = Pass(loop=STIFF, start=0.3, noise=1e-4, gust=0.1, seconds=16.0)
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def with_force(flight: Flight, scale: float, offset: float = 0.0) -> Flight:
+    """Return the flight with accelerations about g times `scale`, plus `offset` [m/s^2]."""
+    force = GRAVITY * UP + scale * (flight.specific_force_body - GRAVITY * UP) + offset * UP
+    return replace(flight, specific_force_body=force)
+
+
+def number(pattern: str, text: str) -> float:
+    """Return the number that a pattern finds."""
+    found = re.search(pattern, text)
+    assert found is not None
+    return float(found[1])
+
+
+def test_a_sound_flight_in_gusts_gives_no_note():
+    assert sensor_notes([made_flight(MADE), made_flight(replace(MADE, start=0.0))], CRAZYFLIE_2_0) == []
+
+
+def test_the_mass_that_the_thrust_carries_is_told():
+    """The flight is one of 34 g; the commands of another vehicle would carry its weight."""
+    (told,) = sensor_notes([made_flight(MADE)], CRAZYFLIE_2_1)
+    assert "for 2 of 2 vehicles" in told
+    assert "crazyflie_2_1 weighs 27.0 g" in told
+    assert number(r"carries (\S+) g", told) == pytest.approx(34.0, abs=0.3)  # gusts of 0.1 m/s^2: 1 % of g
+
+
+@pytest.mark.parametrize("offset", [GRAVITY, -GRAVITY])
+def test_gravity_counted_twice_or_not_at_all_is_told(offset: float):
+    (told,) = sensor_notes([with_force(made_flight(MADE), 1.0, offset)], CRAZYFLIE_2_0)
+    assert number(r"is (\S+) m/s", told) == pytest.approx(offset, abs=0.1)  # the gusts
+    assert "9.81 m/s^2 upwards at rest" in told
+
+
+def test_accelerations_in_units_of_g_are_told_by_their_slope():
+    (told,) = sensor_notes([with_force(made_flight(MADE), 1.0 / GRAVITY)], CRAZYFLIE_2_0)
+    assert number(r"slope of (\S+)", told) < 1.0 / GRAVITY < number(r"slope of \S+ to (\S+)", told)
+
+
+def test_the_weight_is_also_told_where_no_accelerometer_was_recorded():
+    flight = made_flight(MADE)
+    blind = replace(flight, specific_force_body=np.full_like(flight.specific_force_body, np.nan))
+    found = identify([Recording(blind)], ProcedureParams("jet", vehicle=CRAZYFLIE_2_1), lambda _: None)
+    (told,) = (one for one in found.remarks if "carries" in one)
+    assert told.startswith("the commanded thrust carries 34.0 g, and crazyflie_2_1 weighs 27.0 g")
+
+
+def test_a_flight_that_is_not_upright_is_refused_by_every_step():
+    flight = made_flight(MADE)
+    w_first = replace(flight, quat=np.roll(flight.quat, 1, axis=-1))
+    for step in (
+        lambda: identify([Recording(w_first)], ProcedureParams("jet"), lambda _: None),
+        lambda: force_record(Recording(w_first), CRAZYFLIE_2_0, 0.07),
+    ):
+        with pytest.raises(ValueError, match=r"cf1 points -1.00 upwards in the median.* order x y z w"):
+            step()
+
+
+def test_gains_that_lead_away_from_the_reference_are_not_written():
+    flight = made_flight(MADE)
+    turned = replace(flight, thrust=2.0 * CRAZYFLIE_2_0.hover_thrust - flight.thrust)
+    found = identify([Recording(turned)], ProcedureParams("jet"), lambda _: None)
+    assert found.file.gains is None
+    assert any("the model file has no gains, as K_p -10 and K_d -5" in remark for remark in found.remarks)
+    told = summary(found)
+    assert told.count(": negative, the commands lead away from the reference") == 2
+    assert "not identifiable" not in told
+
+
+@pytest.mark.parametrize("filtered", [True, False])
+def test_velocities_that_are_filtered_poses_are_told(filtered: bool, tmp_path: Path):
+    flight = made_flight(MADE)
+    columns = {"t": flight.t}
+    for axis, name in enumerate("xyz"):
+        columns |= {f"cf1_{name}": flight.pos[:, 0, axis], f"cf1_{name}ref": flight.ref_pos[:, 0, axis]}
+        columns |= {} if filtered else {f"cf1_v{name}": flight.vel[:, 0, axis]}
+    columns |= {f"cf1_q{name}": flight.quat[:, 0, k] for k, name in enumerate("xyzw")}
+    columns |= {f"cf1_w{name}": np.zeros(flight.t.size) for name in "pqr"}
+    columns["cf1_thrust_cmd"] = flight.thrust[:, 0]
+    table = tmp_path / "flight.csv"
+    np.savetxt(
+        table, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns), comments=""
+    )
+    found = identify([recording_of_table(table)], ProcedureParams("jet"), lambda _: None)
+    told = [one for one in found.remarks if "record the topic state" in one]
+    assert len(told) == int(filtered)
+    assert (abs(found.gains.k_d.value - STIFF.k_d) < 0.1) is not filtered
