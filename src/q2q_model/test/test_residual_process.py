@@ -59,9 +59,21 @@ def test_the_fit_finds_the_process_that_residuals_were_made_with() -> None:
     assert found is not None
     for name, span in found.intervals:
         truth = getattr(PROCESS, name)
-        deviation = (span.high - span.value) / 1.96
+        deviation = (span.high - span.value) / 2.5706  # t of five, 97.5 %
         assert abs(span.value - truth) < 4.0 * deviation, name
         assert deviation < 0.8 * truth, name  # noise, the least of them, hides below the process
+
+
+def test_few_flights_give_the_wider_intervals_of_students_t() -> None:
+    samples = [one for seed in range(4) for one in flown(seed)]
+    found = fit_residual(LAW, samples)
+    left = [fit_residual(LAW, samples[:k] + samples[k + 1 :]) for k in range(4)]
+    assert found is not None
+    for name, span in found.intervals:
+        values = np.array([getattr(one.process, name) for one in left if one is not None])
+        spread = np.sqrt(3.0 * values.var())
+        assert values.size == 4
+        assert span.high - span.value == pytest.approx(3.1824 * spread, rel=1e-4)  # t of 3, 97.5 %
 
 
 def test_without_rows_under_another_vehicle_there_is_no_process() -> None:

@@ -82,6 +82,27 @@ def test_the_jet_and_its_travel_are_found() -> None:
     assert abs(found.term.upper_ratio) < 0.05  # the upper vehicle of these flights feels nothing
 
 
+def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> None:
+    """Sources that hover neither tilt nor move: where they were and what air they carried is not seen."""
+    flights = []
+    for k in range(2):
+        motion = orbit(20.0, (0.6, 1.05), k)
+        pos = motion.pos[:, ::-1].copy()  # now the lower one moves
+        pos[..., 2] = [0.6, 1.05]
+        up = np.broadcast_to([0.0, 0.0, 1.0], pos.shape).copy()
+        still = replace(motion, pos=pos, vel=np.gradient(pos, DT, axis=0), axis=up)
+        flights.append(flown(f"hovers{k}", still, Wake(wide_jet()), k))
+    found = jet_term(flights)
+    assert found is not None
+    assert (found.term.travel_speed_mps, found.term.carried, found.term.slope) == (4.0, 0.8, 1.0)
+    told = {one.path: one for one in found.values}
+    for path in ("jet.travel_speed_mps", "jet.carried", "jet.slope"):
+        assert told[path].ends is None
+        assert told[path].source == "not shown by these flights: the default"
+    known = float(push(wide_jet(), np.array([0.45]), np.zeros(1))[0])
+    assert float(push(found.term, np.array([0.45]), np.zeros(1))[0]) == pytest.approx(known, rel=0.05)
+
+
 def test_the_residual_is_found_under_the_noise_of_clear_air(pairs: list[AirRecord]) -> None:
     found = residual_term([LeftOut(tuple(pairs), wide_jet())], None)
     assert found is not None

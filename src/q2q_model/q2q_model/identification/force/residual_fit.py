@@ -6,7 +6,8 @@ that is correlated, the rest is noise of the measurement. c and T are a least-sq
 
     floor = sqrt(c) floor_0,   slope = sqrt(c) slope_0,   noise = sqrt(1 - c) rms r
 
-Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three.
+Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three,
+with the quantile of Student's t of one degree of freedom less than there are parts.
 """
 
 from collections.abc import Sequence
@@ -14,20 +15,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import curve_fit
+from scipy.special import stdtrit
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.identification.force.along_flight import eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import deviation_of
-from q2q_model.identification.intervals import Interval
+from q2q_model.identification.intervals import LEVEL, Interval
 from q2q_model.signals.values import Array
 
 LAGS = np.arange(0.02, 0.16, 0.01)
 """[s]: from the first that filters of the measurement do not correlate to twice the correlation time."""
 FEWEST = 500
 """Fewest exposed rows: 5 s at 100 Hz."""
-Z95 = 1.96
 FEWEST_PARTS = 3
 """Fewest parts of a jackknife."""
 LEAST_NOISE = 1e-3
@@ -68,10 +69,13 @@ def fit_residual(model: InteractionModel, samples: Sequence[ForceSamples]) -> Re
         return None
     left = [_process(parts[:k] + parts[k + 1 :]) for k in range(len(parts))]
     values = np.array([_values(one) for one in left if one is not None])
+    if len(values) < 2:
+        return None
     spread = np.sqrt((len(values) - 1.0) * values.var(axis=0))
+    wide = stdtrit(len(values) - 1.0, 0.5 + 0.5 * LEVEL) * spread
     spans = [
-        Interval(value, max(value - Z95 * std, 0.0), value + Z95 * std)
-        for value, std in zip(_values(whole), spread.tolist(), strict=True)
+        Interval(value, max(value - half, 0.0), value + half)
+        for value, half in zip(_values(whole), wide.tolist(), strict=True)
     ]
     return ResidualFit(whole, tuple(zip(NAMES, spans, strict=True)))
 

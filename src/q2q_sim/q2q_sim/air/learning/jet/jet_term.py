@@ -5,17 +5,24 @@ and the simplex of Nelder and Mead minimises what is left. The bootstrap is line
 the Jacobian J = (X, Z) of coefficients above zero and travel, and the misses e,
 
     (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + lambda R)^-1 (sum w_g J_g' e_g - lambda R beta)
+
+An item of the travel is not shown if even alone, with the scores z_g' e_g of the blocks,
+
+    1.96 (sum over g of (z_g' e_g)^2)^1/2 / z' z > half of its bounds,
+
+as the slope where no source tilts, and what is carried where there is no delay. It then is that of START.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import minimize
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, Spread, block_sums, spread
-from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import Travel
 from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, pushes
@@ -39,6 +46,7 @@ FEWEST = 300
 FLOWN = (0.01, 0.99)
 """Quantiles of the exposed rows' gaps between which the table is measured."""
 START = Travel(slowness=0.25, carried=0.8, slope=1.0)
+"""Travel to begin with, near that of real flights, and of what flights do not show."""
 BOUNDS = ((0.0, 1.0), (0.0, 1.5), (0.0, 1.5))
 """Bounds of the travel: no delay to 1 m/s, nothing kept to half more than all."""
 STILL = 1e-3
@@ -47,6 +55,7 @@ REFERENCE = 0.4
 """Gap at which the push on the axis is reported [m]."""
 STEP = 1e-2
 """Step of the derivatives by travel."""
+Z95 = 1.96
 TOLERANCE = 5e-3
 """Tolerance of the travel: a tenth of its interval on the longest recordings."""
 
@@ -62,8 +71,18 @@ def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
     source = f"rows under one vehicle, {low:.2f} to {high:.2f} m below it"
     found = fit.spread()
     values = [fitted(found, k, path, rows, source) for k, path in enumerate(_PATHS)]
+    values[1:] = [_told(*one) for one in zip(values[1:], fit.travel, BOUNDS, fit.shown, strict=True)]
     term = fit.term(upper.value if upper else 0.0)
     return LearnedTerm(term, (*values, upper) if upper else tuple(values))
+
+
+def _told(one: Fitted, item: float, bounds: tuple[float, float], shown: bool) -> Fitted:
+    """Return a value of the travel, without interval if it is not shown, or at its bound."""
+    if not shown:
+        return replace(one, low=None, high=None, rows=0, source="not shown by these flights: the default")
+    if min(abs(item - end) for end in bounds) < TOLERANCE:
+        return replace(one, low=None, high=None, source=f"{one.source}; at the bound of the search")
+    return one
 
 
 def jet_alone(records: Sequence[AirRecord]) -> JetTerm | None:
@@ -87,11 +106,27 @@ class _Fit:
     def __init__(self, parts: Sequence[WakeRows]) -> None:
         self._parts, self._blocks = parts, wake_rows.blocks(parts)
         self._y = np.concatenate([part.y for part in parts])
-        self.travel = self._travel()
-        normal = normal_equations(wake_rows.places(parts, self.travel), self._y, self._blocks)
+        self._solve(self._travel(np.ones(len(START), dtype=bool)))
+        self.shown = self._shown()
+        if not self.shown.all():
+            self._solve(self._travel(self.shown))
+        self.flown = self._flown()
+
+    def _solve(self, travel: Travel) -> None:
+        """Find the table for a travel."""
+        self.travel = travel
+        normal = normal_equations(wake_rows.places(self._parts, travel), self._y, self._blocks)
         self._penalty = chosen_penalty(normal)
         self.beta = solve(normal, np.ones(normal.power.size), self._penalty)
-        self.flown = self._flown()
+
+    def _shown(self) -> Mask:
+        """Return which items of the travel the rows show, (3,)."""
+        missed, found = self._y + self._push(self.travel), []
+        for k, (low, high) in enumerate(BOUNDS):
+            along = self._derivative(k)
+            wide = Z95 * float(np.linalg.norm(block_sums(along * missed, self._blocks)))
+            found.append(wide < 0.5 * (high - low) * float(along @ along))
+        return np.array(found)
 
     def _flown(self) -> tuple[float, float]:
         """Return the gaps between which the table is measured [m]."""
@@ -111,23 +146,31 @@ class _Fit:
             slope=self.travel.slope,
         )
 
-    def _travel(self) -> Travel:
+    def _travel(self, free: Mask) -> Travel:
+        """Return the best travel whose items that are not `free` are those of START."""
+        if not free.any():
+            return START
         together: Blocks = np.zeros(self._y.size, dtype=np.intp)
         one = np.ones(1)
 
+        def moved(x: Array) -> Travel:
+            travel = np.array(START)
+            travel[free] = x
+            return Travel(*map(float, travel))
+
         def missed(x: Array) -> float:
-            place = wake_rows.places(self._parts, Travel(*x))
+            place = wake_rows.places(self._parts, moved(x))
             normal = normal_equations(place, self._y, together)
             return squared_error(normal, one, solve_signed(normal, one, DEFAULT_PENALTY))
 
         found = minimize(
             missed,
-            np.array(START),
+            np.array(START)[free],
             method="Nelder-Mead",
-            bounds=BOUNDS,
+            bounds=np.array(BOUNDS)[free],
             options={"xatol": TOLERANCE, "fatol": 1e-4 * float(self._y @ self._y)},
         )
-        return Travel(*map(float, found.x))
+        return moved(found.x)
 
     def _push(self, travel: Travel) -> Array:
         place = wake_rows.places(self._parts, travel)
@@ -138,12 +181,13 @@ class _Fit:
         active = np.flatnonzero(self.beta > 0.0)
         place = wake_rows.places(self._parts, self.travel)
         along = -place.strength[:, None] * splines(place.gap, place.radius)[:, active]
-        moved = [self._derivative(k) for k in range(len(self.travel))]
+        moved = [self._derivative(int(k)) for k in np.flatnonzero(self.shown)]
         jacobian = np.column_stack([along, *moved])
         missed = self._y + self._push(self.travel)
         rough = np.zeros((jacobian.shape[1], jacobian.shape[1]))
         rough[: active.size, : active.size] = self._penalty * ROUGHNESS[np.ix_(active, active)]
-        start = np.concatenate([self.beta[active], self.travel])
+        travel = np.array(self.travel)
+        start = np.concatenate([self.beta[active], travel[self.shown]])
         score = block_sums(jacobian * missed[:, None], self._blocks)
         count = int(self._blocks.max()) + 1
         squares = np.stack([_square(jacobian[self._blocks == k]) for k in range(count)])
@@ -152,7 +196,9 @@ class _Fit:
         def estimate(weight: Array) -> Array:
             square = np.tensordot(weight, squares, 1) + rough + RIDGE * np.eye(start.size)
             x = start + np.linalg.solve(square, weight @ score - rough @ start)
-            return np.array([axis @ x[: active.size], 1.0 / max(x[-3], STILL), x[-2], x[-1]])
+            drawn = travel.copy()
+            drawn[self.shown] = x[active.size :]
+            return np.array([axis @ x[: active.size], 1.0 / max(drawn[0], STILL), *drawn[1:]])
 
         return spread(estimate, count)
 
