@@ -46,6 +46,11 @@ def test_a_model_of_pairs_alone_has_strength_one_everywhere():
     assert set(of_stack(PAIRS_ALONE).values()) == {1.0}
 
 
+def test_a_flight_of_one_vehicle_has_no_pairs_and_no_strengths():
+    nobody, never = np.zeros(0, np.intp), np.zeros((0, 5))
+    assert strengths(nobody, nobody, never, never, SourceTerms(loading=0.6, absorption=0.3)).shape == (0, 5)
+
+
 def test_a_source_pushed_down_is_stronger_by_the_loading_times_that_push_in_g():
     found = of_stack(SourceTerms(loading=0.7))
     assert found[0, 1] == pytest.approx(1.0 - 0.7 * alone(1.0, 1, 2) / GRAVITY, rel=1e-12)

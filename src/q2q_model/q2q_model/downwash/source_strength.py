@@ -67,7 +67,7 @@ def strengths(i: Rows, j: Rows, law: Array, thrust: Array, terms: SourceTerms) -
         terms: Loading and absorption.
     """
     feels, causes = np.ascontiguousarray(i), np.ascontiguousarray(j)
-    first = np.searchsorted(feels, np.arange(max(feels.max(), causes.max()) + 2))
+    first = np.searchsorted(feels, np.arange(max(feels.max(initial=0), causes.max(initial=0)) + 2))
     rows = (feels, causes, first)
     return _strengths(rows, np.ascontiguousarray(law), np.ascontiguousarray(thrust), terms)
 
