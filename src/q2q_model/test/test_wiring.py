@@ -1,6 +1,6 @@
 """When the nodes of a flight are wired."""
 
-from q2q_model.node.wiring import Wiring, undelivered, unmatched, wiring_from_text
+from q2q_model.node.wiring import Wiring, other_writers, undelivered, unmatched, wiring_from_text
 
 SOURCE = Wiring(reads=("/command",), matched={"/mocap": 2})
 FILTER = Wiring(reads=("/mocap",), matched={"/state": 1})
@@ -38,3 +38,14 @@ def test_wiring_survives_its_text() -> None:
     latched = Wiring(("/plan",), {"/plan": 1}, out=("/plan",), lacks=("/model",))
     for wiring in (SOURCE, FILTER, PID, several, latched, Wiring((), {})):
         assert wiring_from_text(wiring.as_text()) == wiring
+
+
+def test_signals_that_other_nodes_write_are_named_with_all_who_write_them() -> None:
+    nodes = {"simulator": Wiring((), {"/mocap": 1, "/clock": 1}), "mocap_filter": Wiring((), {"/state": 2})}
+    writers = {"/mocap": ["simulator"], "/clock": ["simulator", "other"], "/state": ["mocap_filter"]}
+    assert other_writers(nodes, writers.__getitem__) == ""
+    writers["/mocap"] = ["simulator", "forgotten"]
+    told = other_writers(nodes, writers.__getitem__)
+    assert told == "/mocap is written by 2 nodes (forgotten, simulator)"
+    writers["/mocap"] = ["simulator", "simulator"]
+    assert other_writers(nodes, writers.__getitem__).endswith("by 2 nodes (simulator, simulator)")

@@ -194,7 +194,7 @@ UNCOMMANDED = "thrust, tilt, age, action, silence"
 @pytest.mark.parametrize(("topics", "status", "said"), [
     ("mocap", 1, ("keeps numbers", f"{UNSEEN}, {UNCOMMANDED}, belief, return")),
     ("mocap state reference_safe", 1, ("separation: cf1 and cf2", f"{UNCOMMANDED}, belief, return")),
-    ("mocap command", 0, ("keeps thrust, tilt, numbers, action", f"{UNSEEN}, age, silence, belief, return")),
+    ("mocap command", 0, ("keeps thrust, tilt, numbers, action, silence", f"{UNSEEN}, age, belief, return")),
 ])  # fmt: skip
 def test_policies_of_which_a_bag_has_nothing_are_named_and_positions_are_the_filtered_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], topics: str, status: int, said: tuple[str, str]

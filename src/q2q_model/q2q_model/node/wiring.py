@@ -4,8 +4,10 @@ A latched value published before the flight (a plan) must also have arrived.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+
+from q2q_model.flights.flight import FLIGHT_FIELDS
 
 READS, OUT, LACKS = "<", "^", "-"
 """Text marks of a topic: subscribed; latched: published, or missing."""
@@ -59,6 +61,25 @@ def undelivered(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
     out = {topic for wiring in nodes.values() for topic in wiring.out}
     missing = {name: [topic for topic in wiring.lacks if topic in out] for name, wiring in nodes.items()}
     return {name: topics for name, topics in missing.items() if topics}
+
+
+def other_writers(nodes: Mapping[str, Wiring], writers_of: Callable[[str], Sequence[str]]) -> str:
+    """Return which signals nodes beside these write, with the names of all who do; empty if none does.
+
+    Args:
+        nodes: nodes of a flight.
+        writers_of: returns the names of all nodes that write a topic, once for each publisher.
+    """
+    ours = Counter(topic for wiring in nodes.values() for topic in wiring.matched)
+    found = {
+        topic: writers
+        for topic, count in ours.items()
+        if topic.rpartition("/")[2] in FLIGHT_FIELDS and len(writers := sorted(writers_of(topic))) > count
+    }
+    return "; ".join(
+        f"{topic} is written by {len(writers)} nodes ({', '.join(writers)})"
+        for topic, writers in found.items()
+    )
 
 
 def missing_connections(names: Iterable[str], nodes: Mapping[str, Wiring]) -> list[str]:

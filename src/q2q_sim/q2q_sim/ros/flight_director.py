@@ -4,7 +4,6 @@ The nodes run in processes of their own, or in this process on one executor.
 """
 
 import json
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from time import monotonic
 from typing import Self
@@ -18,8 +17,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.flights.flight import FLIGHT_FIELDS
-from q2q_model.node.wiring import Wiring, missing_connections, wiring_from_text
+from q2q_model.node.wiring import Wiring, missing_connections, other_writers, wiring_from_text
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
@@ -95,7 +93,8 @@ class FlightDirector:
         """Return once every writer of the named nodes has matched every reader and latched messages arrived.
 
         Raises:
-            TimeoutError: some are not connected after timeout_s [s], or other nodes write signals, too.
+            TimeoutError: some are not connected after timeout_s [s], or nodes of other flights write signals,
+                too (not looked for in this process, which may still know those of flights before).
         """
         clients = {name: self._node.create_client(Trigger, f"{name}/{SERVICE}") for name in nodes}
         self._drains = {name: self._drain_client(name) for name in clients}
@@ -106,7 +105,7 @@ class FlightDirector:
             meanwhile()
             self._spin(POLL_S)
         deadline = monotonic() + LINGER_S
-        while strangers := self._strangers():
+        while self._started_ros and (strangers := other_writers(self._wirings, self._writers_of)):
             if monotonic() > deadline:
                 raise TimeoutError(f"{strangers}: end them, or give this flight another ROS_DOMAIN_ID")
             self._spin(POLL_S)
@@ -157,16 +156,8 @@ class FlightDirector:
         if monotonic() - self._moved_at > STILL_S:
             raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self._ticks}; see the nodes' logs")
 
-    def _strangers(self) -> str:
-        """Return which topics nodes of other flights write, with the names of all who do; or nothing."""
-        ours = Counter(topic for wiring in self._wirings.values() for topic in wiring.matched)
-        found = []
-        for topic, count in ours.items():
-            if topic.rpartition("/")[2] in FLIGHT_FIELDS:
-                writers = [info.node_name for info in self._node.get_publishers_info_by_topic(topic)]
-                if len(writers) > count:
-                    found.append(f"{topic} is written by {len(writers)} nodes ({', '.join(sorted(writers))})")
-        return "; ".join(found)
+    def _writers_of(self, topic: str) -> list[str]:
+        return [info.node_name for info in self._node.get_publishers_info_by_topic(topic)]
 
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
         """Return descriptions of the missing connections."""

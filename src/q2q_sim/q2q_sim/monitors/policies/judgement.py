@@ -51,7 +51,7 @@ def unjudged(evidence: Evidence) -> tuple[str, ...]:
         policy
         for policy in POLICIES
         if any(not _has(evidence, name) for name in NEEDS.get(policy, ()))
-        or (policy == "silence" and not (evidence.live and len(evidence.commanded_at) > 1))
+        or (policy == "silence" and len(evidence.commanded_at) < 2)
     )
 
 
