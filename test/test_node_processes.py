@@ -18,16 +18,17 @@ from q2q_model.vehicle.constants import VEHICLES
 from q2q_sim.processes.domain import own_domain
 
 INTERRUPTED = """
-import os, signal, weakref
+import os, signal, sys
 from q2q_model.ros.node.run import run
 
 def build(node):
-    one = set()
-    weakref.finalize(one, os.kill, os.getpid(), signal.SIGINT)
+    for _ in range(int(sys.argv[1])):
+        os.kill(os.getpid(), signal.SIGINT)
+    print("built")
 
 run("node", build)
 """
-"""Node that is interrupted in a callback of Python's own, while it is built."""
+"""Node that is interrupted while it is built, once or more often."""
 FINISHED = """
 from std_msgs.msg import Empty
 from q2q_model.ros.node.run import finish, run
@@ -95,9 +96,13 @@ def test_a_node_ends_with_0_on_a_signal(
     assert "Traceback" not in lines
 
 
-def test_an_interrupt_that_python_swallows_while_a_node_is_built_ends_it_in_silence() -> None:
-    done = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False)
-    assert (done.returncode, without_log(done.stderr)) == (0, "")
+@pytest.mark.parametrize(("times", "printed"), [(1, "built\n"), (2, "")])
+def test_an_interrupt_while_a_node_is_built_ends_it_once_built_and_a_second_one_at_once(
+    times: int, printed: str
+) -> None:
+    process = [sys.executable, "-c", INTERRUPTED, str(times)]
+    done = subprocess.run(process, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, printed, "")
 
 
 def test_a_node_that_ends_by_itself_tells_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,8 +1,8 @@
 """Process of one or more nodes: start, spin, clean shutdown, one-line errors.
 
-SIGINT and SIGTERM are handled here: rclpy would shut ROS down in the middle of a callback. While nodes are
-built, a signal raises KeyboardInterrupt; once nodes spin, the running callback completes first. An interrupt
-swallowed by foreign code, or by a callback of Python's own, still ends the process, and is not reported.
+SIGINT and SIGTERM are handled here: rclpy would shut ROS down in the middle of a callback, and Python would
+raise KeyboardInterrupt anywhere, e.g. while llvmlite frees memory, which it then frees twice. The first one
+lets the running callback, or the building of nodes, complete; a second one while they are built ends at once.
 """
 
 import gc
@@ -83,7 +83,7 @@ def run_together(
             signal.signal(number, signal.SIG_IGN)  # it is ending; an interrupt must not replace the status
         print(f"{name}: {refusal}", file=sys.stderr)
         sys.exit(2)
-    except (KeyboardInterrupt, ExternalShutdownException):
+    except ExternalShutdownException:
         pass
     finally:
         _leave()
@@ -113,25 +113,18 @@ def _bound_leaving() -> None:
     signal.alarm(LEAVE_S)
 
 
-def report_unraisable(unraisable: "sys.UnraisableHookArgs") -> None:
-    """Report an exception that Python ignores, but for an interrupt, which `_Ending` keeps."""
-    if unraisable.exc_type is not KeyboardInterrupt:
-        sys.__unraisablehook__(unraisable)
-
-
 class _Ending:
     """Flag that the end was requested."""
 
     def __init__(self) -> None:
-        self.requested, self.interrupts = False, True
-        sys.unraisablehook = report_unraisable
+        self.requested, self.building = False, True
         for number in ENDING:
             signal.signal(number, self._ask)
 
     def _ask(self, _: int, __: FrameType | None) -> None:
+        if self.requested and self.building:
+            os._exit(0)  # nothing needs cleaning up yet
         self.requested = True
-        if self.interrupts:
-            raise KeyboardInterrupt
 
 
 def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
@@ -139,7 +132,7 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
-    ending.interrupts = False
+    ending.building = False
     gc.freeze()  # exclude the objects created so far from collection in flight
     gc.enable()
     while rclpy.ok() and not ending.requested:
