@@ -28,7 +28,7 @@ from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
 from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_in_lockstep
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.tools.judge_bags import evidence_in
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}

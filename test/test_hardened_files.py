@@ -18,7 +18,7 @@ from q2q_model.trajectory import plan_file
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
 from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 documents = st.recursive(
     st.one_of(st.none(), st.booleans(), st.integers(), numbers, words),

@@ -27,7 +27,8 @@ from q2q_model.signals.values import (
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.loop.assembly import Options, blocks_of, plan_of
 from q2q_sim.loop.room import Room
-from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 from scale import passing_pairs
 
 DURATION = 4.0

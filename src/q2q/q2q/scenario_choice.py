@@ -5,7 +5,9 @@ from pathlib import Path
 
 from q2q_sim.air.find_air import FlownAir, find_air
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, scenario_from_document, with_air, with_choices
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_document import scenario_from_document
+from q2q_sim.scenarios.scenario_variants import with_air, with_choices
 
 ScenarioChoice = str | Path | Mapping[str, object] | Scenario
 """Scenario, its name or file, or its document (the keys of a scenario file)."""
@@ -16,8 +18,8 @@ def scenario(chosen: ScenarioChoice, *, vehicle: str = "", wake: str = "", air: 
 
     Args:
         chosen: name (`scenario_names`; `swarmN` for N vehicles), path of a scenario or waypoint file (.yaml)
-            or of a plan (.json), document with the keys of a scenario file (q2q_sim.scenarios.scenario), or
-            a scenario.
+            or of a plan (.json), document with the keys of a scenario file
+            (q2q_sim.scenarios.scenario_document), or a scenario.
         vehicle: name of the vehicle, as "crazyflie_2_1"; empty keeps the scenario's own.
         wake: law of the true downwash, "none", "paper" or "measured"; empty keeps the scenario's own.
         air: air in place of wake and disturbance: a shipped name, as "room", a .air file or "module:Class".

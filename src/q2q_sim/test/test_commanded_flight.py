@@ -15,7 +15,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.plant.quadcopter import QUAT
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 CALM = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (1, 1))
 """No moving air, all rotors whole."""

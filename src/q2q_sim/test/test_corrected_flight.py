@@ -13,7 +13,7 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import with_air
+from q2q_sim.scenarios.scenario_variants import with_air
 
 ROOM = replace(library.load("table6_measured"), duration=27.0)
 

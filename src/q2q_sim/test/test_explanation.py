@@ -26,7 +26,7 @@ from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import with_air
+from q2q_sim.scenarios.scenario_variants import with_air
 from q2q_sim.tools.write_replay import part_of
 
 RNG = np.random.default_rng(0)

@@ -19,7 +19,7 @@ from q2q_sim.monitors.flight_verdict import (
     with_planned_end,
 )
 from q2q_sim.monitors.policies import Circumstances
-from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 TICKS = 1000
 T = 0.01 * np.arange(TICKS)

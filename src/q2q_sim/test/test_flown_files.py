@@ -18,7 +18,7 @@ from q2q_sim.loop import assembly
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
-from q2q_sim.scenarios.scenario import with_choices, with_firmware
+from q2q_sim.scenarios.scenario_variants import with_choices, with_firmware
 
 WAYPOINTS = """vehicles:
   cf1: [{t: 0, pos: [0, 0, 1]}, {t: 1.5, pos: [0.2, 0, 1], yaw: 0.3}, {t: 2, pos: [0.2, 0.1, 1.1]}]

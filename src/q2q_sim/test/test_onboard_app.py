@@ -26,7 +26,7 @@ from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.loop.room import TICK_S, Room
 from q2q_sim.monitors.exposure import exposure
-from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 pytestmark = pytest.mark.skipif(
     shutil.which("cc") is None, reason="no C compiler: install one to fly the app"

@@ -17,7 +17,9 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import BLOCKS, scenario_from_document, with_air, with_choices, with_firmware
+from q2q_sim.scenarios.block_overrides import BLOCKS
+from q2q_sim.scenarios.scenario_document import scenario_from_document
+from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
 
 GOOD = {
     "description": "two vehicles",

@@ -26,7 +26,8 @@ from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.processes.cores import allowed_cores
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import with_air, with_choices
 
 MEASURED = ("mocap", "truth", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""

@@ -7,7 +7,8 @@ from q2q_model.vehicle.constants import VEHICLES
 from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
-from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices, with_firmware
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
 
 
 @dataclass(frozen=True, slots=True)

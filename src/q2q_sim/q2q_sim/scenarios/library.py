@@ -10,7 +10,8 @@ from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certified_file import load_plan
-from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.scenarios.scenario_files import FOLDER, PLAN, names, path_of, swarm_size
 from q2q_sim.scenarios.swarm_scenario import swarm_scenario
 

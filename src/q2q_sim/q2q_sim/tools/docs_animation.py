@@ -30,7 +30,7 @@ from q2q_sim.air.find_air import find_air
 from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import with_air
+from q2q_sim.scenarios.scenario_variants import with_air
 
 SCENARIO, AIR, LOWER = "table6_room", "room", "cf1"
 BEGINS, ENDS = 14.0, 42.0

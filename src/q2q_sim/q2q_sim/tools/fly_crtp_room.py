@@ -12,7 +12,7 @@ from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.loop.room import TICK_S, Room
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import with_firmware
+from q2q_sim.scenarios.scenario_variants import with_firmware
 
 LATE_S = 0.5
 """Delay behind the wall clock at which its schedule restarts [s]."""

@@ -19,7 +19,8 @@ from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.air.air_names import MADE, RECORDED, ROOM
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, with_air
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import with_air
 
 PASSAGE = "table6_room"
 SIX_FLIGHTS = "table2"

@@ -22,7 +22,8 @@ from q2q_sim.faults.faults import Fault, random_faults
 from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, document_in_air, scenario_from_document
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_document import document_in_air, scenario_from_document
 
 Document = dict[str, object]
 

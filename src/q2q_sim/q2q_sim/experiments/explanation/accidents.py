@@ -31,7 +31,8 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import Options
 from q2q_sim.monitors.policies import Limits
 from q2q_sim.random_streams import stream
-from q2q_sim.scenarios.scenario import Scenario, scenario_from_document
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 ACCIDENT = Limits().back
 """Least loss of an accident [m]."""

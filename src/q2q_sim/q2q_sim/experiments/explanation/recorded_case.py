@@ -17,7 +17,8 @@ from q2q_sim.loop.assembly import TICK_S, Options
 from q2q_sim.loop.scenario_air import air_words
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import REPLANNERS
-from q2q_sim.scenarios.scenario import Scenario, with_air, with_choices, with_firmware
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
 
 NEEDED = ("scenario", "mode", "controller", "model", "seed")
 """Metadata without which a flight cannot be flown again."""

@@ -16,7 +16,7 @@ from q2q_sim.experiments.campaign.campaign_flight import plain
 from q2q_sim.experiments.campaign.random_run import Run, fault_document
 from q2q_sim.faults.faults import Fault, earliest_start
 from q2q_sim.loop.assembly import Options
-from q2q_sim.scenarios.scenario import scenario_from_document
+from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 DIGITS = (1, 2)
 """Decimals that times and sizes are rounded to, the coarsest first."""

@@ -24,7 +24,8 @@ from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of, ignore_accel
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario, with_air, with_firmware
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import with_air, with_firmware
 
 DURATION = 19.0
 """Length of a flight [s]: the last passage has ended 4 s before or more."""

@@ -1,0 +1,75 @@
+"""Parameters of the blocks of a flight, with the values that a scenario gives in place of the defaults."""
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.pid.pid import PidParams
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.nearest_name import name_hint
+from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
+from q2q_planner.online.potential_field import PotentialFieldParams
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_sim.scenarios.settings import Overrides
+
+P = TypeVar("P", bound=ParamsClass)
+
+BLOCKS: dict[str, ParamsClass] = {
+    "mocap_filter": MocapFilterParams(),
+    "replanner": PotentialFieldParams(),
+    "safe_replanner": SafeReplannerParams(),
+    "pid": PidParams(),
+    "mpc": MpcParams(),
+}
+"""Blocks whose parameters a scenario may override."""
+
+
+def block_params(block: str, default: P, overrides: Overrides) -> P:
+    """Return a block's parameters with a scenario's overrides."""
+    return overridden(default, overrides.get(block, {}), block)
+
+
+def overridden(params: P, values: Mapping[str, object], where: str) -> P:
+    """Return `params` with values from a document.
+
+    Raises:
+        ValueError: an unknown parameter, a value of another type, or one out of bounds.
+    """
+    return with_overrides(params, _values(params, values, where))
+
+
+def merged(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Overrides:
+    """Return the overrides of a room with those of a document, which come first.
+
+    Raises:
+        ValueError: an unknown block, or a value of another type.
+    """
+    for block in own:
+        if block not in BLOCKS:
+            raise ValueError(f"overrides: unknown block {block!r}; {name_hint(block, BLOCKS)}")
+    blocks = {block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in own.items()}
+    return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
+
+
+def _values(params: ParamsClass, values: Mapping[str, object], where: str) -> dict[str, ParameterValue]:
+    """Return a document's values as parameters; `with_overrides` refuses unknown names."""
+    return {
+        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in values.items()
+    }
+
+
+def _value(value: object, default: object, where: str) -> ParameterValue:
+    """Return a document's value in the type of a parameter: an integer as float, a list as tuple."""
+    if isinstance(default, tuple | list) and isinstance(value, list | tuple):
+        return tuple(_number(one, where) for one in value)
+    if isinstance(default, float):
+        return _number(value, where)
+    if isinstance(value, bool | int | str) and type(value) is type(default):
+        return value
+    raise ValueError(f"{where} = {value!r}: a {type(default).__name__} is expected")
+
+
+def _number(value: object, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
+    return float(value)
