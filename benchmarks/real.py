@@ -18,10 +18,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, residual_of
 from q2q_model.identification.force.jet_fit import Z95, JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.force.residual import predicted_residual
-from q2q_model.identification.identification import Recording, force_record
 from q2q_model.identification.selection.candidates import MARGIN
 from q2q_model.signals.values import Array
 from q2q_model.tools.recordings import read_recordings

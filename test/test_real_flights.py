@@ -8,8 +8,9 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from q2q_model.commands import identify as identify_command
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.gains.command_gains import gains_from_commands
-from q2q_model.identification.identification import ProcedureParams, Recording, identify, recorded_altitudes
+from q2q_model.identification.identification import ProcedureParams, identify, recorded_altitudes
 from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands import bag_import

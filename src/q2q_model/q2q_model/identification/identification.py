@@ -13,23 +13,17 @@ import numpy as np
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.files.model_file import Fit, ModelFile
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.flight_evidence import FlightEvidence, largest_gap
-from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
 from q2q_model.identification.force.loading import loading_of
-from q2q_model.identification.force.recorded_force import (
-    check_weight,
-    is_force_log,
-    motion_of,
-    push_of_log,
-    push_of_sensors,
-)
+from q2q_model.identification.force.recorded_force import force_record, lag_note
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records, check_upright
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
@@ -52,17 +46,6 @@ StepCallback = Callable[[str], None]
 
 FEED_FORWARD = "fa_ff"
 """Log column of the downwash force that the controller compensated [N]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Recording:
-    """Flight read from a bag, with its log."""
-
-    flight: Flight
-    log: FlightLog | None = None
-    """At the ticks and vehicles of the flight."""
-    filtered: bool = False
-    """Whether no states were recorded, and those of the flight are of the mocap filter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,31 +164,6 @@ def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: V
     rows = logged[np.clip(at, 0, logged.size - 1)]
     column = log_at(log, log.t, record.names).column(FEED_FORWARD)
     return replace(record, feed_forward=column[rows] / vehicle.mass)
-
-
-def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
-    """Return a flight's measured force, from its log or its sensors; None if it has neither.
-
-    Raises:
-        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, or is not
-            upright.
-    """
-    check_upright(one.flight)
-    check_weight(one.flight, vehicle)
-    if one.log is not None and is_force_log(one.log):
-        return push_of_log(one.flight.name, one.log, motion_of(one.flight))
-    return push_of_sensors(one.flight, vehicle, lag)
-
-
-def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
-    """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
-    count = sum(not _has_force_log(one) for one in recordings)
-    told = f"force of {count} flights is from imu and command, with a thrust lag of {lag:g} s"
-    return [told] if count else []
-
-
-def _has_force_log(one: Recording) -> bool:
-    return one.log is not None and is_force_log(one.log)
 
 
 def _pushes(

@@ -16,8 +16,8 @@ from q2q_model.bag import (
     load_topic_map,
 )
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.forked import forked
-from q2q_model.identification.identification import Recording
 from q2q_model.identification.recording_files import recording_of_bag
 
 

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.force.downwash_force import (
     FEWEST_FREE,
@@ -18,8 +19,8 @@ from q2q_model.identification.force.downwash_force import (
     remark_on_unmeasured,
     score,
 )
+from q2q_model.identification.force.recorded_force import force_record, lag_note
 from q2q_model.identification.force.sensor_check import sensor_notes
-from q2q_model.identification.identification import Recording, force_record, lag_note
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import Vehicle

@@ -16,7 +16,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.files.model_file import Fit, ModelFile, save
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, ForceSamples, force_samples
 from q2q_model.identification.force.held_out_flights import HeldOutScores, held_out_scores
-from q2q_model.identification.identification import force_record
+from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path, flights_folder

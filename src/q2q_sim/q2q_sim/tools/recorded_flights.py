@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.bag import TopicMap, is_bag
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.identification import Recording
 from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, common_vehicle
 from q2q_model.tools.recordings import read_recordings

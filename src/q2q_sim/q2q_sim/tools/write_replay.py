@@ -9,9 +9,10 @@ import numpy as np
 
 from q2q_model.bag import TopicMap
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.table_file import TABLES
 from q2q_model.identification.force.downwash_force import ForceRecord
-from q2q_model.identification.identification import Recording, force_record
+from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map

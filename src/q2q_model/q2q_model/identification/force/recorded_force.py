@@ -9,17 +9,19 @@ push takes these for thrust. For a true lag of 0.07 s it is 0.16 s in gusts of 0
 of a tick counts from that tick on: so the vehicle's lag was measured.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, ForceRecord
-from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.identification.gains.altitude_record import UP, check_upright
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
@@ -31,6 +33,31 @@ FULL_DUTY = 0.93
 MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 LIGHTEST, HEAVIEST = 0.5, 2.0
 """Bounds of the median thrust in the air over the weight [-]; 0.92 to 1.3 in recorded flights of 34 g."""
+
+
+def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
+    """Return a flight's measured force, from its log or its sensors; None if it has neither.
+
+    Raises:
+        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, or is not
+            upright.
+    """
+    check_upright(one.flight)
+    check_weight(one.flight, vehicle)
+    if one.log is not None and is_force_log(one.log):
+        return push_of_log(one.flight.name, one.log, motion_of(one.flight))
+    return push_of_sensors(one.flight, vehicle, lag)
+
+
+def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
+    """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
+    count = sum(not _has_force_log(one) for one in recordings)
+    told = f"force of {count} flights is from imu and command, with a thrust lag of {lag:g} s"
+    return [told] if count else []
+
+
+def _has_force_log(one: Recording) -> bool:
+    return one.log is not None and is_force_log(one.log)
 
 
 def check_weight(flight: Flight, vehicle: Vehicle) -> None:

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import is_bag
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.identification import Recording
 from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

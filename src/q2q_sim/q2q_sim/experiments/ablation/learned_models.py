@@ -22,8 +22,8 @@ from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.force.residual_fit import fit_residual
-from q2q_model.identification.identification import force_record
 from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.air.air_names import FLIGHTS

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import (
     ang_vel_between,
     normalised,
@@ -26,7 +27,6 @@ from q2q_model.geometry.rotations import (
     rotate_inverse,
 )
 from q2q_model.identification.gains.altitude_record import resampled
-from q2q_model.identification.identification import Recording
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import DT

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import (
@@ -19,8 +20,7 @@ from q2q_model.identification.force.downwash_force import (
     force_samples,
     known_rows,
 )
-from q2q_model.identification.force.recorded_force import MOTORS, lagged, motor_duty
-from q2q_model.identification.identification import Recording, force_record
+from q2q_model.identification.force.recorded_force import MOTORS, force_record, lagged, motor_duty
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
