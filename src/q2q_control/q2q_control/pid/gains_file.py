@@ -15,7 +15,7 @@ from pathlib import Path
 from q2q_control.pid.pid import PidParams
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.files.shipped_folder import shipped_folder
+from q2q_model.files.shipped_folder import shipped_folder, shipped_or_given
 from q2q_model.vehicle.constants import GRAVITY
 
 PREFIX = "pid_"
@@ -52,10 +52,7 @@ def soft_altitude(params: PidParams) -> str:
 
 def _path(asked: str) -> Path:
     folder = shipped_folder(Path(__file__).parents[1])
-    named = folder / f"{PREFIX}{asked}.yaml"
-    if Path(asked).name == asked and named.is_file():
-        return named
-    if Path(asked).is_file():
-        return Path(asked)
+    if (found := shipped_or_given(asked, folder / f"{PREFIX}{asked}.yaml")) is not None:
+        return found
     known = ", ".join(sorted(path.stem.removeprefix(PREFIX) for path in folder.glob(f"{PREFIX}*.yaml")))
     raise ValueError(f"no gains {asked!r}: give one of {known}, or the path of a parameter file of the PID")

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from q2q_model.files.shipped_folder import shipped_or_given
+
 SUFFIX = ".q2q"
 NONE = "none"
 """Name of the model without downwash, which has no file."""
@@ -23,10 +25,7 @@ def model_path(name: str, shipped: Path) -> Path | None:
     """
     if name == NONE:
         return None
-    named = shipped / f"{name}{SUFFIX}"
-    if Path(name).name == name and named.is_file():
-        return named
-    if Path(name).is_file():
-        return Path(name)
+    if (found := shipped_or_given(name, shipped / f"{name}{SUFFIX}")) is not None:
+        return found
     known = ", ".join(sorted({NONE} | {path.stem for path in shipped.glob(f"*{SUFFIX}")}))
     raise ModelFileError(f"no model {name!r}: give one of {known}, or the path of a {SUFFIX} file")

@@ -1,4 +1,4 @@
-"""Folder of the data files shipped with a package, wherever the package is installed.
+"""Data files shipped with a package, wherever the package is installed.
 
 | installed by | folder |
 |---|---|
@@ -21,3 +21,15 @@ def shipped_folder(package: Path) -> Path:
         if prefix and (found := Path(prefix, "share", package.name, CONFIG)).is_dir():
             return found
     return package.parent / CONFIG
+
+
+def shipped_or_given(name: str, named: Path) -> Path | None:
+    """Return the shipped file that a name means, else the file at a path; None if there is neither.
+
+    Args:
+        name: name or path.
+        named: file that is meant if it is a name.
+    """
+    if Path(name).name == name and named.is_file():
+        return named
+    return Path(name) if Path(name).is_file() else None

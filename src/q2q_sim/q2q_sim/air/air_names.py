@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.files.shipped_folder import shipped_folder
+from q2q_model.files.shipped_folder import shipped_folder, shipped_or_given
 
 SUFFIX = ".air"
 LAWS = ("none", "paper", "measured")
@@ -81,11 +81,8 @@ def air_path(name: str) -> Path:
         AirError: the air does not exist.
     """
     shipped = shipped_airs()
-    named = shipped / f"{name}{SUFFIX}"
-    if Path(name).name == name and named.is_file():
-        return named
-    if Path(name).is_file():
-        return Path(name)
+    if (found := shipped_or_given(name, shipped / f"{name}{SUFFIX}")) is not None:
+        return found
     known = ", ".join((*LAWS, *MADE, RECORDED, *sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))))
     raise AirError(f"no air {name!r}: give one of {known}, a {SUFFIX} file, or module:Class")
 
