@@ -1,9 +1,10 @@
-"""`call --on-enter` finds its service first and calls it when Enter is pressed."""
+"""`call --on-enter` calls its service when Enter is pressed; no call waits for a node that is gone."""
 
 import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from math import inf
 from threading import Event, Thread
 
 import pytest
@@ -16,6 +17,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from q2q_control.ros.procedure_call import await_answer
 from q2q_model.ros.node.run import WAKE_S, make_executor
 from q2q_sim.processes.domain import own_domain
 
@@ -84,3 +86,31 @@ def test_the_end_of_the_input_calls_nothing(pilot: Pilot) -> None:
     _, error = (process := waiting_call()).communicate("", timeout=PATIENCE_S)
     assert (error.strip(), process.returncode) == ("radio/emergency: not sent", 1)
     assert pilot.called == []
+
+
+class Silent:
+    """Client of a service, and executor, of a node that answers nothing."""
+
+    def __init__(self, *, ready: bool) -> None:
+        self._ready = ready
+
+    def call_async(self, _: Trigger.Request) -> "Future[Trigger.Response]":
+        """Return an answer that never comes."""
+        return Future()
+
+    def service_is_ready(self) -> bool:
+        """Return whether the node is there."""
+        return self._ready
+
+    def spin_until_future_complete(self, _: "Future[Trigger.Response]", __: float) -> None:
+        """Wait for nothing."""
+
+
+def test_a_node_that_leaves_without_an_answer_ends_the_call() -> None:
+    reply = await_answer(Silent(ready=False), Silent(ready=False), inf)
+    assert (reply.granted, "left without an answer" in reply.reason) == (False, True)
+
+
+def test_a_call_that_must_not_wait_ends_though_the_node_is_there() -> None:
+    reply = await_answer(Silent(ready=True), Silent(ready=True), 0.0)
+    assert (reply.granted, "no answer within 0 s" in reply.reason) == (False, True)

@@ -45,3 +45,9 @@ def test_decimation_starts_anew_when_time_jumps_back() -> None:
     due = Decimation(10.0)
     assert due(100.0)
     assert due(0.0)
+
+
+def test_a_second_without_a_tick_tells_which_inputs_it_waits_for() -> None:
+    graded = report(Health(ticks=5), Health(ticks=5, missed=84, awaited="state not received"))
+    assert (graded.level, graded.summary, graded.trouble) == (Level.WARN, "no tick: state not received", True)
+    assert not report(Health(), Health(ticks=9, missed=1, awaited="state not received")).trouble

@@ -51,3 +51,13 @@ def test_whatever_the_order_a_tick_has_its_own_values(order: list[tuple[str, int
     done = [made for topic, stamp in order if (made := join.put(topic, stamp, (topic, stamp)))]
     assert all(made == (("a", made[0][1]), ("b", made[0][1]), ("c", made[0][1])) for made in done)
     assert done[-1][0][1] == 3 or any(made[0][1] == 3 for made in done)
+
+
+def test_it_tells_what_incomplete_ticks_lack() -> None:
+    join: TickJoin[int] = TickJoin(("state", "reference", "interference"))
+    for stamp in range(20):
+        join.put("state", stamp, 0)
+        join.put("reference", stamp, 0)
+    assert join.lacking() == "interference not received, reference, state received"
+    join.put("interference", 99, 0)
+    assert join.lacking() == "state, reference, interference received, never with the same stamp"

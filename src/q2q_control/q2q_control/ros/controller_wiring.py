@@ -9,11 +9,19 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
 from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
 from q2q_control.ros.guarded_commands import GuardedCommands
+from q2q_model.ros.node.input_warnings import warn_of_missing_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import (
+    Interference,
+    Names,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    check_unique,
+)
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
@@ -47,6 +55,7 @@ class ControllerNodeParams:
     def __post_init__(self) -> None:
         """Check the bounds."""
         check_bounds(self)
+        check_unique(self.vehicles)
 
 
 class LegacyTopics:
@@ -80,6 +89,8 @@ def wire_controller(
     wiring = TickWiring(node, inputs, ("command", SwarmCommand))
     scale = LegacyScale(vehicle.full_pwm_thrust)
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
+    for topic in ("state", "reference_safe"):
+        wiring.listen(topic, warn_of_missing_names(node, topic, params.vehicles))
     fallback = declare(node, FallbackParams())
     guarded = GuardedCommands(controller, fallback, vehicle.hover_thrust, live=params.live)
     guarded.wire(node, wiring)

@@ -42,7 +42,16 @@ from q2q_model.estimation.usual_tick import (
     usual_tick,
     with_more,
 )
-from q2q_model.signals.values import Array, MocapFrame, Names, Rows, Status, SwarmState, TrackStatus
+from q2q_model.signals.values import (
+    Array,
+    MocapFrame,
+    Names,
+    Rows,
+    Status,
+    SwarmState,
+    TrackStatus,
+    check_unique,
+)
 
 _TRACKED, _COASTING, _LOST = (
     np.uint8(one) for one in (TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.LOST)
@@ -54,8 +63,7 @@ class MocapFilter:
 
     def __init__(self, params: MocapFilterParams, names: Names) -> None:
         """Track the vehicles `names`, in that order; if none are given, every vehicle that appears."""
-        if len(set(names)) < len(names):
-            raise ValueError(f"duplicate vehicle names in {', '.join(names)}; names must be unique")
+        check_unique(names)
         self._params = params
         self._given = names
         self._counts = {entry.name: 0 for entry in fields(FilterReport)}

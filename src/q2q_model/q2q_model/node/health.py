@@ -28,6 +28,8 @@ class Health:
     """Reason for the last rejection."""
     fallbacks: int = 0
     """Ticks completed in the documented fallback."""
+    awaited: str = ""
+    """Why ticks are not completed: inputs that do not come."""
     extra: dict[str, str] = field(default_factory=dict)
     """Further diagnostic values of the node."""
 
@@ -44,6 +46,8 @@ class HealthReport:
     level: Level
     summary: str
     values: Mapping[str, str]
+    trouble: bool = False
+    """Whether messages are refused or ticks lack an input, which a user mends."""
 
 
 def report(before: Health, now: Health) -> HealthReport:
@@ -58,7 +62,9 @@ def report(before: Health, now: Health) -> HealthReport:
         **now.extra,
     }
     if now.refused > before.refused:
-        return HealthReport(Level.ERROR, f"refused: {now.last_refusal}", values)
+        return HealthReport(Level.ERROR, f"refused: {now.last_refusal}", values, trouble=True)
+    if now.missed > before.missed and not ticks and now.awaited:
+        return HealthReport(Level.WARN, f"no tick: {now.awaited}", values, trouble=True)
     if now.fallbacks > before.fallbacks or now.missed > before.missed:
         return HealthReport(Level.WARN, "in fallback or missing ticks", values)
     if ticks == 0:

@@ -6,6 +6,7 @@ from rclpy.node import Node
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.ros.node.input_warnings import StandingStamps, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
@@ -44,6 +45,8 @@ def build(node: Node) -> TickWiring[SwarmState]:
     wiring.add_facts(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
+    wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
+    wiring.listen("mocap", StandingStamps(node, "mocap").look)
     wiring.start(block.update)
     return wiring
 

@@ -157,7 +157,7 @@ def _refuse(data: bytes | bytearray, known: _Map) -> None:
 
 def _map_of(signal: type, data: bytes | bytearray) -> _Map:
     try:
-        names, at = _read_names(data)
+        names, at = _read_names(data, _frame(signal))
     except struct.error as cut:
         raise BadMessageError(f"message of {len(data)} bytes is truncated: {cut}") from cut
     head = bytes(data[NAMES_AT:at])
@@ -212,13 +212,17 @@ class _Form:
 
 @lru_cache(maxsize=256)
 def _form(kind: type, names: Names) -> _Form:
-    head = _head(BODY if kind is SwarmImu else WORLD, names)
+    head = _head(_frame(kind), names)
     at, leads = NAMES_AT + len(head), []
     for column in LAYOUTS[kind].columns:
         count, itemsize = len(names) * column.width, _dtype(column)().itemsize
         leads.append((column.attribute, _array_lead((at - START) % 8, count, itemsize)))
         at += len(leads[-1][1]) + count * itemsize
     return _Form(head, tuple(leads), at)
+
+
+def _frame(kind: type) -> str:
+    return BODY if kind is SwarmImu else WORLD
 
 
 def _dtype(column: Column) -> type[np.generic]:
@@ -246,8 +250,8 @@ def _array_lead(phase: int, count: int, itemsize: int) -> bytes:
     return made + bytes(-(phase + len(made)) % itemsize if count else 0)
 
 
-def _read_names(data: bytes | bytearray) -> tuple[Names, int]:
-    """Return the names and the offset of the arrays."""
+def _read_names(data: bytes | bytearray, frame: str) -> tuple[Names, int]:
+    """Return the names and the offset of the arrays; the message's frame is `frame`, or not given."""
     (length,) = struct.unpack_from("<I", data, NAMES_AT)
     count_at = _aligned(NAMES_AT + 4 + length, 4)
     (count,) = struct.unpack_from("<I", data, count_at)
@@ -259,11 +263,11 @@ def _read_names(data: bytes | bytearray) -> tuple[Names, int]:
         at += 4 + int(struct.unpack_from("<I", data, at)[0])
     if at > len(data):
         raise BadMessageError(f"message of {len(data)} bytes is truncated in its names")
-    return _parsed_head(bytes(data[NAMES_AT:at])), at
+    return _parsed_head(bytes(data[NAMES_AT:at]), frame), at
 
 
 @lru_cache(maxsize=64)
-def _parsed_head(head: bytes) -> Names:
+def _parsed_head(head: bytes, frame: str) -> Names:
     """Return the checked names in the bytes of frame_id and names."""
     texts: list[str] = []
     at = 0
@@ -275,8 +279,10 @@ def _parsed_head(head: bytes) -> Names:
             texts.append(_text(head[at : at + length]))
             at += length
     frame_id, *names = texts
-    if frame_id not in ("", WORLD, BODY):
-        raise BadMessageError(f"frame_id {frame_id!r}; allowed is {WORLD!r}, z up")
+    if frame_id not in ("", frame):
+        raise BadMessageError(
+            f"frame_id {frame_id!r}; allowed is {frame!r}{', z up' if frame == WORLD else ''}"
+        )
     if len(set(names)) < len(names):
         raise BadMessageError(f"duplicate vehicle names in {', '.join(names)}; names must be unique")
     return tuple(names)

@@ -40,6 +40,14 @@ class TickJoin(Generic[V]):
             self._drop_older_than(stamp_ns)
         return tuple(map(tick.__getitem__, self._topics))
 
+    def lacking(self) -> str:
+        """Return what the incomplete ticks lack, in words."""
+        come = {topic for tick in self._waiting.values() for topic in tick}
+        absent = [topic for topic in self._topics if topic not in come]
+        if absent:
+            return f"{', '.join(absent)} not received, {', '.join(sorted(come))} received"
+        return f"{', '.join(self._topics)} received, never with the same stamp"
+
     def reset(self) -> None:
         """Drop every incomplete tick."""
         self._waiting.clear()

@@ -157,6 +157,12 @@ class SwarmImu:
     """Angular velocity [rad/s], body, (n, 3)."""
 
 
+def check_unique(names: Sequence[str]) -> None:
+    """Raise ValueError if a name is given twice."""
+    if len(set(names)) < len(names):
+        raise ValueError(f"duplicate vehicle names in {', '.join(names)}; names must be unique")
+
+
 def index_of(names: Sequence[str], among: Sequence[str]) -> Rows:
     """Return a new array of the row in `among` of each of `names`; -1 where it is absent, (len(names),)."""
     return _index_of(tuple(names), tuple(among)).copy()

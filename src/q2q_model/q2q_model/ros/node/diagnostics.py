@@ -1,4 +1,4 @@
-"""Publication of a node's health on `/diagnostics` once a second."""
+"""Publication of a node's health on `/diagnostics` once a second, and of new trouble in its log."""
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
@@ -10,6 +10,8 @@ from rclpy.node import Node
 from q2q_model.node.health import Health, HealthReport, report
 from q2q_model.ros.node.steady_timer import steady_timer
 
+MOST_WARNINGS = 20
+"""Warnings of a node's life about its input; `/diagnostics` has all."""
 PERIOD_S = 1.0
 """Period of the report [s]; the default of diagnostic_updater."""
 
@@ -20,13 +22,18 @@ def publish_health(
     """Publish the node's health on `/diagnostics` every second of wall time, with the values of `facts`."""
     publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
     last, reported = [deepcopy(health)], [monotonic()]
+    warned: set[str] = set()
 
     def publish() -> None:
         now = monotonic()
         rate = (health.ticks - last[0].ticks) / max(now - reported[0], 0.01 * PERIOD_S)
         reported[0] = now
         health.extra |= {"rate_hz": f"{rate:.1f}", **facts()}
-        message = DiagnosticArray(status=[_status(node.get_fully_qualified_name(), report(last[0], health))])
+        graded = report(last[0], health)
+        if graded.trouble and graded.summary not in warned and len(warned) < MOST_WARNINGS:
+            warned.add(graded.summary)
+            node.get_logger().warning(graded.summary)
+        message = DiagnosticArray(status=[_status(node.get_fully_qualified_name(), graded)])
         message.header.stamp = node.get_clock().now().to_msg()
         publisher.publish(message)
         last[0] = deepcopy(health)

@@ -84,6 +84,7 @@ class TickWiring(Generic[Made]):
         self._more.append(more)
 
     def _facts(self) -> Mapping[str, str]:
+        self.health.awaited = self._join.lacking()
         found: dict[str, str] = {}
         if self._last is not None:
             found |= {**facts(self._last), **self._watch.take_lap_report()}

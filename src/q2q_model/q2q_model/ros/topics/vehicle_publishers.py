@@ -1,9 +1,11 @@
 """Publishers of per-vehicle topics such as `<name>/pose`.
 
 Creating one takes a millisecond and triggers discovery in every participant. Publishers of known vehicles
-are created before flight, those of new vehicles one vehicle per tick, and none if the rate is 0.
+are created before flight, those of new vehicles one vehicle per tick, and none if the rate is 0. Motion
+capture names objects as its user likes: one whose name cannot begin a topic has none.
 """
 
+import re
 from collections.abc import Mapping
 from itertools import chain
 
@@ -15,6 +17,8 @@ from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.values import Names
 
 QUEUE = 10
+TOPIC_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+"""Names of vehicles that can begin a topic: a token of ROS 2 topic names."""
 ASK_EVERY_NS = 500_000_000
 """Interval of the question for subscribers [ns]."""
 
@@ -68,7 +72,11 @@ class VehiclePublishers:
         return self._made[name] if audience is not None and audience.listens(stamp_ns) else ()
 
     def _make(self, name: str) -> None:
-        make = self._node.create_publisher
-        self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in self._topics.items())
+        make, topics = self._node.create_publisher, self._topics
+        if topics and not TOPIC_NAME.fullmatch(name):
+            allowed = "letters, digits and _, a letter first"
+            self._node.get_logger().warning(f"no {name!r}/{'|'.join(topics)}: topics have {allowed}")
+            topics = {}
+        self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in topics.items())
         self._audiences[name] = Audience(self._made[name], ASK_EVERY_NS)
         self._audience = Audience(chain.from_iterable(self._made.values()), ASK_EVERY_NS)

@@ -1,0 +1,65 @@
+"""Warnings of input that is of no use to a node: names of other vehicles, stamps that stand still."""
+
+from collections.abc import Callable
+
+from rclpy.node import Node
+
+from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Names
+
+FRAMES = 100
+"""Frames with one stamp after which is warned; a lost message is requested again a few times."""
+
+Take = Callable[[int, Signal], None]
+
+
+def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> Take:
+    """Return a listener that warns of names in a topic that are not among `vehicles`; none are all."""
+
+    def unknown(names: Names) -> Names:
+        return tuple(sorted(set(names) - set(vehicles))) if vehicles else ()
+
+    return _warn_once(node, topic, unknown, lambda _: f"ignored: vehicles are {', '.join(vehicles)}")
+
+
+def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> Take:
+    """Return a listener that warns of `vehicles` that a topic does not have."""
+
+    def missing(names: Names) -> Names:
+        return tuple(sorted(set(vehicles) - set(names)))
+
+    return _warn_once(node, topic, missing, lambda names: f"missing: it has {', '.join(names) or 'none'}")
+
+
+def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Callable[[Names], str]) -> Take:
+    told: set[Names] = {()}
+    last: Names | None = None
+
+    def look(_: int, signal: Signal) -> None:
+        nonlocal last
+        if signal.names is last:
+            return
+        last = signal.names
+        different = differ(last)
+        if different not in told:
+            told.add(different)
+            node.get_logger().warning(f"{topic}: {', '.join(different)} {why(last)}")
+
+    return look
+
+
+class StandingStamps:
+    """Warning, once, that frames come with one and the same stamp."""
+
+    def __init__(self, node: Node, topic: str) -> None:
+        """Watch the stamps of a topic."""
+        self._node, self._topic = node, topic
+        self._stamp_ns, self._frames = -1, 0
+
+    def look(self, stamp_ns: int, _: Signal) -> None:
+        """Take the stamp of a message."""
+        self._frames = self._frames + 1 if stamp_ns == self._stamp_ns else 0
+        self._stamp_ns = stamp_ns
+        if self._frames == FRAMES:
+            told = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
+            self._node.get_logger().warning(f"{self._topic}: {told}")

@@ -1,0 +1,99 @@
+"""What a node says of input that is of no use to it; it goes on with the rest."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from geometry_msgs.msg import PoseStamped
+from rclpy.node import Node
+
+from q2q_model.ros.node.input_warnings import (
+    FRAMES,
+    StandingStamps,
+    warn_of_missing_names,
+    warn_of_unknown_names,
+)
+from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
+from q2q_model.signals.values import MocapFrame
+from q2q_sim.processes.domain import own_domain
+
+
+class Log:
+    """Log that keeps its warnings."""
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+
+    def warning(self, text: str) -> None:
+        """Keep a warning."""
+        self.warnings.append(text)
+
+
+@pytest.fixture
+def node() -> Iterator[Node]:
+    with own_domain():
+        rclpy.init(args=[])
+        try:
+            made, log = Node("mocap_filter"), Log()
+            made.get_logger = lambda: log
+            yield made
+        finally:
+            rclpy.try_shutdown()
+
+
+def frame(*names: str) -> MocapFrame:
+    return MocapFrame(0.0, names, np.zeros((len(names), 3)), np.zeros((len(names), 4)))
+
+
+def warnings(node: Node) -> list[str]:
+    found: list[str] = node.get_logger().warnings
+    return found
+
+
+def test_a_name_that_cannot_begin_a_topic_has_no_topics_and_the_others_have(node: Node) -> None:
+    writers = VehiclePublishers(node, {"pose": PoseStamped}, 10.0, ("cf-1", "", "2cf", "né"))
+    for _ in range(6):
+        writers.meet(("cf-1", "wand 1", "cf2"))
+    made = {one.topic_name for one in node.publishers}
+    assert "/cf2/pose" in made
+    assert not made & {"/pose", "/cf-1/pose"}
+    assert len(warnings(node)) == 5
+    assert "'cf-1'/pose" in warnings(node)[0]
+
+
+def test_it_says_nothing_of_topics_that_are_switched_off(node: Node) -> None:
+    VehiclePublishers(node, {"pose": PoseStamped}, 0.0, ("cf-1",))
+    assert warnings(node) == []
+
+
+def test_names_that_are_not_of_vehicles_are_told_once(node: Node) -> None:
+    look = warn_of_unknown_names(node, "mocap", ("cf1", "cf2"))
+    for names in (("cf1",), ("cf1", "wand"), ("cf2", "cf1"), ("wand", "cf1")):
+        look(0, frame(*names))
+    assert warnings(node) == ["mocap: wand ignored: vehicles are cf1, cf2"]
+
+
+def test_without_vehicles_every_name_is_one(node: Node) -> None:
+    warn_of_unknown_names(node, "mocap", ())(0, frame("wand"))
+    assert warnings(node) == []
+
+
+def test_vehicles_that_a_topic_lacks_are_told_once(node: Node) -> None:
+    look = warn_of_missing_names(node, "state", ("CF1", "cf2"))
+    for names in (("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2")):
+        look(0, frame(*names))
+    assert warnings(node) == ["state: CF1 missing: it has cf1, cf2"]
+
+
+def test_stamps_that_stand_still_are_told_once_and_moving_ones_never(node: Node) -> None:
+    stamps = StandingStamps(node, "mocap")
+    for stamp_ns in range(2 * FRAMES):
+        stamps.look(stamp_ns, frame("cf1"))
+    assert warnings(node) == []
+    for _ in range(3 * FRAMES):
+        stamps.look(0, frame("cf1"))
+    assert warnings(node) == [f"mocap: {FRAMES} frames stamped 0 s: stamp each with its time of capture"]
