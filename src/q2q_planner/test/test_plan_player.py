@@ -106,6 +106,75 @@ def test_glide_start_hold_and_a_second_flight_never_let_the_reference_jump() -> 
     assert room.largest_step() < 0.01  # 1 m/s: nothing here is faster
 
 
+def turning(first: float, last: float) -> SwarmPlan:
+    """Return a plan of one vehicle that turns where it is."""
+    ways = Waypoint(0.0, (0.0, 0.0, 1.0), first), Waypoint(3.0, (0.0, 0.0, 1.0), last)
+    return minimum_snap_plan([VehicleWaypoints("cf1", ways)])
+
+
+def seen(player: PlanPlayer, seconds: tuple[float, float], yaw: float = 0.0) -> list[SwarmSetpoint]:
+    """Return the references of a vehicle that is seen at (0, 0, 1) from one time to another [s]."""
+    quat = np.array([[0.0, 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw)]])
+    times = np.arange(*seconds, STEP).tolist()
+    return [player.update(MocapFrame(t, ("cf1",), np.array([[0.0, 0.0, 1.0]]), quat)) for t in times]
+
+
+def test_a_reference_that_turns_or_points_elsewhere_starts_no_plan_and_no_glide() -> None:
+    player = PlanPlayer(turning(0.0, 1.5), -1.0, GlideParams(), wait=True)
+    seen(player, (0.0, 0.1))
+    assert player.glide().granted
+    seen(player, (0.1, 2.0))
+    assert player.start().granted
+    seen(player, (2.0, 3.5))
+    assert "hold first" in player.start().reason
+    assert "hold first" in player.glide().reason
+    seen(player, (3.5, 6.0))
+    assert player.start().reason == "cf1's reference is 0.00 m and 1.50 rad from its first point: glide first"
+    assert player.glide().granted
+    turned = seen(player, (6.0, 6.0 + 2.3))
+    assert max(abs(float(one.yaw_rate[0])) for one in turned) <= 1.5 + 1e-9
+    assert player.start().granted
+
+
+def test_a_glide_turns_the_short_way_round() -> None:
+    player = PlanPlayer(turning(-3.1, -3.1), -1.0, GlideParams(), wait=True)
+    seen(player, (0.0, 0.1), 3.1)
+    assert player.glide().granted
+    rates = [abs(float(one.yaw_rate[0])) for one in seen(player, (0.1, 1.5), 3.1)]
+    assert max(rates) == pytest.approx(1.5 * (2.0 * np.pi - 6.2), rel=1e-3)
+    assert player.start().granted
+
+
+def test_no_glide_begins_at_an_outlier() -> None:
+    room = _Room(ABOVE)
+    room.tick(0.1)
+    room.pos = ABOVE + np.array([[0.5, 0.5, 1.0], [0.0, 0.0, 0.0]])
+    room.tick()
+    assert "keep the vehicles at rest" in room.player.glide().reason
+    room.pos = ABOVE
+    room.tick(2 * STEP)
+    assert room.player.glide().granted
+
+
+def test_a_clock_that_is_set_back_starts_the_plan_of_the_first_tick_anew_and_lets_a_called_one_go_on() -> (
+    None
+):
+    first = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
+    first.update(frame(100.0, GROUND))
+    first.update(frame(102.0, GROUND))
+    first.update(frame(101.99, GROUND))  # a late frame
+    assert first.played is not None
+    assert first.played.start == 100.0
+    np.testing.assert_allclose(first.update(frame(0.0, GROUND)).pos, first_points(), atol=1e-12)
+    room = _Room(ABOVE)
+    room.tick()
+    assert room.player.glide().granted
+    before = room.tick(1.0)
+    room.t = 0.0
+    assert room.player.played is not None
+    np.testing.assert_allclose(room.tick().pos, before.pos, atol=1e-9)
+
+
 def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:
     stopping = braked(PLAN, 3.8)  # across the waypoint at 4 s
     for curve, whole in zip(stopping.trajectories, PLAN.trajectories, strict=True):

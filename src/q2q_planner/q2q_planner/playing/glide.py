@@ -22,6 +22,10 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoin
 
 ORDERS = 24
 """Most orders that are tried: all of four vehicles."""
+TURN_MAX = 1.5
+"""Largest yaw rate of a glide [rad/s], less than half of what controllers may command."""
+PEAK_TURN = 1.5
+"""Ratio of largest to mean yaw rate from rest to rest: yaw is a cubic."""
 ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
 """Offsets of the waypoint beside the middle of a line, tried in this order [m]."""
 
@@ -50,6 +54,8 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
     Raises:
         ValueError: no order keeps the vehicles apart; names the pair and its distance.
     """
+    here = here.copy()
+    here[:, 3] = there[:, 3] + wrapped(here[:, 3] - there[:, 3])  # the short way round
     zone = Cylinder(params.glide_eps, params.glide_d)
     together = _together(names, here, there, params)
     proof = certify(together, zone)
@@ -60,6 +66,11 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
         if legs is not None:
             return replace(_joined(names, legs), certified=True)
     raise ValueError(_told(proof, zone))
+
+
+def wrapped(angle: Array) -> Array:
+    """Return angles [rad] from -pi to pi."""
+    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 
 
 def _together(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
@@ -119,7 +130,8 @@ def _way(name: str, points: Sequence[Array], times: Sequence[float]) -> VehicleW
 
 def _duration(here: Array, there: Array, params: GlideParams) -> float:
     length = float(np.linalg.norm(there[:3] - here[:3]))
-    return max(PEAK_SPEED * length / params.glide_speed, params.glide_s)
+    turn = abs(float(there[3] - here[3]))
+    return max(PEAK_SPEED * length / params.glide_speed, PEAK_TURN * turn / TURN_MAX, params.glide_s)
 
 
 def _told(proof: Certificate, zone: Cylinder) -> str:

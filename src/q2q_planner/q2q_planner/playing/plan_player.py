@@ -5,7 +5,8 @@
                               +------------ hold: braking, rest <------+
 
 While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion. Calls never
-make the reference jump: a glide starts where it rests, the plan starts where the glide has ended.
+make the reference jump: a glide starts where it rests, the plan starts where the glide has ended. If the
+clock is set back, a plan that began with the first tick begins anew, and one that was called goes on.
 """
 
 from dataclasses import dataclass
@@ -18,12 +19,16 @@ from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.playing.braked_plan import braked
-from q2q_planner.playing.glide import GlideParams, glide
+from q2q_planner.playing.glide import GlideParams, glide, wrapped
 
 AT_FIRST = 1e-3
 """Largest distance of the reference from the first points at which the plan may start [m]."""
 AT_REST = 1e-3
-"""Speed below which the reference is at rest [m/s]."""
+"""Speed [m/s] and yaw rate [rad/s] below which the reference is at rest."""
+SEEN_AT_REST = 2.0
+"""Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
+SET_BACK_S = 1.0
+"""Least step back of the clock that sets it back, and is no late frame [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,11 +51,13 @@ class PlanPlayer:
     def __init__(self, plan: SwarmPlan, start: float, params: GlideParams, *, wait: bool) -> None:
         """Play from the stamp `start` [s], from the first tick if it is negative, or wait for calls."""
         self._plan, self._params, self._wait = plan, params, wait
+        self._at_first_tick = start < 0.0
         self.played = Played(plan, start) if start >= 0.0 and not wait else None
         """None while waiting."""
         self._seen = np.full((len(plan.names), 4), np.nan)
         self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
         self._last: SwarmSetpoint | None = None
+        self._apart = 0.0  # speed of the waiting reference since the tick before [m/s]
 
     def update(self, frame: MocapFrame) -> SwarmSetpoint:
         """Return the reference at a frame.
@@ -59,10 +66,13 @@ class PlanPlayer:
             ValueError: while waiting, a vehicle has not been measured yet.
         """
         self._see(frame)
+        self._follow_clock(frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
-        self._last = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
-        return self._last
+        setpoint = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
+        self._apart = _speed(self._last, setpoint) if self.played is None else 0.0
+        self._last = setpoint
+        return setpoint
 
     def wait(self) -> Reply:
         """Wait: let the reference follow the measured vehicles."""
@@ -86,11 +96,12 @@ class PlanPlayer:
         here = self._rest()
         if isinstance(here, Reply):
             return here
-        far = np.linalg.norm(here[:, :3] - self._first()[:, :3], axis=1)
-        row = int(far.argmax())
-        if self.played is None or far[row] > AT_FIRST:
-            state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m from its first point"
-            return Reply(granted=False, reason=f"{state}: glide first")
+        off = here - self._first()
+        far, turned = np.linalg.norm(off[:, :3], axis=1), np.abs(wrapped(off[:, 3]))
+        row = int(np.maximum(far, turned).argmax())
+        if self.played is None or max(far[row], turned[row]) > AT_FIRST:
+            state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m and {turned[row]:.2f} rad"
+            return Reply(granted=False, reason=f"{state} from its first point: glide first")
         self.played = Played(self._plan, self._now())
         return Reply(granted=True, reason=f"the plan has started and takes {self._plan.duration:.1f} s")
 
@@ -101,6 +112,15 @@ class PlanPlayer:
         stopping = braked(self.played.plan, self._now() - self.played.start)
         self.played = Played(stopping, self._now())
         return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
+
+    def _follow_clock(self, t: float) -> None:
+        """Follow a clock that was set back to t [s]."""
+        if self.played is None or self._last is None or t > self._last.t - SET_BACK_S:
+            return
+        if self._wait:
+            self.played = Played(self.played.plan, self.played.start + t - self._last.t)
+        elif self._at_first_tick:
+            self.played = None
 
     def _see(self, frame: MocapFrame) -> None:
         """Keep the measured poses; those of a whole frame are taken only when they are asked for."""
@@ -145,11 +165,14 @@ class PlanPlayer:
         last = self._last
         if last is None:
             return Reply(granted=False, reason="no vehicle has been measured yet")
-        speed = np.linalg.norm(last.vel, axis=1)
-        if speed.max() > AT_REST:
-            row = int(speed.argmax())
-            state = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s"
+        speed, turn = np.linalg.norm(last.vel, axis=1), np.abs(last.yaw_rate)
+        row = int(np.maximum(speed, turn).argmax())
+        if max(speed[row], turn[row]) > AT_REST:
+            state = f"{last.names[row]}'s reference moves at {speed[row]:.2f} m/s and {turn[row]:.2f} rad/s"
             return Reply(granted=False, reason=f"{state}: hold first")
+        if self._apart > SEEN_AT_REST:
+            state = f"a measured position has moved at {self._apart:.1f} m/s"
+            return Reply(granted=False, reason=f"{state} since the frame before: keep the vehicles at rest")
         return np.column_stack([last.pos, last.yaw])
 
     def _first(self) -> Array:
@@ -157,6 +180,13 @@ class PlanPlayer:
 
     def _now(self) -> float:
         return 0.0 if self._last is None else self._last.t
+
+
+def _speed(before: SwarmSetpoint | None, now: SwarmSetpoint) -> float:
+    """Return the largest speed from one waiting reference to the next [m/s]; 0 without one before."""
+    if before is None or now.t <= before.t:
+        return 0.0
+    return float(np.linalg.norm(now.pos - before.pos, axis=1).max()) / (now.t - before.t)
 
 
 def _at(played: Played, t: float) -> SwarmSetpoint:
