@@ -1,7 +1,7 @@
 """Replanner node: `reference` and `state` in, `reference_safe` out.
 
 `law` chooses between the paper's potential field and the safe replanner; each has its own parameters, those
-of the second under `safe.`. `enabled` and `safe.enabled` may change in flight.
+of the second under `safe.`. In flight `enabled` may change; with `law:=safe`, `safe.enabled` in its place.
 """
 
 from dataclasses import dataclass
