@@ -2,7 +2,7 @@
 
 import { PUSHING_AIR } from "./colours.js";
 
-const PAD = { left: 40, right: 10, top: 8, bottom: 22 }; // [px]
+const PAD = { left: 50, right: 10, top: 8, bottom: 22 }; // [px]
 const SPAN_MARGIN = 0.06; // above and below the curves, of their span
 
 /** Return lowest and highest height over all runs [m], so that all have one scale. */

@@ -4,8 +4,7 @@ import { GridHelper, PerspectiveCamera, Vector3 } from "three";
 import { OrbitControls } from "three/OrbitControls";
 
 const FIELD_OF_VIEW = 38; // degrees
-const MARGIN = 0.2; // around the flights [m]
-const DEPTH = 0.3; // of the room in front of its middle that must fit the canvas too
+const MARGIN = 0.3; // around the flights, whose vehicles are wide [m]
 const LEAST_FULL_PUSH = 0.2; // downwash that is drawn in full colour at least [m/s^2]
 const VIEWS = {
   Room: { elevation: 16, azimuth: 22 },
@@ -102,10 +101,18 @@ export class SharedCamera {
     const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
     const right = new Vector3(0, 0, 1).cross(direction).normalize();
     const upward = direction.clone().cross(right);
-    const extent = (axis) => axis.toArray().reduce((sum, part, at) => sum + Math.abs(part) * this.room.size[at], 0) / 2;
-    const across = Math.max(extent(upward) / half, extent(right) / (half * this.camera.aspect));
-    return across + DEPTH * extent(direction);
+    const reaches = cornersOf(this.room.size).map((corner) => {
+      const aside = Math.max(Math.abs(corner.dot(upward)), Math.abs(corner.dot(right)) / this.camera.aspect);
+      return corner.dot(direction) + aside / half; // nearer corners look larger
+    });
+    return Math.max(...reaches);
   }
+}
+
+/** Return the corners of a box around the origin. */
+function cornersOf([x, y, z]) {
+  const signs = [-0.5, 0.5];
+  return signs.flatMap((a) => signs.flatMap((b) => signs.map((c) => new Vector3(a * x, b * y, c * z))));
 }
 
 /** Leave the wheel to the page until the canvas is clicked. */
