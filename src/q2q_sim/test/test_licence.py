@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
+from q2q_sim.air.air_names import AirError
 from q2q_sim.experiments.licence.commands.client_commands import CommandKind
 from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, flown, licence
 from q2q_sim.experiments.licence.licence_reports import (
@@ -21,11 +22,13 @@ from q2q_sim.experiments.licence.licence_reports import (
     verdict_words,
     write_licence_page,
 )
-from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.program_turns import Turns, always
-from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.program.simulator_errors import SimulatorError, is_of_room
+from q2q_sim.experiments.licence.program_flight import MORE_VEHICLES, FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+from q2q_sim.loop.room import Room
 
 HOP = """
 import time
@@ -247,6 +250,96 @@ def test_a_process_that_dies_is_told_with_its_signal_or_status(tmp_path: Path):
     order = FlightOrder(kill, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
     (flight,) = flown([order], LicenceOptions(), until=float("inf"))
     assert [one.sentence for one in flight.findings] == ["the program's process dies: signal 9, Killed"]
+
+
+SLOW_TICKS = """
+import time
+from q2q_sim.experiments.licence.licence_room import LicenceRoom
+fly, within = LicenceRoom.fly, []
+
+def slow(room):
+    assert not within, "a tick within a tick"
+    within.append(room)
+    began = time.process_time()
+    while time.process_time() - began < 1.0:
+        pass
+    within.clear()
+    fly(room)
+
+LicenceRoom.fly = slow
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+cflib.crtp.init_drivers()
+for number in (1, 2):
+    Crazyflie().open_link(f"radio://0/80/2M/E7E7E7E7E{number}")
+"""
+
+
+def test_the_tick_after_a_program_is_not_interrupted_by_looks_at_it(tmp_path: Path):
+    """The kernels of a first tick may be compiled in it, in seconds, and are not re-entrant meanwhile."""
+    file = tmp_path / "slow.py"
+    file.write_text(SLOW_TICKS)
+    params = LicenceParams(((0.0, 0.0, 0.0),))
+    order = FlightOrder(Program(file), params, LicenceTrial(), (), (), 30.0, patience=5.0)
+    (flight,) = flown([order], LicenceOptions(), until=inf)
+    assert flight.log is not None
+    assert flight.log.end.error == MORE_VEHICLES
+
+
+def test_an_error_in_a_tick_ends_the_licence_though_the_program_catches_it(tmp_path: Path):
+    end = """
+    from q2q_sim.loop.room import Room
+    def fail(*_):
+        raise LookupError("no row")
+    Room.fly = fail
+    try: time.sleep(1.0)
+    except Exception: pass"""
+    with pytest.raises(SimulatorError, match=r"the simulator failed, not the program:\n(?s:.*)no row$"):
+        licence(hop(tmp_path, end), LicenceOptions())
+
+
+@pytest.mark.parametrize(("kind", "own"), [(LookupError, True), (RecursionError, False)])
+def test_a_stack_that_ends_in_the_room_is_no_error_of_the_room(
+    kind: type[Exception], own: bool, monkeypatch: pytest.MonkeyPatch
+):
+    def fail(*_: object) -> None:
+        raise kind
+
+    room = LicenceRoom(LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial())
+    monkeypatch.setattr(Room, "fly", fail)
+    with pytest.raises(kind) as caught:
+        room.fly()
+    assert is_of_room(caught.value) is own
+
+
+def test_an_air_that_does_not_exist_is_refused_before_a_program_flies(tmp_path: Path):
+    with pytest.raises(AirError, match="no_such_air"):
+        licence(hop(tmp_path, LAND), LicenceOptions(air="no_such_air"))
+
+
+REHEARSAL = """
+from q2q_model.compiled import KERNELS
+from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.trials import LicenceTrial
+
+def called():
+    return {(one.name, kind) for one in KERNELS for kind in getattr(one.made, "overloads", ())}
+
+LicenceRoom(LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial()).fly()
+rehearsed = called()
+"""
+
+
+def test_the_rehearsed_tick_calls_every_kernel_of_a_flight(tmp_path: Path):
+    """The program rehearses in the process of its flight, and lists what its flight calls beyond that."""
+    program = hop(tmp_path, f"{LAND}\n    print(called() - rehearsed)")
+    program.file.write_text(REHEARSAL + program.file.read_text())
+    params = LicenceParams(((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    uris = ("radio://0/80/2M/E7E7E7E7E7", "radio://0/80/2M/E7E7E7E7E8")
+    trial = LicenceTrial(TrialKind.SWAP, start=0.1, other=1)
+    (flight,) = flown([FlightOrder(program, params, trial, uris, (), 30.0)], LicenceOptions(), until=inf)
+    assert flight.log is not None
+    assert flight.log.output.splitlines()[-1] == "set()"
 
 
 def test_a_program_for_the_multi_ranger_deck_sees_the_walls_of_the_licences_room(tmp_path: Path):

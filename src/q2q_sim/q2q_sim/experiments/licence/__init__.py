@@ -7,6 +7,7 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 |---|---|
 | program_turns | threads of a program one at a time, and their clock |
 | standard_calls | sleeping, clocks, locks and threads of Python by these turns |
+| simulator_errors | errors of the simulator itself, which are not the program's |
 | link_host | where the links of a program end |
 | emulated_link | link driver for cflib that ends at the vehicles |
 | crazyswarm | stand-in for Crazyswarm2's crazyflie_py and its server |

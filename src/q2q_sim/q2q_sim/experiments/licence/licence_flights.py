@@ -1,6 +1,8 @@
 """Licence of a program: its flight without faults, then, if that passes, with one fault each.
 
-Every flight has a process of its own, forked from the warm parent, which has imported the simulator.
+Every flight has a process of its own, forked from the warm parent, which has imported the simulator. One tick
+is rehearsed before all flights: compiling the kernels is no time of a program, and an air that cannot be
+flown in is refused.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,7 +16,7 @@ from time import monotonic
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, Start
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
-from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, findings
 from q2q_sim.experiments.licence.program_flight import (
     MORE_VEHICLES,
@@ -128,7 +130,14 @@ class Licence:
 
 
 def licence(program: Program, options: LicenceOptions) -> Licence:
-    """Return the licence of a program."""
+    """Return the licence of a program.
+
+    Raises:
+        AirError: the air does not exist, or cannot be flown in.
+        SimulatorError: the simulator failed in a flight.
+    """
+    begin()
+    LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
     began = monotonic()
     nominal = _nominal(program, options)
     flights, left_out = [nominal], []

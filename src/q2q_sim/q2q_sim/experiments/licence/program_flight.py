@@ -31,6 +31,7 @@ from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.link_host import LinkHost
 from q2q_sim.experiments.licence.program.program_turns import Turns
+from q2q_sim.experiments.licence.program.simulator_errors import SimulatorError, end_by, is_of_room
 from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.loop.room import TICK_S
@@ -166,10 +167,19 @@ class _Flight:
         return self._uris.index(uri)
 
     def _tick(self) -> None:
-        self._room.fly()
+        self._fly()
         asked = self._order.survey and any(one.asked.kind in FLIGHT for one in self._room.commands)
         if asked or self._room.t >= self._order.limit:
             self._send(self._overdue())
+
+    def _fly(self) -> None:
+        """Advance the room by one tick; the program, which may catch all errors, gets none of the room's."""
+        try:
+            self._room.fly()
+        except Exception as error:
+            if is_of_room(error):
+                end_by(error, self._answer)
+            raise
 
     def _end_if_outside(self, _: int, __: FrameType | None) -> None:
         """End the flight of a program that waits where no simulated time passes between two looks."""
@@ -221,21 +231,27 @@ class _Flight:
 
     def _finish(self, end: ProgramEnd) -> NoReturn:
         """Fly on without the program and send the log."""
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        _end_looks()
         if self._failed.status and not end.status:
             end = ProgramEnd(end.t, 1, self._failed.error, self._failed.line)
         ended = self._room.t
         while self._room.is_moving() and self._room.t < ended + REST_S:
-            self._room.fly()
+            self._fly()
         self._send(end)
 
     def _send(self, end: ProgramEnd) -> NoReturn:
+        _end_looks()
         if self._room.t == 0.0:
-            self._room.fly()  # a log has a tick
+            self._fly()  # a log has a tick
         self._answer.send(self._room.log(tuple(self._uris), self._names, end, self._output.text()))
         self._answer.close()
         os._exit(0)
+
+
+def _end_looks() -> None:
+    """End the looks at the program, which fly ticks: what follows flies its own, and none within another."""
+    for timer in (signal.ITIMER_PROF, signal.ITIMER_REAL):
+        signal.setitimer(timer, 0.0)
 
 
 def waiting_lines(file: str) -> tuple[int, ...]:
@@ -255,13 +271,22 @@ def _line_in(file: str, frame: FrameType) -> int:
 def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
     """Fly a program in this process, send its LicenceLog, and end the process."""
     die_with_parent()
-    _Flight(order, answer).run()
+    try:
+        _Flight(order, answer).run()
+    except Exception as error:  # noqa: BLE001  those of the program end within
+        end_by(error, answer)
 
 
 def received(answer: Connection) -> LicenceLog | None:
-    """Return the log that a process has sent; None if it ended without."""
+    """Return the log that a process has sent; None if it ended without.
+
+    Raises:
+        SimulatorError: the simulator failed in it.
+    """
     try:
-        log = answer.recv()
+        sent = answer.recv()
     except EOFError:
         return None
-    return log if isinstance(log, LicenceLog) else None
+    if isinstance(sent, SimulatorError):
+        raise sent
+    return sent if isinstance(sent, LicenceLog) else None

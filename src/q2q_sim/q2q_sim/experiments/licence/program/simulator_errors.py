@@ -1,0 +1,28 @@
+"""Errors of the simulator itself in a tick: they end the licence and are never told as the program's."""
+
+import os
+import traceback
+from multiprocessing.connection import Connection
+from typing import NoReturn
+
+from q2q_sim.experiments.licence.licence_room import LicenceRoom
+
+ROOM = LicenceRoom.fly.__code__.co_filename
+"""File of the room, which takes nothing but packets from a program."""
+
+
+class SimulatorError(ChildProcessError):
+    """Error of the simulator itself in a flight, with its traceback."""
+
+
+def is_of_room(error: BaseException) -> bool:
+    """Return whether the room failed; a program that calls itself without end may run out of stack there."""
+    frames = traceback.extract_tb(error.__traceback__)
+    return any(one.filename == ROOM for one in frames) and not isinstance(error, RecursionError)
+
+
+def end_by(error: BaseException, answer: Connection) -> NoReturn:
+    """Send an error of the simulator and end this process."""
+    told = "".join(traceback.format_exception(error)).strip()
+    answer.send(SimulatorError(f"the simulator failed, not the program:\n{told}"))
+    os._exit(1)
