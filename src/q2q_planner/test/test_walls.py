@@ -92,6 +92,34 @@ def test_one_vehicle_alone_is_kept_within_the_walls() -> None:
     assert found.within.holds
 
 
+@pytest.mark.parametrize("end", [5.3, 6.0, 7.1])
+def test_a_wall_that_is_crossed_between_samples_only_is_left(end: float) -> None:
+    """The samples are milliseconds apart and the curve is 0.1 um beyond the wall for less than that."""
+    points = ((0.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 1.0, 1.0), (0.0, 1.0, 1.0))
+    corner = map(Waypoint, (0.0, 2.0, 3.0, end), points)
+    alone = (VehicleWaypoints("cf1", tuple(corner)),)
+    free = minimum_snap_plan(alone, "free")
+    box = (-9.0, -9.0, 0.0, sampled(free)[..., 0].max() - 1e-7, 9.0, 9.0)
+    assert not prove_within(free, Walls(box[:3], box[3:])).holds
+    found = avoid(alone, ZONE, "free", AvoidanceParams(within=box))
+    assert sampled(found.plan)[..., 0].max() < box[3]
+    assert found.cost < found.infimum * (1.0 + 1e-5)  # it moves by the margin, 0.2 mm
+
+
+@pytest.mark.parametrize("walls", [(), (-1.6, -1.6, 0.3, 1.6, 1.6, 2.3)])
+def test_a_zone_that_is_entered_between_samples_only_names_the_pair(walls: tuple[float, ...]) -> None:
+    """The last waypoints touch the zone's edge, and no sample before them is near it."""
+    ways = {
+        "cf1": [(-0.6, -0.1, 1.6), (0.1, 1.2, 1.3), (1.3, 1.3, 1.2)],
+        "cf2": [(1.4, 0.4, 1.3), (0.2, 0.7, 1.5), (1.3, 1.2, 2.0)],
+    }
+    swarm = [
+        VehicleWaypoints(name, tuple(map(Waypoint, (0.0, 4.0, 8.0), rows))) for name, rows in ways.items()
+    ]
+    with pytest.raises(InfeasibleError, match="cf1 and cf2 cannot be kept apart"):
+        avoid(swarm, Cylinder(0.1, 1.1), "free", AvoidanceParams(within=walls))
+
+
 def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> None:
     with pytest.raises(InfeasibleError, match=r"cannot be kept (within the walls|apart)"):
         held((-1.5, -0.02, 0.5, 1.5, 0.02, 1.5))

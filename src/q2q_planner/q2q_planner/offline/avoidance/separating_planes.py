@@ -52,6 +52,8 @@ def least_bends(
     mean of AA' 's diagonal, HARD for few planes.
     """
     n, _, dimension = samples.rows.shape
+    if not len(planes.sample):  # the violation lies between samples
+        return np.zeros((n, dimension, 3)), np.zeros(0)
     pushes = _push_matrix(samples, planes)
     rel = samples.base[planes.sample, planes.first] - samples.base[planes.sample, planes.second]
     required = planes.level - (planes.normal * rel).sum(-1)

@@ -55,5 +55,7 @@ def watched_samples(problem: Problem, positions: Array, touched: Mask, *, corner
     if corners:
         watched = watched | cut_corners(positions, problem.pairs, problem.lathe)
     pairs = watch_pairs(positions, problem.pairs, problem.lathe, watched)
-    walls = watch_walls(positions, problem.walls, touched[count:]) if problem.walls else None
-    return WatchedSamples(pairs, walls)
+    if problem.walls is None:
+        return WatchedSamples(pairs, None)
+    alone = not len(pairs.sample)
+    return WatchedSamples(pairs, watch_walls(positions, problem.walls, touched[count:], nearest=alone))

@@ -26,13 +26,18 @@ class WallWatch(NamedTuple):
     """Least distance of any vehicle to a wall at any sample [m]."""
 
 
-def watch_walls(positions: Array, walls: Walls, watched: Mask) -> WallWatch:
-    """Return the samples to give planes, and those `watched` already, (6 n, S); positions are (S, n, 3)."""
+def watch_walls(positions: Array, walls: Walls, watched: Mask, *, nearest: bool) -> WallWatch:
+    """Return the samples to give planes, and those `watched` already, (6 n, S); positions are (S, n, 3).
+
+    If there are none, a wall may still be crossed between samples: `nearest` then asks for the nearest one.
+    """
     distance = walls.distances(positions).reshape(len(positions), -1).T  # (6 n, S)
     wanted = watched.copy()
     for beyond in np.flatnonzero((distance < 0.0).any(axis=1)):
         inside = np.flatnonzero(distance[beyond] < 0.0)
         wanted[beyond, deepest_of_runs(inside, -distance[beyond, inside])] = True
+    if nearest and not wanted.any():
+        wanted.flat[distance.argmin()] = True
     row, sample = np.nonzero(wanted)
     return WallWatch(row, sample, float(distance.min()))
 
