@@ -175,6 +175,46 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
     assert load(out).duration == pytest.approx(35.0 / 16.0 * 3.0, abs=0.011)  # a tick
 
 
+UNTIMED = "vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [3, 0, 1]}, {pos: [3, 2, 1]}]}"
+HASTY = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 1.5, pos: [3, 0, 1]}]}"
+
+
+@pytest.mark.parametrize(
+    ("keys", "arguments"),
+    [
+        ("reading: free", ["--reading", "free"]),
+        ("vehicle: crazyflie_brushless", ["--vehicle", "crazyflie_brushless"]),
+    ],
+)
+def test_a_file_that_says_what_flies_it_is_planned_for_that(
+    keys: str, arguments: list[str], tmp_path: Path
+) -> None:
+    """As with the option, and the option comes first; the file without either is planned otherwise."""
+    path, out, plans = tmp_path / "untimed.yaml", tmp_path / "plan.json", []
+    fast = ["--speed", "9", "--acceleration", "9"]
+    for text, options in ((keys, []), ("", arguments), ("reading: stop_and_go", arguments), ("", [])):
+        path.write_text(f"{text}\n{UNTIMED}")
+        assert main([str(path), "--out", str(out), *fast, *options]) == 0
+        plans.append(out.read_text())
+    assert plans[0] == plans[1] == plans[2] != plans[3]
+
+
+def test_the_firmware_of_a_file_is_that_of_its_thrust(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "hasty.yaml", tmp_path / "plan.json"
+    asked = [str(path), "--out", str(out)]
+    path.write_text(HASTY)
+    assert main(asked) == 1
+    assert "crazyflie_2_0 has at most 0.439 N" in capsys.readouterr().err
+    path.write_text(f"firmware: thrust_upgrade\n{HASTY}")
+    assert main(asked) == 0
+    assert main([*asked, "--vehicle", "crazyflie_2_1"]) == 0
+    path.write_text(f"firmware: none_such\n{HASTY}")
+    assert main(asked) == 1
+    assert f"{path}: firmware 'none_such' of crazyflie_2_0: known are stock" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("text", "arguments", "message"),
     [

@@ -15,7 +15,7 @@ from q2q_model.commands.command_line import (
     run_command,
 )
 from q2q_model.files.model_choice import check_model
-from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
   ros2 run q2q_planner plan waypoints.yaml --out plan.json --model model.q2q --json cost.json --csv plan.csv
@@ -34,7 +34,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    vehicle_by_name(args.vehicle)
+    if args.vehicle:
+        vehicle_by_name(args.vehicle)
     if args.model:
         check_model(args.model)
     require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
@@ -62,7 +63,9 @@ def parser() -> CommandLine:
     made.add_argument("--starts", type=int, default=2, help="starting points of the search (default 2)")
     made.add_argument("--warm", type=Path, metavar="PLAN", help="start the search from this plan")
     made.add_argument(
-        "--reading", choices=("stop_and_go", "free"), default="stop_and_go", help="reading of eq. (17)"
+        "--reading",
+        choices=("stop_and_go", "free"),
+        help="reading of eq. (17), in place of the file's (if it names none: stop_and_go)",
     )
     made.add_argument("--csv", type=Path, help="write setpoints at 100 Hz to this file")
     made.add_argument(
@@ -118,7 +121,10 @@ def _add_risk(made: CommandLine) -> None:
 
 def _add_limits(made: CommandLine) -> None:
     limits = made.add_argument_group("limits, used to time waypoints without t")
-    limits.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
+    limits.add_argument(
+        "--vehicle",
+        help=f"one of {', '.join(VEHICLES)}, in place of the file's (if it names none: {DEFAULT_VEHICLE})",
+    )
     limits.add_argument("--speed", type=float, default=2.0, help="[m/s] (default 2)")
     limits.add_argument("--acceleration", type=float, default=4.0, help="[m/s^2] (default 4)")
 

@@ -14,19 +14,18 @@ from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
-from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.convex_zone import LARGEST, lathe_around
 from q2q_planner.offline.downwash_zone import LearnedDownwash, avoid_downwash
-from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, check_feasible, with_limits_of
+from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.rounding_bound import NOT_BOUNDED
 from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import write_samples, write_uploads
+from q2q_planner.tools.flight_options import read_swarm
 from q2q_planner.tools.risk_options import risk_facts, terms_of, zone_by_risk
-from q2q_planner.tools.waypoint_file import read_waypoints
 
 DRAFT = "paper_law"
 """Downwash of Figs 11 and 13 without --model."""
@@ -107,12 +106,6 @@ def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Z
     return made.zone, f"{words}: avoids {100.0 * made.cut:.1f} % of the predicted height error"
 
 
-def swarm_of(asked: Namespace) -> tuple[VehicleWaypoints, ...]:
-    """Return the waypoints of the file, timed if it has no times; raise ValueError naming the file."""
-    limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration), vehicle_by_name(asked.vehicle))
-    return read_waypoints(asked.waypoints, limits, asked.reading)
-
-
 def as_json(made: Planned) -> dict[str, float | bool | None]:
     """Return the content of the --json file."""
     return {
@@ -135,11 +128,12 @@ def _finite(clearance: float) -> float | None:
 
 def run(asked: Namespace) -> int:
     """Plan, certify, and write the files; return the exit status."""
-    swarm, before = swarm_of(asked), process_time()
+    asked, swarm = read_swarm(asked)
+    before = process_time()
     zone, words = zone_of(asked, swarm)
     made = planned(asked, swarm, zone, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold
-    check_feasible(made.plan, swarm, vehicle_by_name(asked.vehicle), reserve)
+    check_feasible(made.plan, swarm, asked.vehicle, reserve)
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)

@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
-from q2q_model.vehicle.constants import GRAVITY, vehicle_by_name
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_planner.offline.convex_zone import Lathe
 from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
 
@@ -22,7 +22,7 @@ def terms_of(asked: Namespace) -> RiskTerms:
     if asked.tube is None:
         raise ValueError(f"--risk {asked.risk:g} needs --tube, the largest tracking error of a flight [m]")
     tube_risk = 0.5 * asked.risk if asked.tube_risk is None else asked.tube_risk
-    vehicle = vehicle_by_name(asked.vehicle)
+    vehicle: Vehicle = asked.vehicle
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY - MANOEUVRES
     if asked.hold is None and spare <= 0.0:
         raise ValueError(f"{vehicle.name} has {spare + MANOEUVRES:.2f} m/s^2 of thrust to spare: give --hold")

@@ -7,6 +7,8 @@ from math import isnan, nan
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE
+from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoints import Point, VehicleWaypoints, Waypoint, check_swarm
@@ -16,13 +18,19 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 @dataclass(frozen=True, slots=True)
-class _Swarm:
-    """Waypoints of a document; its other keys are those of a scenario."""
+class WaypointDocument:
+    """Waypoints, and what flies them; further keys of a document are those of a scenario."""
 
     vehicles: Annotated[
         Mapping[str, Annotated[tuple[object, ...], "a list of waypoints"]],
         "{name: waypoints}, such as {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1], yaw: 0}]}",
     ]
+    vehicle: str = DEFAULT_VEHICLE
+    """Name in `q2q_model.vehicle.constants`."""
+    firmware: str = STOCK
+    """Its thrust per PWM, of `q2q_model.vehicle.thrust_map`."""
+    reading: Reading = "stop_and_go"
+    """Of eq. (17)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +51,19 @@ def swarm_from_document(
     Raises:
         ValueError: naming the vehicle, the waypoint and what is expected there.
     """
-    vehicles = from_plain(_Swarm, document, "the file", extra=True).vehicles
-    swarm = tuple(_vehicle(name, rows, limits, reading) for name, rows in vehicles.items())
+    return timed_swarm(checked_document(document), limits, reading)
+
+
+def checked_document(document: object) -> WaypointDocument:
+    """Return a parsed document; raise ValueError naming the key and what is expected there."""
+    return from_plain(WaypointDocument, document, "the file", extra=True)
+
+
+def timed_swarm(
+    document: WaypointDocument, limits: FlightLimits, reading: Reading
+) -> tuple[VehicleWaypoints, ...]:
+    """Return the waypoints of a checked document; as `swarm_from_document`."""
+    swarm = tuple(_vehicle(name, rows, limits, reading) for name, rows in document.vehicles.items())
     check_swarm(swarm)
     return swarm
 
