@@ -11,9 +11,11 @@ import pytest
 from q2q_model.commands import identify
 from q2q_model.commands.command_line import (
     CommandLine,
+    UsageError,
     nearest,
     output_file,
     output_folder,
+    require_apart,
     run_command,
     without_ros,
 )
@@ -95,6 +97,14 @@ def test_a_place_without_permission_is_refused_before_the_work(
 def test_a_place_that_does_not_exist_yet_is_taken(tmp_path: Path):
     args = made().parse_args(["--json", f"{tmp_path}/a/b.json", "--out", f"{tmp_path}/c"])
     assert (args.json, args.out) == (tmp_path / "a" / "b.json", tmp_path / "c")
+
+
+def test_two_names_of_one_file_are_refused_and_of_one_device_are_not(tmp_path: Path):
+    (tmp_path / "link").symlink_to(tmp_path / "a")
+    with pytest.raises(UsageError, match=r"--json and --csv are both .*link: give each a file of its own"):
+        require_apart({"--json": tmp_path / "a", "--out": None, "--csv": tmp_path / "link"})
+    require_apart({"--json": tmp_path / "a", "--csv": tmp_path / "b"})
+    require_apart({"--json": Path(os.devnull), "--csv": Path(os.devnull)})
 
 
 def test_an_error_of_the_operating_system_is_its_path_and_words(

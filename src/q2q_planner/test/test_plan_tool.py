@@ -248,6 +248,47 @@ def test_what_cannot_be_planned_is_said_in_one_line(
     assert not out.exists()
 
 
+def refusal(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the message of a command line that contradicts itself, which ends with status 2."""
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--out", "crossing.yaml"], "the waypoint file and --out are both "),
+        (["--out", "plan.json", "--json", "plan.json"], "--out and --json are both "),
+        (["--out", "plan.json", "--csv", "new/../crossing.yaml"], "the waypoint file and --csv are both "),
+        (["--out", "old.json", "--warm", "old.json"], "--warm and --out are both "),
+        (["--out", "plan.json", "--upload", "old.json"], "old.json is a file; give a folder"),
+        (["--out", "plan.json", "--figures", "old.json"], "old.json is a file; give a folder"),
+        (["--out", "plan.json", "--csv", "old.json/a.csv"], "old.json is a file; it cannot hold a.csv"),
+    ],
+)
+def test_no_file_is_written_twice_or_over_another(
+    options: list[str],
+    words: str,
+    crossing: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(crossing.parent)
+    Path("old.json").write_text("{}")
+    Path("new").mkdir()
+    assert words in refusal(["crossing.yaml", *options], capsys)
+    assert crossing.read_text() == SECTION_4_1
+    assert not Path("plan.json").exists()
+
+
+def test_folders_of_the_table_are_made(crossing: Path, tmp_path: Path) -> None:
+    table = tmp_path / "new" / "folder" / "plan.csv"
+    assert main([str(crossing), "--no-avoid", "--out", str(tmp_path / "p.json"), "--csv", str(table)]) == 0
+    assert table.read_text().startswith("t,name,x,y,z")
+
+
 def test_an_absent_file_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(tmp_path / "none.yaml"), "--out", str(tmp_path / "p.json")]) == 1
     assert "none.yaml" in capsys.readouterr().err

@@ -12,7 +12,7 @@ import re
 import sys
 import warnings
 from argparse import Namespace
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
@@ -132,6 +132,17 @@ def require_existing(what: str, *paths: Path) -> None:
     for path in paths:
         if not path.exists():
             raise ValueError(f"no {what} at {path}")
+
+
+def require_apart(files: Mapping[str, Path | None]) -> None:
+    """Raise UsageError if two of the files, named by their arguments, are the same; devices may be."""
+    seen: dict[Path, str] = {}
+    for name, path in files.items():
+        if path is None or (path.exists() and not path.is_file()):
+            continue
+        other = seen.setdefault(path.resolve(), name)
+        if other != name:
+            raise UsageError(f"{other} and {name} are both {path}: give each a file of its own")
 
 
 def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:

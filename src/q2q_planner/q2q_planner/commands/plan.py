@@ -10,7 +10,9 @@ from q2q_model.commands.command_line import (
     CommandLine,
     Work,
     output_file,
+    output_folder,
     positive_number,
+    require_apart,
     require_existing,
     run_command,
 )
@@ -39,6 +41,8 @@ def _prepare(args: Namespace) -> Work:
     if args.model:
         check_model(args.model)
     require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
+    written = {"--out": args.out, "--json": args.json, "--csv": args.csv}
+    require_apart({"the waypoint file": args.waypoints, "--warm": args.warm} | written)
     from q2q_planner.tools.plan_swarm import run
 
     return run
@@ -67,12 +71,14 @@ def parser() -> CommandLine:
         choices=("stop_and_go", "free"),
         help="reading of eq. (17), in place of the file's (if it names none: stop_and_go)",
     )
-    made.add_argument("--csv", type=Path, help="write setpoints at 100 Hz to this file")
+    made.add_argument("--csv", type=output_file, help="write setpoints at 100 Hz to this file")
     made.add_argument(
-        "--upload", type=Path, help="write <name>.csv for Crazyswarm2's upload into this folder"
+        "--upload", type=output_folder, help="write <name>.csv for Crazyswarm2's upload into this folder"
     )
     made.add_argument(
-        "--figures", type=Path, help="draw Figs 10 to 13 and a 3-D view of plan and zone into this folder"
+        "--figures",
+        type=output_folder,
+        help="draw Figs 10 to 13 and a 3-D view of plan and zone into this folder",
     )
     _add_zone(made)
     _add_risk(made)

@@ -25,7 +25,11 @@ COLUMNS = ("t", "name", "x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "yaw"
 
 
 def write_samples(path: Path, plan: SwarmPlan) -> None:
-    """Write every vehicle's setpoint at 100 Hz in SI units, one row per vehicle and tick."""
+    """Write every vehicle's setpoint at 100 Hz in SI units, one row per vehicle and tick.
+
+    The folders above the file are created.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
