@@ -230,6 +230,18 @@ def test_the_firmware_of_a_file_is_that_of_its_thrust(
         ),
         (SECTION_4_1, ["--eps", "-1"], "--eps = -1.0: allowed is 0 to 5.0 m"),
         (SECTION_4_1, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
+        (SECTION_4_1, ["--model", "measured_law", "--eps", "0.3"], "--eps and --model both choose the zone"),
+        (
+            SECTION_4_1,
+            ["--model", "measured_law", "--threshold", "1", "--shape", "ellipsoid"],
+            "--shape and --model both choose the zone",
+        ),
+        (SECTION_4_1, ["--model", "none"], "--model none has no downwash, so no zone: name another, or give"),
+        (
+            SECTION_4_1,
+            ["--no-avoid", "--model", "paper_law", "--cut", "0.9"],
+            "--cut 0.9 needs --model, and neither --threshold, which it chooses, nor --no-avoid",
+        ),
         ("vehicles: [", [], "bad.yaml: is not valid YAML: line 1: expected the node content"),
         (SECTION_4_1, ["--threshold", "1"], "needs --model"),
         ("nothing: 1", [], "the file: vehicles is missing"),

@@ -109,7 +109,9 @@ def test_a_plan_at_a_risk_is_certified_and_says_what_it_rests_on(tmp_path: Path)
         ),
         (["--risk", "0.01", "--tube-risk", "0.005"], "--risk 0.01 needs --tube"),
         (["--risk", "0.01", *TUBED, "--vehicle", "crazyflie_2_1", "--hold", "6.5"], "needs 0.44"),
+        (["--risk", "0.01", *TUBED, "--eps", "0.5"], "--eps and --risk both choose the zone"),
         (["--tube", "0.1", "0.1"], "--tube needs --risk"),
+        (["--touch", "0.3"], "--touch needs --risk"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(

@@ -88,10 +88,12 @@ def parser() -> CommandLine:
 
 def _add_zone(made: CommandLine) -> None:
     zone = made.add_argument_group("zone")
-    zone.add_argument("--shape", choices=("cylinder", "ellipsoid"), default="cylinder")
-    zone.add_argument("--eps", type=float, default=0.1, help="radius of the zone [m] (default 0.1)")
-    zone.add_argument("--d", type=float, default=1.1, help="half height of the zone [m] (default 1.1)")
-    zone.add_argument("--model", help="zone of this interaction model: a shipped name or a .q2q file")
+    zone.add_argument("--shape", choices=("cylinder", "ellipsoid"), help="default: cylinder")
+    zone.add_argument("--eps", type=float, help="radius of the zone [m] (default 0.1)")
+    zone.add_argument("--d", type=float, help="half height of the zone [m] (default 1.1)")
+    zone.add_argument(
+        "--model", help="in place of these, zone of this interaction model: a shipped name or a .q2q file"
+    )
     zone.add_argument(
         "--threshold", type=positive_number, help="with --model: zone where its downwash exceeds this [m/s^2]"
     )
@@ -120,9 +122,7 @@ def _add_risk(made: CommandLine) -> None:
     risk.add_argument(
         "--hold", type=float, help="downwash that the thrust holds [m/s^2] (default: all but 1 m/s^2 of it)"
     )
-    risk.add_argument(
-        "--touch", type=float, default=0.14, help="distance at which two vehicles touch [m] (default 0.14)"
-    )
+    risk.add_argument("--touch", type=float, help="distance at which two vehicles touch [m] (default 0.14)")
 
 
 def _add_limits(made: CommandLine) -> None:

@@ -36,6 +36,9 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.signals.values import Array
 from q2q_planner.offline.convex_zone import Lathe, lathe_around, lathe_by_support
 
+TOUCH = 0.14
+"""Distance at which two Crazyflies 2 touch [m]: twice 46 mm of arm and 23 mm of propeller."""
+
 
 @dataclass(frozen=True, slots=True)
 class RiskTube:
@@ -65,8 +68,8 @@ class RiskTerms:
     hold: float
     """Downwash that the thrust holds beside the plan's accelerations [m/s^2]."""
     tube: RiskTube
-    touch: float = 0.14
-    """Distance at which two vehicles touch [m]; Crazyflie 2: twice 46 mm of arm and 23 mm of propeller."""
+    touch: float = TOUCH
+    """Distance at which two vehicles touch [m]."""
 
     def __post_init__(self) -> None:
         """Raise ValueError if a number is out of bounds, or if the tube alone takes the whole risk."""

@@ -7,17 +7,14 @@ from math import isfinite
 from time import process_time
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.downwash.level_set import level_set
 from q2q_model.files.find_model import find_model
-from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.geometry.zone import Zone
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import LARGEST, lathe_around
-from q2q_planner.offline.downwash_zone import LearnedDownwash, avoid_downwash
+from q2q_planner.offline.convex_zone import lathe_around
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -25,7 +22,8 @@ from q2q_planner.offline.rounding_bound import NOT_BOUNDED
 from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import write_samples, write_uploads
 from q2q_planner.tools.flight_options import read_swarm
-from q2q_planner.tools.risk_options import risk_facts, terms_of, zone_by_risk
+from q2q_planner.tools.risk_options import risk_facts, terms_of
+from q2q_planner.tools.zone_options import zone_of
 
 DRAFT = "paper_law"
 """Downwash of Figs 11 and 13 without --model."""
@@ -68,44 +66,6 @@ def _params_of(asked: Namespace) -> AvoidanceParams:
     return AvoidanceParams(starts=asked.starts, within=tuple(asked.within or ()))
 
 
-def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
-    """Return the zone of the command line, and its description."""
-    if asked.risk is not None:
-        return zone_by_risk(asked)
-    for option in ("tube", "tube_risk", "hold"):
-        if getattr(asked, option) is not None:
-            raise ValueError(f"--{option.replace('_', '-')} needs --risk, whose zone it changes")
-    if asked.cut is not None:
-        return _zone_by_cut(asked, swarm)
-    if asked.model and asked.threshold is not None:
-        words = f"level set of {asked.model} at {asked.threshold} m/s^2"
-        return level_set(find_model(asked.model).interaction, asked.threshold), words
-    if asked.model:
-        return find_model(asked.model).zone, f"the zone of {asked.model}"
-    if asked.threshold is not None:
-        raise ValueError(f"--threshold {asked.threshold} needs --model, the downwash that it applies to")
-    for name in ("eps", "d"):
-        value = getattr(asked, name)
-        if not 0.0 < value < LARGEST:
-            raise ValueError(f"--{name} = {value}: allowed is 0 to {LARGEST} m, both excluded")
-    shape = Cylinder if asked.shape == "cylinder" else Ellipsoid
-    return shape(asked.eps, asked.d), f"{asked.shape} eps {asked.eps} m, d {asked.d} m"
-
-
-def _zone_by_cut(asked: Namespace, swarm: Sequence[VehicleWaypoints]) -> tuple[Zone, str]:
-    if not asked.model or asked.threshold is not None:
-        raise ValueError(f"--cut {asked.cut} needs --model, and no --threshold, which it chooses")
-    file = find_model(asked.model)
-    downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
-    made = avoid_downwash(swarm, downwash, asked.reading, _params_of(asked))
-    if made.cut < asked.cut:
-        raise ValueError(
-            f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
-        )
-    words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2"
-    return made.zone, f"{words}: avoids {100.0 * made.cut:.1f} % of the predicted height error"
-
-
 def as_json(made: Planned) -> dict[str, float | bool | None]:
     """Return the content of the --json file."""
     return {
@@ -130,7 +90,7 @@ def run(asked: Namespace) -> int:
     """Plan, certify, and write the files; return the exit status."""
     asked, swarm = read_swarm(asked)
     before = process_time()
-    zone, words = zone_of(asked, swarm)
+    zone, words = zone_of(asked, swarm, _params_of(asked))
     made = planned(asked, swarm, zone, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold
     check_feasible(made.plan, swarm, asked.vehicle, reserve)

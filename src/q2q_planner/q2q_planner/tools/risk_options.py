@@ -6,7 +6,7 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_planner.offline.convex_zone import Lathe
-from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
+from q2q_planner.offline.risk_zone import TOUCH, RiskTerms, RiskTube, largest_push, risk_zone
 
 MODEL = "measured_law"
 """Downwash without --model: fitted to real flights."""
@@ -16,9 +16,6 @@ MANOEUVRES = 1.0
 
 def terms_of(asked: Namespace) -> RiskTerms:
     """Return the terms of the command line; raise ValueError naming the option that is not allowed."""
-    for option in ("cut", "threshold"):
-        if getattr(asked, option) is not None:
-            raise ValueError(f"--{option} and --risk both choose the zone: give one of them")
     if asked.tube is None:
         raise ValueError(f"--risk {asked.risk:g} needs --tube, the largest tracking error of a flight [m]")
     tube_risk = 0.5 * asked.risk if asked.tube_risk is None else asked.tube_risk
@@ -28,7 +25,8 @@ def terms_of(asked: Namespace) -> RiskTerms:
         raise ValueError(f"{vehicle.name} has {spare + MANOEUVRES:.2f} m/s^2 of thrust to spare: give --hold")
     hold = spare if asked.hold is None else asked.hold
     horizontal, vertical = asked.tube
-    return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), asked.touch)
+    touch = TOUCH if asked.touch is None else asked.touch
+    return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), touch)
 
 
 def zone_by_risk(asked: Namespace) -> tuple[Lathe, str]:

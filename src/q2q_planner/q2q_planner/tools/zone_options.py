@@ -1,0 +1,88 @@
+"""Zone of `plan`: by risk, of an interaction model, or of a given size; options of two are refused."""
+
+from argparse import Namespace
+from collections.abc import Sequence
+
+from q2q_model.downwash.level_set import level_set
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_names import NONE
+from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams
+from q2q_planner.offline.convex_zone import LARGEST
+from q2q_planner.offline.downwash_zone import LearnedDownwash, avoid_downwash
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+from q2q_planner.tools.risk_options import zone_by_risk
+
+EPS, D = 0.1, 1.1
+"""Radius and half height of the zone without options [m]."""
+SIZE = ("shape", "eps", "d")
+
+
+def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints], params: AvoidanceParams) -> tuple[Zone, str]:
+    """Return the zone of the command line, and its description; `params` are those of the search.
+
+    Raises:
+        ValueError: naming the options that do not fit each other, or are out of bounds.
+    """
+    _check_partners(asked)
+    if asked.risk is not None:
+        return zone_by_risk(asked)
+    if asked.cut is not None:
+        return _zone_by_cut(asked, swarm, params)
+    return _zone_of_model(asked) if asked.model else _zone_of_size(asked)
+
+
+def _check_partners(asked: Namespace) -> None:
+    """Raise ValueError if an option lacks the one that it changes, or stands beside one that overrules it."""
+    if asked.risk is not None:
+        _refuse(asked, ("cut", "threshold", *SIZE), "and --risk both choose the zone: give one of them")
+        return
+    _refuse(asked, ("tube", "tube_risk", "hold", "touch"), "needs --risk, whose zone it changes")
+    if asked.cut is not None and not (asked.model and asked.threshold is None and asked.avoid):
+        needs = "needs --model, and neither --threshold, which it chooses, nor --no-avoid"
+        raise ValueError(f"--cut {asked.cut} {needs}")
+    if not asked.model:
+        _refuse(asked, ("threshold",), "needs --model, the downwash that it applies to")
+        return
+    _refuse(asked, SIZE, "and --model both choose the zone: give one of them")
+    if asked.model == NONE:
+        raise ValueError(f"--model {NONE} has no downwash, so no zone: name another, or give --eps and --d")
+
+
+def _refuse(asked: Namespace, names: Sequence[str], why: str) -> None:
+    """Raise ValueError for the first of the options that is given."""
+    for name in names:
+        if getattr(asked, name) is not None:
+            raise ValueError(f"--{name.replace('_', '-')} {why}")
+
+
+def _zone_of_model(asked: Namespace) -> tuple[Zone, str]:
+    file = find_model(asked.model)
+    if asked.threshold is None:
+        return file.zone, f"the zone of {asked.model}"
+    words = f"level set of {asked.model} at {asked.threshold} m/s^2"
+    return level_set(file.interaction, asked.threshold), words
+
+
+def _zone_of_size(asked: Namespace) -> tuple[Zone, str]:
+    eps, d = EPS if asked.eps is None else asked.eps, D if asked.d is None else asked.d
+    for name, value in (("eps", eps), ("d", d)):
+        if not 0.0 < value < LARGEST:
+            raise ValueError(f"--{name} = {value}: allowed is 0 to {LARGEST} m, both excluded")
+    shape = Ellipsoid if asked.shape == "ellipsoid" else Cylinder
+    return shape(eps, d), f"{asked.shape or 'cylinder'} eps {eps} m, d {d} m"
+
+
+def _zone_by_cut(
+    asked: Namespace, swarm: Sequence[VehicleWaypoints], params: AvoidanceParams
+) -> tuple[Zone, str]:
+    file = find_model(asked.model)
+    downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
+    made = avoid_downwash(swarm, downwash, asked.reading, params)
+    if made.cut < asked.cut:
+        raise ValueError(
+            f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
+        )
+    words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2"
+    return made.zone, f"{words}: avoids {100.0 * made.cut:.1f} % of the predicted height error"
