@@ -125,6 +125,10 @@ def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> Non
         held((-1.5, -0.02, 0.5, 1.5, 0.02, 1.5))
     with pytest.raises(InfeasibleError, match=r"cf1, waypoint 0 is 0.5 m beyond a wall: allowed is within"):
         held((-0.5, -1.0, 0.5, 1.5, 1.0, 1.5))
+    with pytest.raises(InfeasibleError, match=r"cf1, waypoint 0 lies on a wall: allowed is within"):
+        held((-1.0, -1.0, 0.5, 1.5, 1.0, 1.5))
+    with pytest.raises(ValueError, match="give finite numbers"):
+        Walls((-1.0, -1.0, 0.0), (1.0, 1.0, float("inf")))
 
 
 @pytest.mark.parametrize(
@@ -132,7 +136,8 @@ def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> Non
     [
         ((1.0, 2.0), "has 2 numbers: give 6"),
         ((1.0, 0.0, 0.0, 1.0, 1.0, 1.0), "the least first"),
-        ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "allowed is any number"),
+        ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "allowed is any finite number"),
+        ((0.0, 0.0, 0.0, 1.0, 1.0, float("inf")), "allowed is any finite number"),
     ],
 )
 def test_walls_that_are_no_box_are_refused(walls: tuple[float, ...], words: str) -> None:
@@ -156,3 +161,7 @@ def test_the_command_says_and_writes_the_proof(tmp_path: Path, capsys: pytest.Ca
     box[1] = "0.05"
     assert main([*asked, "--within", *box]) == 1
     assert "cf1, waypoint 0 is 0.05 m beyond a wall" in capsys.readouterr().err
+    box[1] = "nan"
+    with pytest.raises(SystemExit):
+        main([*asked, "--within", *box])
+    assert "argument --within: nan: any finite number is allowed" in capsys.readouterr().err

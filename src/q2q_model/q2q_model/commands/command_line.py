@@ -161,6 +161,17 @@ def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:
     return number
 
 
+def finite_number(given: str) -> float:
+    """Return a finite number: a type of arguments."""
+    try:
+        number = float(given)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{given}: any finite number is allowed")
+    return number
+
+
 def positive_number(given: str) -> float:
     """Return a number above zero: a type of arguments, refused if it is not finite."""
     try:

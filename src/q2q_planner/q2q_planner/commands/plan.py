@@ -9,6 +9,7 @@ from pathlib import Path
 from q2q_model.commands.command_line import (
     CommandLine,
     Work,
+    finite_number,
     output_file,
     output_folder,
     positive_number,
@@ -59,7 +60,7 @@ def parser() -> CommandLine:
     )
     made.add_argument(
         "--within",
-        type=float,
+        type=finite_number,
         nargs=6,
         metavar=("X", "Y", "Z", "FAR_X", "FAR_Y", "FAR_Z"),
         help="box that all vehicles stay within, proven for every t: least and largest x, y, z [m]",

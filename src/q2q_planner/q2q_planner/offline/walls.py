@@ -6,6 +6,7 @@ points (`q2q_model.trajectory.bernstein`), which bound it in `branch_and_bound`.
 """
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -31,8 +32,8 @@ class Walls:
     """Largest x, y, z [m], world."""
 
     def __post_init__(self) -> None:
-        """Raise ValueError unless each side is longer than zero."""
-        if not all(low < high for low, high in zip(self.low, self.high, strict=True)):
+        """Raise ValueError unless each side is longer than zero, and finite."""
+        if not all(-inf < low < high < inf for low, high in zip(self.low, self.high, strict=True)):
             words = f"x, y, z from {_words(self.low)} to {_words(self.high)}"
             raise ValueError(f"walls: {words}: give finite numbers, the least first")
 

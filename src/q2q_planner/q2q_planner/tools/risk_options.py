@@ -20,10 +20,13 @@ def terms_of(asked: Namespace) -> RiskTerms:
         raise ValueError(f"--risk {asked.risk:g} needs --tube, the largest tracking error of a flight [m]")
     tube_risk = 0.5 * asked.risk if asked.tube_risk is None else asked.tube_risk
     vehicle: Vehicle = asked.vehicle
-    spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY - MANOEUVRES
-    if asked.hold is None and spare <= 0.0:
-        raise ValueError(f"{vehicle.name} has {spare + MANOEUVRES:.2f} m/s^2 of thrust to spare: give --hold")
-    hold = spare if asked.hold is None else asked.hold
+    spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
+    words = f"{vehicle.name} has {spare:.2f} m/s^2 of thrust to spare"
+    if asked.hold is None and spare <= MANOEUVRES:
+        raise ValueError(f"{words}: give --hold")
+    if asked.hold is not None and asked.hold > spare:
+        raise ValueError(f"--hold {asked.hold:g}: {words}; give less than that, the plan needs some of it")
+    hold = spare - MANOEUVRES if asked.hold is None else asked.hold
     horizontal, vertical = asked.tube
     touch = TOUCH if asked.touch is None else asked.touch
     return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), touch)

@@ -16,6 +16,7 @@ pair in conflict, its time and depth, or the vehicle that crosses a wall.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -49,6 +50,8 @@ class AvoidanceParams:
 
     def __post_init__(self) -> None:
         """Raise ValueError if a number is out of bounds, or `within` is no box."""
+        if not all(map(isfinite, self.within)):
+            raise ValueError(f"AvoidanceParams.within = {self.within}: allowed is any finite number")
         check_bounds(self)
         if self.walls is None and self.within:
             raise ValueError(f"AvoidanceParams.within has {len(self.within)} numbers: give 6, or none")

@@ -40,8 +40,9 @@ def check_inside(swarm: Sequence[VehicleWaypoints], walls: Walls) -> None:
         distance = walls.distances(np.array([waypoint.pos for waypoint in vehicle.waypoints])).min(axis=-1)
         if distance.min() <= 0.0:
             at = int(distance.argmin())
-            where = f"is {-distance[at]:.3g} m beyond a wall: allowed is {walls}"
-            raise InfeasibleError(f"{vehicle.name}, waypoint {at} {where}, walls excluded")
+            where = f"is {-distance[at]:.3g} m beyond" if distance[at] < 0.0 else "lies on"
+            allowed = f"allowed is {walls}, walls excluded"
+            raise InfeasibleError(f"{vehicle.name}, waypoint {at} {where} a wall: {allowed}")
 
 
 def _held_together(swarm: Sequence[VehicleWaypoints]) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
