@@ -1,5 +1,7 @@
 """Allocated times keep the limits, thrust is checked for every t, flatness gives the right attitude."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -8,10 +10,12 @@ from hypothesis import strategies as st
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.flight_limits import (
+    YAW_RATE,
     FlightLimits,
     allocate_times,
     check_feasible,
     peak_norm,
+    peak_yaw_rate,
     with_limits_of,
 )
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan
@@ -58,6 +62,40 @@ def test_more_thrust_than_there_is_names_vehicle_waypoint_and_bound() -> None:
         check_feasible(minimum_snap_plan(steep), steep, CRAZYFLIE_2_0)
     calm = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 2))))]
     check_feasible(minimum_snap_plan(calm), calm, CRAZYFLIE_2_0)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**6), st.sampled_from(["stop_and_go", "free"]))
+def test_allocated_times_keep_the_yaw_rate(seed: int, reading: str) -> None:
+    """By samples of the trajectory; a turn on the spot takes 3/2 of the turn over the rate, and a tick."""
+    generator = np.random.default_rng(seed)
+    places, yaws = generator.choice([0.0, 0.3], (4, 3)), generator.uniform(-9.0, 9.0, 4)
+    points = [Waypoint(0.0, tuple(pos), float(yaw)) for pos, yaw in zip(places, yaws, strict=True)]
+    timed = allocate_times("cf1", points, LIMITS, reading)
+    trajectory = minimum_snap(timed, reading)
+    rate = np.abs(trajectory.at(np.linspace(0.0, trajectory.duration, 5001), 1)[:, 3])
+    assert rate.max() <= YAW_RATE * (1.0 + 1e-6)
+    assert rate.max() <= peak_yaw_rate(trajectory).value <= rate.max() * (1.0 + 1e-4)  # between samples
+    spot = allocate_times("cf1", [replace(points[0], yaw=1.0), replace(points[0], yaw=-2.0)], LIMITS, reading)
+    assert spot.times[1] == pytest.approx(1.5 * 3.0 / YAW_RATE, abs=0.01)
+
+
+def test_a_turn_too_fast_names_vehicle_waypoint_and_rate() -> None:
+    """A turn by 90 "degrees" in 10 s peaks at 3/2 of 9 rad/s, in its middle."""
+    points = (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)), Waypoint(15, (1, 0, 1), yaw=90.0))
+    wrong = [VehicleWaypoints("cf1", points)]
+    with pytest.raises(
+        ValueError, match=r"cf1, after waypoint 1 \(t = 10.00 s\): turns at 13.5 rad/s, allowed is 3.5 rad/s"
+    ):
+        check_feasible(minimum_snap_plan(wrong), wrong, CRAZYFLIE_2_0)
+    right = [VehicleWaypoints("cf1", (*points[:2], replace(points[2], yaw=np.pi / 2)))]
+    check_feasible(minimum_snap_plan(right), right, CRAZYFLIE_2_0)
+
+
+def test_a_hover_without_a_time_is_refused() -> None:
+    points = [Waypoint(0.0, (0, 0, 1)), Waypoint(0.0, (1, 0, 1)), Waypoint(0.0, (1, 0, 1))]
+    with pytest.raises(ValueError, match="cf1, waypoint 2: pos and yaw are those of the one before it"):
+        allocate_times("cf1", points, LIMITS)
 
 
 def test_limits_are_cut_to_what_thrust_allows() -> None:
