@@ -161,6 +161,17 @@ def test_a_level_set_of_a_learned_downwash_is_a_zone(crossing: Path, tmp_path: P
     assert load_plan(out).certified
 
 
+def test_a_zone_that_ends_at_the_range_of_its_model_says_so(crossing: Path, tmp_path: Path) -> None:
+    words = []
+    for threshold in ("0.3", "1.5"):
+        asked = ["--model", "measured_law", "--threshold", threshold, "--no-avoid"]
+        assert main([str(crossing), *asked, "--out", str(tmp_path / "plan.json")]) == 0
+        words.append(load_with_facts(tmp_path / "plan.json")[1].zone)
+    left = 2.5 * np.exp(-0.95 * (1.2 - 0.4))
+    assert words[0].endswith(f", down to 1.2 m, the range of the model, where it is still {left:.2f} m/s^2")
+    assert words[1] == "level set of measured_law at 1.5 m/s^2"
+
+
 def test_a_warm_start_reads_a_plan(crossing: Path, tmp_path: Path) -> None:
     cold, warm = tmp_path / "cold.json", tmp_path / "warm.json"
     assert main([str(crossing), "--out", str(cold)]) == 0

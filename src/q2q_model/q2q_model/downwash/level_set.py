@@ -86,6 +86,11 @@ def peak(model: InteractionModel) -> float:
     return float(_strength(model).max())
 
 
+def push_at_range(model: InteractionModel) -> float:
+    """Return the largest downwash of a law at the end of its reach below [m/s^2], where zones end."""
+    return float(_strength(model)[:, int(model.reach.vertical / STEP)].max())
+
+
 def _strength(model: InteractionModel) -> Array:
     """Return max(|eta(dr)|, |eta(-dr)|) on the grid, zero beyond the law's reach."""
     reach = model.reach

@@ -2,6 +2,8 @@
 
 from argparse import Namespace
 
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.level_set import push_at_range
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -41,7 +43,15 @@ def zone_by_risk(asked: Namespace) -> tuple[Lathe, str]:
         f"risk {terms.alpha:g} a vehicle: {terms.touch:g} m apart, {asked.model or MODEL} below {push:.2f} "
         f"m/s^2, tube {tube.horizontal:g} m horizontally and {tube.vertical:g} m vertically at {tube.risk:g}"
     )
-    return risk_zone(file.interaction, terms, residual), words
+    return risk_zone(file.interaction, terms, residual), words + range_note(file.interaction, push)
+
+
+def range_note(model: InteractionModel, threshold: float) -> str:
+    """Return that a zone ends at the range of a model, if its downwash still exceeds the threshold there."""
+    left = push_at_range(model)
+    if left <= threshold:
+        return ""
+    return f", down to {model.reach.vertical:g} m, the range of the model, where it is still {left:.2f} m/s^2"
 
 
 def risk_facts(asked: Namespace, vehicles: int) -> dict[str, float]:

@@ -12,7 +12,7 @@ from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams
 from q2q_planner.offline.convex_zone import LARGEST
 from q2q_planner.offline.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.tools.risk_options import zone_by_risk
+from q2q_planner.tools.risk_options import range_note, zone_by_risk
 
 EPS, D = 0.1, 1.1
 """Radius and half height of the zone without options [m]."""
@@ -62,7 +62,8 @@ def _zone_of_model(asked: Namespace) -> tuple[Zone, str]:
     if asked.threshold is None:
         return file.zone, f"the zone of {asked.model}"
     words = f"level set of {asked.model} at {asked.threshold} m/s^2"
-    return level_set(file.interaction, asked.threshold), words
+    zone = level_set(file.interaction, asked.threshold)
+    return zone, words + range_note(file.interaction, asked.threshold)
 
 
 def _zone_of_size(asked: Namespace) -> tuple[Zone, str]:
@@ -84,5 +85,6 @@ def _zone_by_cut(
         raise ValueError(
             f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
         )
-    words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2"
+    note = range_note(file.interaction, made.zone.threshold)
+    words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2{note}"
     return made.zone, f"{words}: avoids {100.0 * made.cut:.1f} % of the predicted height error"
