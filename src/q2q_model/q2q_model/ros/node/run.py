@@ -1,7 +1,7 @@
 """Process of one or more nodes: start, spin, clean shutdown, one-line errors.
 
 SIGINT and SIGTERM are handled here: rclpy would shut ROS down in the middle of a callback, and Python would
-raise KeyboardInterrupt anywhere, e.g. while llvmlite frees memory, which it then frees twice. The first one
+raise KeyboardInterrupt anywhere, e.g. while llvmlite frees memory, which is then freed twice. A first signal
 lets the running callback, or the building of nodes, complete; a second one while they are built ends at once.
 """
 
