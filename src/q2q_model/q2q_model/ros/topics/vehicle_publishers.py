@@ -5,7 +5,6 @@ are created before flight, those of new vehicles one vehicle per tick, and none 
 capture names objects as its user likes: one whose name cannot begin a topic has none.
 """
 
-import re
 from collections.abc import Mapping
 from itertools import chain
 
@@ -14,11 +13,9 @@ from rclpy.publisher import Publisher
 
 from q2q_model.ros.topics.audience import Audience
 from q2q_model.signals.decimation import Decimation
-from q2q_model.signals.values import Names
+from q2q_model.signals.values import TOPIC_NAME, Names
 
 QUEUE = 10
-TOPIC_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""Names of vehicles that can begin a topic: a token of ROS 2 topic names."""
 ASK_EVERY_NS = 500_000_000
 """Interval of the question for subscribers [ns]."""
 

@@ -1,20 +1,17 @@
 """Waypoints of a parsed YAML or JSON document; a vehicle whose waypoints have no times gets them."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isnan, nan
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.signals.values import TOPIC_NAME
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoints import Point, VehicleWaypoints, Waypoint, check_swarm
-
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""Allowed names of vehicles: they become part of topics and file names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +66,7 @@ def timed_swarm(
 
 
 def _vehicle(name: str, rows: tuple[object, ...], limits: FlightLimits, reading: Reading) -> VehicleWaypoints:
-    if not NAME.fullmatch(name):
+    if not TOPIC_NAME.fullmatch(name):
         raise ValueError(f"vehicle {name[:40]!r}: a name is a letter, then letters, digits and _")
     read = [from_plain(_Row, row, f"{name}, waypoint {index}") for index, row in enumerate(rows)]
     missing = [index for index, row in enumerate(read) if isnan(row.t)]
