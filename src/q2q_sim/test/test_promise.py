@@ -163,10 +163,10 @@ def test_an_encounter_flies_the_delay_and_the_loss_that_it_names() -> None:
 def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest() -> None:
     kept = EncounterRecord(
         seed=1, vehicles=3, apart_at_start=True, horizontal=0.05, vertical=0.02, clearance=0.1,
-        announced=True, ticks=100, broken_ticks=0, arrived=True,
+        announced=True, ticks=100, broken_ticks=0, arrived=True, in_reach=True,
     )  # fmt: skip
     left = replace(kept, seed=0, horizontal=0.5, broken_ticks=7, arrived=False)
-    entered = replace(kept, seed=2, clearance=-0.01, announced=False, arrived=None)
+    entered = replace(kept, seed=2, clearance=-0.01, announced=False, arrived=None, in_reach=None)
     other = replace(entered, seed=3, apart_at_start=False, announced=True, horizontal=9.0)
     tube = learn_tube(np.full((19 * 5 // 4 + 1, 2), 0.1), 0.05, CONDITIONS)
     found = verdict([kept, left, entered, other], tube)
@@ -175,6 +175,7 @@ def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest
         "entry_rate_most": Rate(1, 3).most, "entries_otherwise": 1, "entries_not_announced": 1,
         "least_distance_m": -0.01, "ticks": 300, "broken_ticks": 7, "left_tube": 1,
         "left_tube_rate_most": Rate(1, 3).most, "arrived": 1, "can_arrive": 2,
+        "in_reach": 2,
     }  # fmt: skip
 
 
@@ -182,7 +183,7 @@ def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(
     """The last line is cut off, as by a kill while it is written."""
     blank = EncounterRecord(
         seed=0, vehicles=2, apart_at_start=True, horizontal=0.05, vertical=0.02, clearance=0.1,
-        announced=True, ticks=100, broken_ticks=0, arrived=None,
+        announced=True, ticks=100, broken_ticks=0, arrived=None, in_reach=None,
     )  # fmt: skip
     file, flown = tmp_path / "flights.jsonl", list[int]()
 

@@ -52,7 +52,9 @@ class PromiseVerdict:
     left_tube: Rate | None
     """Flights under the conditions in which a vehicle left the tube that was flown; None without a tube."""
     arrived: Rate
-    """Flights whose vehicles are all back on their references, of those that can."""
+    """Flights whose vehicles are all back on their references, of those whose ends are clear."""
+    in_reach: Rate
+    """Of these, flights in which the bounds of motion let every vehicle be back, were it alone."""
 
 
 def errors_of(records: Sequence[EncounterRecord]) -> Array:
@@ -72,6 +74,7 @@ def verdict(records: Sequence[EncounterRecord], tube: TrackingTube | None) -> Pr
     if tube is not None:
         left = Rate(sum(not tube.holds(errors) for errors in errors_of(records)), len(held))
     ends = [one.arrived for one in held if one.arrived is not None]
+    reach = [one.in_reach for one in held if one.in_reach is not None]
     return PromiseVerdict(
         flights=len(records),
         vehicles=sum(one.vehicles for one in records),
@@ -83,6 +86,7 @@ def verdict(records: Sequence[EncounterRecord], tube: TrackingTube | None) -> Pr
         broken_ticks=sum(one.broken_ticks for one in held),
         left_tube=left,
         arrived=Rate(sum(ends), len(ends)),
+        in_reach=Rate(sum(reach), len(reach)),
     )
 
 
@@ -103,6 +107,7 @@ def verdict_json(found: PromiseVerdict) -> Json:
         "left_tube_rate_most": found.left_tube.most if found.left_tube else None,
         "arrived": found.arrived.events,
         "can_arrive": found.arrived.flights,
+        "in_reach": found.in_reach.events,
     }
 
 
@@ -117,6 +122,7 @@ def verdict_lines(found: PromiseVerdict) -> Sequence[str]:
         f"    least distance to a zone: {1e3 * found.clearance:.0f} mm",
         f"    ticks with a broken promise: {found.broken_ticks} of {found.ticks} ({broken:.2%})",
         f"    back on the references: {arrived.events} of {arrived.flights}",
+        f"    could be, were each vehicle alone: {found.in_reach.events}",
         f"otherwise: {found.entries_otherwise} zone entries; of all, {found.silent} not announced",
     ]
     if found.left_tube is not None:

@@ -19,6 +19,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.experiments.encounters import AFTERWARDS, CLEAR, NEAR, random_encounter
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_sim.experiments.promise.fastest_return import DT, can_return
 from q2q_sim.experiments.promise.tracking_tube import TubeConditions
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.scenarios.scenario import Scenario
@@ -88,6 +89,8 @@ class EncounterRecord:
     arrived: bool | None
     """All setpoints end within NEAR of the references, AFTERWARDS after the plan; None if these are in each
     other's zones."""
+    in_reach: bool | None
+    """They could, were each vehicle alone in the room from the end of the plan on; None as for `arrived`."""
 
     @property
     def entered(self) -> bool:
@@ -148,6 +151,8 @@ class _Flown(NamedTuple):
     """[m], (T, n, 3)."""
     safe_pos: Array
     """Of the setpoints [m], (T, n, 3)."""
+    safe_motion: Array
+    """Their velocities [m/s] and accelerations [m/s^2], (T, n, 3, 2)."""
     broken: NDArray[np.bool_]
     """Which vehicles had the status PROMISE_BROKEN, (T, n)."""
 
@@ -156,11 +161,11 @@ def _flown(seed: int, scenario: Scenario, controller: str) -> _Flown:
     known = find_model(scenario.model).interaction
     options = FlightOptions(controller=controller, replan="safe", seed=seed, model=known)
     ticks = [
-        (answer.given.t, tick.truth.pos, answer.given.pos, answer.given.status)
-        for tick, answer in answered_ticks(scenario, options)
+        (given.t, tick.truth.pos, given.pos, np.stack((given.vel, given.acc), axis=-1), given.status)
+        for tick, given in ((tick, answer.given) for tick, answer in answered_ticks(scenario, options))
     ]
-    t, true_pos, safe_pos, status = (np.array(column) for column in zip(*ticks, strict=True))
-    return _Flown(t, true_pos, safe_pos, status == SetpointStatus.PROMISE_BROKEN)
+    t, true_pos, safe_pos, motion, status = (np.array(column) for column in zip(*ticks, strict=True))
+    return _Flown(t, true_pos, safe_pos, motion, status == SetpointStatus.PROMISE_BROKEN)
 
 
 def _record(seed: int, scenario: Scenario, plan: SwarmPlan, case: PromiseCase) -> EncounterRecord:
@@ -185,7 +190,14 @@ def _record(seed: int, scenario: Scenario, plan: SwarmPlan, case: PromiseCase) -
         ticks=len(told),
         broken_ticks=int(told.any(axis=1).sum()),
         arrived=bool(np.abs(flown.safe_pos[-1] - goal).max() < NEAR) if clear else None,
+        in_reach=can_return(_from_goals(flown, goal), AFTERWARDS, NEAR, case.params) if clear else None,
     )
+
+
+def _from_goals(flown: _Flown, goal: Array) -> Array:
+    """Return where setpoints are from their goals (n, 3), and how they move, AFTERWARDS before the end."""
+    row = int(np.searchsorted(flown.t, flown.t[-1] - AFTERWARDS - 0.5 * DT))
+    return np.concatenate(((flown.safe_pos[row] - goal)[..., None], flown.safe_motion[row]), axis=-1)
 
 
 def _nearest(rel_pos: Array, zone: Cylinder) -> Array:
