@@ -47,6 +47,10 @@ TWO = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 5, pos: [1, 0, 1]}], cf2: [{
             "cf2, waypoint 1: yaw = nan: a finite number",
         ),
         (
+            TWO.replace("LAST", "{t: 5, pos: [1, 3, 1], yaw: 90}"),
+            "cf2, waypoint 1: yaw 90 rad is 90 rad from the one before, allowed is one turn (6.283)",
+        ),
+        (
             TWO.replace("LAST", "{t: .inf, pos: [1, 3, 1]}"),
             "cf2, waypoint 1: t = inf: a finite number",
         ),

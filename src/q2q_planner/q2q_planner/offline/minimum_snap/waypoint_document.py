@@ -1,8 +1,9 @@
 """Waypoints of a parsed YAML or JSON document; a vehicle whose waypoints have no times gets them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isnan, nan
+from itertools import pairwise
+from math import isnan, nan, tau
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
@@ -12,6 +13,9 @@ from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoints import Point, VehicleWaypoints, Waypoint, check_swarm
+
+ROUNDED = 1e-3
+"""Excess of a full turn that is one written with few digits [rad]: 6.2832."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +73,7 @@ def _vehicle(name: str, rows: tuple[object, ...], limits: FlightLimits, reading:
     if not TOPIC_NAME.fullmatch(name):
         raise ValueError(f"vehicle {name[:40]!r}: a name is a letter, then letters, digits and _")
     read = [from_plain(_Row, row, f"{name}, waypoint {index}") for index, row in enumerate(rows)]
+    _check_turns(name, read)
     missing = [index for index, row in enumerate(read) if isnan(row.t)]
     if 0 < len(missing) < len(read):
         raise ValueError(f"{name}, waypoint {missing[0]}: t is missing: give all waypoints a t [s], or none")
@@ -77,3 +82,13 @@ def _vehicle(name: str, rows: tuple[object, ...], limits: FlightLimits, reading:
         name, tuple(Waypoint(t, row.pos, row.yaw) for t, row in zip(times, read, strict=True))
     )
     return allocate_times(name, made.waypoints, limits, reading) if missing else made
+
+
+def _check_turns(name: str, rows: Sequence[_Row]) -> None:
+    """Raise ValueError where yaw turns by more than a full turn from a waypoint to the next: degrees do."""
+    for index, (before, after) in enumerate(pairwise(rows), start=1):
+        if abs(after.yaw - before.yaw) > tau + ROUNDED:
+            raise ValueError(
+                f"{name}, waypoint {index}: yaw {after.yaw:g} rad is {abs(after.yaw - before.yaw):g} rad from"
+                " the one before, allowed is one turn (6.283): give radians, or waypoints in between"
+            )
