@@ -19,7 +19,6 @@ import yaml
 from documentation import Block, Command, commands, documents, is_dead, links, snippets
 from fresh_checkout import ROOT
 
-from q2q_control.ros.dry_run import FLAG
 from q2q_model.commands.command_line import CommandLine
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.tunable import tunable_of
@@ -204,7 +203,7 @@ def known_words(program: tuple[str, ...]) -> str:
         if (
             program[3] == NODES_TOGETHER or (ROOT / OUT / f"{program[3]}.md").exists()
         ):  # a node: all it takes are parameters, but for one word of two nodes
-            return FLAG if program[3] in DRY_RUNNERS else ""
+            return "--dry-run" if program[3] in DRY_RUNNERS else ""
     else:
         path = ROOT / program[0]
         assert path.is_file()

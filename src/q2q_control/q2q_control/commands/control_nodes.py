@@ -1,5 +1,6 @@
 """Entry points of the package's nodes; an interrupt during their import ends them quietly."""
 
+from q2q_control.flight_procedure.procedure_params import DRY_RUN
 from q2q_model.commands.node_start import start_node
 
 
@@ -15,9 +16,9 @@ def mpc() -> None:
 
 def crazyswarm() -> None:
     """Run the node `crazyswarm`."""
-    start_node("q2q_control.ros.crazyswarm_node")
+    start_node("q2q_control.ros.crazyswarm_node", {"dry_run": DRY_RUN})
 
 
 def radio() -> None:
     """Run the node `radio`."""
-    start_node("q2q_control.ros.radio_node")
+    start_node("q2q_control.ros.radio_node", {"dry_run": DRY_RUN})

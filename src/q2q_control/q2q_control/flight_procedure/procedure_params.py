@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from q2q_model.tunable import check_bounds, tunable
 
+DRY_RUN = "check and log what would be sent; send nothing"
+
 
 @dataclass(frozen=True, slots=True)
 class LandingParams:
@@ -27,7 +29,7 @@ class LandingParams:
 class FlightProcedureParams:
     """Limits and durations of the procedure."""
 
-    dry_run: bool = tunable(default=False, description="check and log what would be sent; send nothing")
+    dry_run: bool = tunable(default=False, description=DRY_RUN)
     take_off_height: float = tunable(
         0.5, "final height of a take-off above the ground", unit="m", low=0.1, high=5.0
     )

@@ -17,14 +17,10 @@ server, on the ground only. A missing package disables what needs it, with one w
 the controller if this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
 """
 
-import sys
-
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
-from q2q_control.ros.dry_run import dry_run_as_parameter
 from q2q_model.ros.node.run import run
 
 
 def main() -> None:
-    """Run the node `crazyswarm`; `--dry-run` is its parameter dry_run."""
-    sys.argv = dry_run_as_parameter(sys.argv)
+    """Run the node `crazyswarm`."""
     run("crazyswarm", Crazyswarm)

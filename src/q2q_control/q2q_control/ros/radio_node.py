@@ -13,14 +13,10 @@ itself, as when commands are missing; when DDS reports that their writer is gone
 `--dry-run` sends nothing.
 """
 
-import sys
-
-from q2q_control.ros.dry_run import dry_run_as_parameter
 from q2q_control.ros.radio_wiring import RadioNode
 from q2q_model.ros.node.run import run
 
 
 def main() -> None:
-    """Run the node `radio`; `--dry-run` is its parameter dry_run."""
-    sys.argv = dry_run_as_parameter(sys.argv)
+    """Run the node `radio`."""
     run("radio", RadioNode, RadioNode.close)

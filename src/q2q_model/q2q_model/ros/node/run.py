@@ -22,6 +22,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from q2q_model.node.loopback import restrict
+from q2q_model.node.ros_refusal import refusal_of_ros
 from q2q_model.ros.node.node_parameters import refuse_undeclared
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 
@@ -94,11 +95,16 @@ def start_ros(arguments: Sequence[str] | None = None) -> None:
 
     Args:
         arguments: command line; None takes the process's own.
+
+    Raises:
+        ValueError: ROS does not understand them.
     """
     restrict(os.environ)
-    rclpy.init(
-        args=None if arguments is None else list(arguments), signal_handler_options=SignalHandlerOptions.NO
-    )
+    words = None if arguments is None else list(arguments)
+    try:
+        rclpy.init(args=words, signal_handler_options=SignalHandlerOptions.NO)
+    except RuntimeError as error:  # of rcl, whose classes rclpy does not export
+        raise ValueError(refusal_of_ros(error)) from error
 
 
 def _leave() -> None:

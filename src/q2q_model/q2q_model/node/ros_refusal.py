@@ -1,0 +1,15 @@
+"""Why ROS did not start, in one line: an argument after `--ros-args` that it does not understand."""
+
+import re
+
+SOURCE = re.compile(r",? at \S+:\d+")
+"""Place in the source of rcl where an error arose."""
+QUOTED = """text in a list is quoted: -p "uris:=['radio://0/80/2M/E7E7E7E701']\""""
+
+
+def refusal_of_ros(error: RuntimeError) -> str:
+    """Return in one line why ROS did not start, without places in its source."""
+    told = SOURCE.sub("", str(error)).replace("failed to initialize rcl: ", "")
+    if told.startswith("["):
+        return f"ROS does not know the arguments {told}: allowed is --ros-args -p name:=value, and its like"
+    return f"{told}; {QUOTED}" if "parameter override" in told else told
