@@ -202,19 +202,39 @@ def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.Monkey
     assert twist.linear.x == pytest.approx(-math.degrees(0.2))
 
 
-def test_absent_packages_are_named_once_each_and_nothing_is_streamed(monkeypatch: pytest.MonkeyPatch) -> None:
+def without(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a package be absent, also where Crazyswarm2 is installed."""
     for name in interface_packages():
-        monkeypatch.setitem(sys.modules, name, None)  # absent, also where Crazyswarm2 is installed
+        if name.startswith(package):
+            monkeypatch.setitem(sys.modules, name, None)
+
+
+def test_without_both_packages_the_node_names_them_and_does_not_start(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    without("", monkeypatch)
+    node = _Node(mode="command")
+    with pytest.raises(ValueError, match="nothing is left to do without the packages above"):
+        Crazyswarm(node)
+    install = "is not installed (sudo apt install ros-jazzy-"
+    assert node.lines == [
+        f"motion_capture_tracking_interfaces {install}motion-capture-tracking-interfaces): no poses pass",
+        f"crazyflie_interfaces {install}crazyflie-interfaces): no vehicle is flown",
+    ]
+
+
+@pytest.mark.usefixtures("packages")
+def test_without_the_vehicles_package_poses_pass_and_nothing_is_streamed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    without("crazyflie_interfaces", monkeypatch)
     node = _Node(mode="command")
     Crazyswarm(node)
     node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
-    assert node.out["cf1/cmd_vel_legacy"].messages == []
-    assert [line.split()[0] for line in node.lines] == [
-        "motion_capture_tracking_interfaces",
-        "crazyflie_interfaces",
-    ]
-    assert all("sudo apt install ros-jazzy-" in line for line in node.lines)
+    assert "mocap" in node.out
+    assert "cf1/cmd_vel_legacy" not in node.out
+    assert [line.partition(": ")[2] for line in node.lines] == ["no vehicle is flown"]
 
 
 def test_robots_without_connection_are_left_alone_themselves_or_by_their_type() -> None:

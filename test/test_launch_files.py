@@ -138,10 +138,15 @@ def test_the_replanner_moves_no_setpoint_unless_asked_to(room: dict[str, str], b
     arguments, made = MADE[by]
     given = defaults(arguments) | room
     assert given["replan"] == "none" == FlightRequest("table6").replan
-    for asked, law, enabled in (("none", "paper", False), ("paper", "paper", True), ("safe", "safe", False)):
+    paper = {"law": "paper"}
+    for asked, parameters in (
+        ("none", paper | {"enabled": False}),
+        ("paper", paper | {"enabled": True}),
+        ("safe", {"law": "safe"}),
+    ):
         specs = made(given | {"replan": asked})
         replanner = next(spec for spec in specs if spec.executable == "replanner")
-        assert replanner.parameters == {"law": law, "enabled": enabled}
+        assert replanner.parameters == parameters
 
 
 @pytest.mark.parametrize(("by", "twin", "given", "vehicle"), [

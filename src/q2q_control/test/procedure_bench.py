@@ -10,7 +10,7 @@ from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Names
 
 NAMES = ("cf1", "cf2")
 HOME = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -43,6 +43,7 @@ class Bench:
     ignore_signals: bool = False
     reports: tuple[VehicleReport, ...] = (WELL, replace(WELL, name="cf2"))
     plan: PlanOutline | None = PLAN
+    cut: Names = ()
     refuses: dict[Act, str] = field(default_factory=dict)
     stuck: set[Act] = field(default_factory=set)
     sent: list[Order] = field(default_factory=list)
@@ -59,7 +60,7 @@ class Bench:
         """Return what the procedure sees now."""
         return Observation(
             self.reports, self.pos, self.vel, np.full(2, self.t - self.seen_at), self.setpoint_pos,
-            self.setpoint_vel, self.t - self.heard_at, self.plan,
+            self.setpoint_vel, self.t - self.heard_at, self.plan, self.cut,
         )  # fmt: skip
 
     def call(self, call: Call) -> Reply | None:

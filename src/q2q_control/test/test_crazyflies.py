@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_control.radio.crazyflies import crazyflies_from_document
+from q2q_control.radio.crazyflies import crazyflies_at, crazyflies_from_document
 
 
 def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
@@ -35,8 +35,26 @@ def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
             {"cf1": {"enabled": True, "uri": "udp://x"}, "cf2": {"enabled": True, "uri": "udp://x"}},
             "same uri",
         ),
+        ({"my cf": {"enabled": True, "uri": "udp://x"}}, "vehicle 'my cf': a name is a letter"),
     ],
 )
 def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         crazyflies_from_document({"robots": robots})
+
+
+@pytest.mark.parametrize(
+    ("names", "uris", "message"),
+    [
+        ((), (), "no vehicles: set crazyflies:=FILE, or vehicles and uris"),
+        (("cf1",), ("hello",), "cf1: uri = 'hello': something like radio://"),
+        (("cf1",), ("rdio://0/80",), "cf1: uri = 'rdio://0/80': something like radio://"),
+        (("cf1", "cf2"), ("udp://x", "udp://x"), "cf1 and cf2 have the same uri udp://x"),
+        (("my-cf",), ("udp://x",), "vehicle 'my-cf': a name is a letter, then letters, digits and _"),
+    ],
+)
+def test_wrong_vehicles_of_parameters_are_refused(
+    names: tuple[str, ...], uris: tuple[str, ...], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        crazyflies_at(names, uris)

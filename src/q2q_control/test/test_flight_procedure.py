@@ -63,6 +63,20 @@ def test_a_call_at_the_wrong_time_is_refused_orders_nothing_and_changes_nothing(
     assert bench.procedure.step is step
 
 
+@pytest.mark.parametrize(
+    ("step", "call"), [(Step.CHECKED, Call.TAKE_OFF), (Step.CHECKED, Call.START), (Step.HOVER, Call.FLY)]
+)
+def test_vehicles_whose_controller_is_cut_are_not_flown(step: Step, call: Call) -> None:
+    bench = up_to(step)
+    bench.cut = ("cf2",)
+    answer = bench.call(call)
+    assert answer is not None
+    assert not answer.granted
+    assert answer.reason.startswith("the controller has cut cf2 (all/emergency")
+    bench.wait(2.0)
+    assert bench.sent == []
+
+
 def test_a_server_that_does_not_stop_setpoints_keeps_the_vehicles_flying_them() -> None:
     bench = up_to(Step.HOLD, refuses={Act.STOP_STREAM: "all/notify_setpoints_stop does not answer"})
     answer = bench.asked(Call.LAND)

@@ -21,9 +21,13 @@ class _Procedure:
 
     grants: bool = True
     seen: list[SwarmState] = field(default_factory=list)
+    heard: list[SwarmCommand] = field(default_factory=list)
 
     def store_state(self, state: SwarmState) -> None:
         self.seen.append(state)
+
+    def store_command(self, command: SwarmCommand) -> None:
+        self.heard.append(command)
 
     def accepts(self, _: SwarmSetpoint) -> bool:
         return self.grants
@@ -51,9 +55,10 @@ def test_a_setpoint_alone_is_a_tick_where_no_downwash_is_compensated() -> None:
 
 @pytest.mark.parametrize("grants", [True, False])
 def test_a_command_is_flown_where_the_last_setpoint_was_followed(grants: bool) -> None:
-    ticks = FlownTicks("command", Health(), aware=True)
-    ticks.procedure = _Procedure(grants)
+    ticks, procedure = FlownTicks("command", Health(), aware=True), _Procedure(grants)
+    ticks.procedure = procedure
     before = ticks.take("command", 10, COMMAND)
+    assert procedure.heard == [COMMAND]
     assert before is not None
     assert (before.flown, before.command) == (False, COMMAND)
     assert ticks.take("reference_safe", 10, SETPOINT) is None

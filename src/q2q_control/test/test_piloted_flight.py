@@ -9,7 +9,7 @@ from q2q_control.flight_procedure.piloted_flight import PilotedFlight
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Call, Order, Step
 from q2q_model.node.reply import Reply
-from q2q_model.signals.values import SwarmState
+from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmState
 
 DONE = Reply(granted=True)
 
@@ -167,3 +167,19 @@ def test_a_status_is_new_once_per_change() -> None:
     changed = piloted.new_status()
     assert changed is not None
     assert changed.step is Step.STOPPED
+
+
+def test_a_take_off_is_refused_until_the_controller_is_no_longer_cut() -> None:
+    piloted, _ = flight()
+    cut, sound = (
+        SwarmCommand(0.0, ("cf1",), *np.zeros((4, 1)), np.array([status], np.uint8))
+        for status in (CommandStatus.CUT, CommandStatus.OK)
+    )
+    piloted.store_command(cut)
+    refused = piloted.call(Call.TAKE_OFF, 0.0)
+    assert refused is not None
+    assert refused.reason.startswith("the controller has cut cf1")
+    piloted.store_command(sound)
+    other = piloted.call(Call.TAKE_OFF, 0.0)
+    assert other is not None
+    assert "cut" not in other.reason

@@ -5,13 +5,17 @@ import numpy as np
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
 from q2q_model.signals.values import (
     Array,
+    CommandStatus,
     Names,
+    SwarmCommand,
     SwarmSetpoint,
     SwarmState,
     TrackStatus,
     index_of,
     rows_by_name,
 )
+
+_CUT = int(CommandStatus.CUT)
 
 
 class FlightView:
@@ -24,6 +28,7 @@ class FlightView:
         self._seen = np.full(n, -np.inf)
         self._setpoint_pos, self._setpoint_vel = np.full((n, 3), np.nan), np.full((n, 3), np.nan)
         self._setpoint_at = -np.inf
+        self._cut: Names = ()
         self.plan: PlanOutline | None = None
         """Plan that is waiting."""
 
@@ -41,6 +46,11 @@ class FlightView:
         self._setpoint_at = t
         return self._setpoint_pos
 
+    def store_command(self, command: SwarmCommand) -> None:
+        """Store which motors a command has cut."""
+        cut = {name for name, status in zip(command.names, command.status, strict=True) if status == _CUT}
+        self._cut = tuple(name for name in self._names if name in cut)
+
     def observe(self, vehicles: tuple[VehicleReport, ...], t: float) -> Observation:
         """Return the observation at time t [s]."""
         return Observation(
@@ -52,4 +62,5 @@ class FlightView:
             setpoint_vel=self._setpoint_vel,
             setpoint_age=t - self._setpoint_at,
             plan=self.plan,
+            cut=self._cut,
         )

@@ -34,6 +34,9 @@ class ProcedureInputs(Protocol):
     def store_state(self, state: SwarmState) -> None:
         """Store a state."""
 
+    def store_command(self, command: SwarmCommand) -> None:
+        """Store a controller's command."""
+
     def accepts(self, setpoint: SwarmSetpoint) -> bool:
         """Store a setpoint; return whether to fly it."""
 
@@ -70,6 +73,8 @@ class FlownTicks:
         """Add a signal; return the tick that it completes."""
         if self.procedure is not None and isinstance(value, SwarmState):
             self.procedure.store_state(value)
+        if self.procedure is not None and isinstance(value, SwarmCommand):
+            self.procedure.store_command(value)
         if isinstance(value, SwarmSetpoint):
             self._accepted = self.procedure is not None and self.procedure.accepts(value)
         if topic not in self._topics:

@@ -73,6 +73,8 @@ class Observation:
     """Time since the last setpoint was received [s]; infinite before the first."""
     plan: PlanOutline | None
     """Plan that is waiting for its start."""
+    cut: Names = ()
+    """Vehicles whose motors the controller's last command has cut; in mode setpoint none."""
 
     @property
     def names(self) -> Names:

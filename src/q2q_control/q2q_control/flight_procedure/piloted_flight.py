@@ -15,7 +15,7 @@ from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Order, Step
 from q2q_model.node.reply import Reply
-from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Names, SwarmCommand, SwarmSetpoint, SwarmState
 
 PLAN_ACTS = frozenset({Act.WAIT, Act.GLIDE, Act.START, Act.BRAKE})
 """Acts of the plan's playback."""
@@ -79,6 +79,10 @@ class PilotedFlight:
     def store_state(self, state: SwarmState, t: float) -> None:
         """Store a state received at time t [s]."""
         self._view.store_state(state, t)
+
+    def store_command(self, command: SwarmCommand) -> None:
+        """Store a controller's command."""
+        self._view.store_command(command)
 
     def store_plan(self, plan: PlanOutline) -> None:
         """Store the plan that is waiting."""

@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from q2q_control.flight_procedure.checks.refusals import join_refusal, state_refusal, take_off_refusal
+from q2q_control.flight_procedure.checks.refusals import (
+    cut_refusal,
+    join_refusal,
+    state_refusal,
+    take_off_refusal,
+)
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import FLYING, ON_GROUND, Act, Call, Order, Step
@@ -44,7 +49,8 @@ def check_refusal(
     if call is Call.START:
         return join_refusal(observation, params, landing)
     if call is Call.FLY:
-        return state_refusal(observation, landing) or ("" if observation.plan else "no plan is waiting")
+        unfit = cut_refusal(observation) or state_refusal(observation, landing)
+        return unfit or ("" if observation.plan else "no plan is waiting")
     return ""
 
 

@@ -15,10 +15,13 @@ from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
+from q2q_model.signals.topic_name import check_topic_name
 from q2q_model.signals.values import Names
 
 Position = tuple[float, float, float]
 URI = "something like radio://0/80/2M/E7E7E7E701"
+SCHEMES = tuple(f"{driver}://" for driver in ("radio", "usb", "serial", "udp", "tcp", "prrt"))
+"""Beginnings of the URIs that cflib has drivers for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +38,13 @@ def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
     """Return vehicles given by name and URI instead of a file.
 
     Raises:
-        ValueError: there are none.
+        ValueError: there are none; a name is none of a topic; a URI is wrong or used twice.
     """
     if not names:
         raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles and uris")
-    return tuple(Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(names, uris, strict=True))
+    made = tuple(Crazyflie(name, uri, (0.0, 0.0, 0.0)) for name, uri in zip(names, uris, strict=True))
+    _check(made)
+    return made
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,13 +95,19 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     )
     if not enabled:
         raise ValueError("robots: none is enabled; set `enabled: true`")
-    for one in enabled:
-        if "://" not in one.uri:
+    _check(enabled)
+    return enabled
+
+
+def _check(vehicles: Sequence[Crazyflie]) -> None:
+    """Raise ValueError for a name that is none of a topic, and for a URI that is none or used twice."""
+    for one in vehicles:
+        check_topic_name(one.name)
+        if not one.uri.startswith(SCHEMES):
             raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
-        twins = [other.name for other in enabled if other.uri == one.uri]
+        twins = [other.name for other in vehicles if other.uri == one.uri]
         if len(twins) > 1:
             raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
-    return enabled
 
 
 def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float]:

@@ -42,7 +42,7 @@ class Crazyswarm:
         """Wire what the installed packages allow.
 
         Raises:
-            ValueError: no vehicles, or a wrong file or parameter.
+            ValueError: no vehicles, or a wrong file or parameter; no package is installed.
             OSError: a file cannot be read.
         """
         self._node = node
@@ -52,18 +52,24 @@ class Crazyswarm:
         self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
-        self._try(self._wire_poses)
-        self._try(self._wire_commands)
-        self._try(self._wire_procedure)
+        self._version = poses_version(self._settings)
+        poses = self._off(self._wire_poses, "no poses pass")
+        flight = self._off(self._wire_flight, "no vehicle is flown")
+        self._health.extra["off"] = "; ".join(filter(None, (poses, flight)))
+        if flight and self._poses is None:
+            raise ValueError("nothing is left to do without the packages above")
+        subscribe_signals(node, self._ticks.topics, self._take, self._health)
         publish_health(node, self._health)
 
-    def _try(self, wire: Callable[[], None]) -> None:
-        """Wire a part, or log why it is disabled."""
+    def _off(self, wire: Callable[[], None], without: str) -> str:
+        """Wire a part; return and log what does not work `without` the package that it needs."""
         try:
             wire()
         except ImportError as missing:
-            self._node.get_logger().warning(str(missing))
-            self._health.extra["off"] = f"{self._health.extra.get('off', '')} {missing}".strip()
+            told = f"{missing}: {without}"
+            self._node.get_logger().warning(told)
+            return told
+        return ""
 
     def _wire_poses(self) -> None:
         if not (self._settings.poses_in or self._settings.poses_out):
@@ -71,11 +77,16 @@ class Crazyswarm:
         types = find_pose_types()
         if self._settings.poses_in:
             self._mocap = self._node.create_publisher(MESSAGES[MocapFrame], "mocap", TICK)
-            kind = find_pose_types(poses_version(self._settings)).array
+            kind = find_pose_types(self._version).array
             self._node.create_subscription(kind, self._settings.poses_in, self._on_poses, OUTSIDE)
         if self._settings.poses_out:
             self._out = self._node.create_publisher(types.array, self._settings.poses_out, POSES_OUT)
         self._poses = types
+
+    def _wire_flight(self) -> None:
+        """Wire the procedure, without which nothing is flown, then what it lets through."""
+        self._wire_procedure()
+        self._wire_commands()
 
     def _wire_commands(self) -> None:
         vehicle = vehicle_by_name(self._settings.vehicle, self._settings.firmware)
@@ -86,7 +97,6 @@ class Crazyswarm:
             (scale, self._settings.backend),
             full_state=self._settings.mode == "setpoint",
         )
-        subscribe_signals(self._node, self._ticks.topics, self._take, self._health)
 
     def _wire_procedure(self) -> None:
         executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))

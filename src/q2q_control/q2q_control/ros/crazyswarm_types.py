@@ -67,10 +67,10 @@ def find(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
         module = import_module(f"{package}.{folder}")
     except ImportError as missing:
         hint = f"sudo apt install ros-jazzy-{package.replace('_', '-')}"
-        raise ImportError(f"{package} is not installed ({hint}); what needs it is disabled") from missing
+        raise ImportError(f"{package} is not installed ({hint})") from missing
     absent = [name for name in names if name not in vars(module)]
     if absent:
-        raise ImportError(f"{package} has no {', '.join(absent)}: update it; what needs it is disabled")
+        raise ImportError(f"{package} has no {', '.join(absent)}: update it")
     return [getattr(module, name) for name in names]
 
 

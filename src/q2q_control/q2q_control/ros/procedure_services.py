@@ -22,7 +22,7 @@ from q2q_model.ros.node.late_reply import LateReplyService
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
-from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Names, SwarmCommand, SwarmSetpoint, SwarmState
 
 PERIOD_S = 0.02
 """Period of the procedure's updates [s]."""
@@ -55,6 +55,10 @@ class ProcedureServices:
     def store_state(self, state: SwarmState) -> None:
         """Store a state."""
         self._flight.store_state(state, monotonic())
+
+    def store_command(self, command: SwarmCommand) -> None:
+        """Store a controller's command."""
+        self._flight.store_command(command)
 
     def accepts(self, setpoint: SwarmSetpoint) -> bool:
         """Store a setpoint; return whether to fly it."""

@@ -4,7 +4,6 @@ Every signal of a tick carries the capture time `t` [s] of its mocap frame. Arra
 in the order of `names`. World frame, z up; quaternions x y z w, body to world.
 """
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -19,8 +18,6 @@ Status = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 Names = tuple[str, ...]
-TOPIC_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""Names of vehicles that can begin a topic (a token of ROS 2 topic names) or the name of a file."""
 Value = TypeVar("Value", np.float64, np.uint8, np.bool_)
 """Of an array with a row for each vehicle."""
 

@@ -1,7 +1,7 @@
 """Replanner node: `reference` and `state` in, `reference_safe` out.
 
-`law` chooses between the paper's potential field and the safe replanner; each has its own parameters, those
-of the second under `safe.`. In flight `enabled` may change; with `law:=safe`, `safe.enabled` in its place.
+`law` chooses between the paper's potential field and the safe replanner. The node has the parameters of its
+law only, those of the second under `safe.`, and they may change in flight.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ PREFIX = f"{SAFE}."
 
 @dataclass(frozen=True, slots=True)
 class ReplannerNodeParams:
-    """Parameters of the node, without those of a law."""
+    """Parameters of the node, without those of its law."""
 
     law: str = tunable("paper", "law that moves the setpoints", choices=("paper", SAFE), read_only=True)
 
@@ -46,12 +46,12 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
 
 
 def _block(node: Node, law: str) -> Replanner:
-    paper = declare(node, PotentialFieldParams(), in_flight=law != SAFE)
-    safe = declare(node, SafeReplannerParams(), PREFIX, in_flight=law == SAFE)
     if law == SAFE:
+        safe = declare(node, SafeReplannerParams(), PREFIX, in_flight=True)
         guarded = SafeReplanner(safe)
         on_change(node, safe, guarded.configure, PREFIX)
         return guarded
+    paper = declare(node, PotentialFieldParams(), in_flight=True)
     field = PotentialField(paper)
     on_change(node, paper, field.configure)
     return field

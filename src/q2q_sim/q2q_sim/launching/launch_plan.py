@@ -251,7 +251,7 @@ def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) ->
 
 def _replanner(replan: str) -> dict[str, ParameterValue]:
     """Return the node's parameters; with "none" it passes setpoints on."""
-    return {"law": "safe" if replan == "safe" else "paper", "enabled": replan == "paper"}
+    return {"law": "safe"} if replan == "safe" else {"law": "paper", "enabled": replan == "paper"}
 
 
 def undeclared(given: Collection[str], declared: Collection[str]) -> str:

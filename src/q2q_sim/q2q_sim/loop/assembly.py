@@ -225,10 +225,10 @@ def filter_parameters(scenario: Scenario) -> NodeParameters:
 
 def replanner_parameters(scenario: Scenario, options: Options) -> NodeParameters:
     """Return the parameters of the node replanner."""
-    safe = {f"safe.{key}": value for key, value in asdict(safe_replanner_params(scenario)).items()}
-    law = "safe" if options.replan == "safe" else "paper"
-    paper = asdict(replanner_params(scenario, enabled=options.replan == "paper"))
-    return {"law": law} | paper | safe
+    if options.replan == "safe":
+        safe = asdict(safe_replanner_params(scenario))
+        return {"law": "safe"} | {f"safe.{key}": value for key, value in safe.items()}
+    return {"law": "paper"} | asdict(replanner_params(scenario, enabled=options.replan == "paper"))
 
 
 def controller_parameters(scenario: Scenario, options: Options) -> dict[str, ParameterValue]:

@@ -67,7 +67,7 @@ def node_modules(package: str) -> list[str]:
 def configurations(executable: str, folder: Path) -> list[Configuration]:
     """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
     link: Configuration = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
-    bridged: Configuration = {"vehicles": (VEHICLE,)}
+    of_one: Configuration = {"vehicles": (VEHICLE,)}
     known: dict[str, list[Configuration]] = {
         "trajectory": [
             {"plan": str(folder / "plan.json"), "wait": True},
@@ -78,17 +78,22 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
             {"aware": False, "live": True, "correct": False},
             {"aware": True, "live": True, "correct": True},
         ],
-        "mpc": [{"correct": False}, {"correct": True}],
+        "replanner": [{"law": "paper"}, {"law": "safe"}],
+        "mpc": [
+            of_one | {"correct": False, "distributed": False},
+            of_one | {"correct": True, "distributed": False},
+            of_one | {"correct": False, "distributed": True},
+        ],
         "radio": [
             link | {"mode": "command"},
             link | {"mode": "setpoint", "aware": True},
             link | {"mode": "setpoint", "aware": False},
         ],
         "crazyswarm": [
-            bridged | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": True},
-            bridged | {"mode": "setpoint", "poses_out": "", "aware": True},
-            bridged | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": False},
-            bridged | {"mode": "command", "poses_out": ""},
+            of_one | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": True},
+            of_one | {"mode": "setpoint", "poses_out": "", "aware": True},
+            of_one | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": False},
+            of_one | {"mode": "command", "poses_out": ""},
         ],
         "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
         "bag_record": [{"bag": str(folder / "made")}],

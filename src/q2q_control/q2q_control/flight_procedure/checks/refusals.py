@@ -1,7 +1,7 @@
 """Checks before take-off and before flying setpoints, each naming the vehicle and the value.
 
-Every check returns the reason of its refusal, empty if there is none. Order: links, batteries, parameters,
-motion capture, estimators, thrust, positions, the plan, the room.
+Every check returns the reason of its refusal, empty if there is none. Order: links, controller, batteries,
+parameters, motion capture, estimators, thrust, positions, the plan, the room.
 """
 
 from collections.abc import Callable, Iterator
@@ -22,10 +22,17 @@ def connection_refusal(observation: Observation) -> str:
     return f"{', '.join(offline)} offline: check URI, battery and radio" if offline else ""
 
 
+def cut_refusal(observation: Observation) -> str:
+    """Return whose motors the controller has cut; its commands carry them no more."""
+    cut = ", ".join(observation.cut)
+    return f"the controller has cut {cut} (all/emergency, or without measurements): restart it" if cut else ""
+
+
 def take_off_refusal(observation: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
     """Return why vehicles on the ground may not take off."""
     checks: tuple[Callable[[], str], ...] = (
         lambda: connection_refusal(observation),
+        lambda: cut_refusal(observation),
         lambda: _first(_vehicle_refusal(one, params) for one in observation.vehicles),
         lambda: state_refusal(observation, landing),
         lambda: _first(_estimates(observation, params)),
@@ -42,6 +49,7 @@ def join_refusal(observation: Observation, params: FlightProcedureParams, landin
     """Return why vehicles may not fly the present setpoints from their positions."""
     return (
         connection_refusal(observation)
+        or cut_refusal(observation)
         or _first(_vehicle_refusal(one, params) for one in observation.vehicles)
         or state_refusal(observation, landing)
         or setpoint_refusal(observation, params.start_near, landing)

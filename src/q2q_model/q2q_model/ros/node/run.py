@@ -16,6 +16,7 @@ from weakref import WeakSet
 
 import rclpy
 from rclpy.duration import Duration
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -79,15 +80,21 @@ def run_together(
             if end is not None:
                 for one in kept.values():
                     end(one)
-    except (ValueError, OSError) as refusal:
+    except (ValueError, OSError, NameValidationException) as refusal:
         for number in ENDING:
             signal.signal(number, signal.SIG_IGN)  # it is ending; an interrupt must not replace the status
-        print(f"{name}: {refusal}", file=sys.stderr)
+        print(f"{name}: {_in_one_line(refusal)}", file=sys.stderr)
         sys.exit(2)
     except ExternalShutdownException:
         pass
     finally:
         _leave()
+
+
+def _in_one_line(refusal: Exception) -> str:
+    """Return an error's text; that of a topic's name has a line for a mark below it."""
+    text = str(refusal)
+    return " ".join(text.rstrip("^ \n").split()) if isinstance(refusal, NameValidationException) else text
 
 
 def start_ros(arguments: Sequence[str] | None = None) -> None:

@@ -13,7 +13,8 @@ from rclpy.publisher import Publisher
 
 from q2q_model.ros.topics.audience import Audience
 from q2q_model.signals.decimation import Decimation
-from q2q_model.signals.values import TOPIC_NAME, Names
+from q2q_model.signals.topic_name import TOPIC_NAME
+from q2q_model.signals.values import Names
 
 QUEUE = 10
 ASK_EVERY_NS = 500_000_000
