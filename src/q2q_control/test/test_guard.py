@@ -173,13 +173,21 @@ def test_an_orientation_that_is_no_number_leaves_no_trace_in_what_a_vehicle_does
 def test_an_emergency_cuts_all_at_once_and_stays_through_a_reset() -> None:
     guard = guarded()
     fly(guard, 0, 5)
-    guard.cut()
-    at_once = guard.without_tick(0.0)
+    assert not guard.emergency
+    at_once = guard.cut()
     assert at_once is not None
-    for command in (at_once, fly(guard, 5, 6)[0]):
+    assert guard.emergency
+    late = guard.update(state_at(0.03), setpoint_at(0.03), None)
+    for command in (at_once, late, fly(guard, 5, 6)[0]):
         assert command.thrust.tolist() == [0.0, 0.0]
         assert command.status.tolist() == [CUT, CUT]
     guard.reset()
+    assert fly(guard, 0, 1)[0].status.tolist() == [CUT, CUT]
+
+
+def test_an_emergency_before_the_first_tick_cuts_that() -> None:
+    guard = guarded()
+    assert guard.cut() is None
     assert fly(guard, 0, 1)[0].status.tolist() == [CUT, CUT]
 
 

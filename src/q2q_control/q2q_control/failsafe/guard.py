@@ -110,9 +110,17 @@ class Guard:
         self._controller.reset()
         self._forget()
 
-    def cut(self) -> None:
-        """Cut all motors permanently: an emergency."""
+    @property
+    def emergency(self) -> bool:
+        """Return whether an emergency has cut all motors."""
+        return self._emergency
+
+    def cut(self) -> SwarmCommand | None:
+        """Cut all motors permanently: an emergency; return the command for now, None before the first tick."""
         self._emergency = True
+        if self._last is not None:
+            self._last = self._fallen_back(self._last, 0.0)  # which a late tick repeats
+        return self._last
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
@@ -146,8 +154,10 @@ class Guard:
     def without_tick(self, age: float) -> SwarmCommand | None:
         """Return the command due `age` [s] after the last tick; None before hold_s."""
         last = self._last
-        if last is None or (age < self._params.hold_s and not self._emergency):
-            return None
+        return None if last is None or age < self._params.hold_s else self._fallen_back(last, age)
+
+    def _fallen_back(self, last: SwarmCommand, age: float) -> SwarmCommand:
+        """Return the command by the phases alone, `age` [s] after the last one."""
         ages = last.t - self._measured_at + age
         self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)

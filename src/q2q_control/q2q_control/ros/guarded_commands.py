@@ -84,6 +84,5 @@ class GuardedCommands:
             self._wiring.publish(stamp_from_time(command.t), command)
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        self._guard.cut()
-        self._send(self._guard.without_tick(0.0))
+        self._send(self._guard.cut())
         return response
