@@ -143,6 +143,19 @@ def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
     assert all(link.sent[-1] == "stop" for link in bench.links.values())
 
 
+def test_a_vehicle_commanded_cut_is_told_and_reported_as_stopped_until_it_is_armed_again() -> None:
+    bench = Bench()
+    bench.fly()
+    bench.pilot.log_lines()
+    bench.pilot.cut(("cf2",), bench.t)
+    bench.pilot.cut(("cf2",), bench.t)
+    assert bench.pilot.log_lines() == ["cf2 is commanded CUT: motors stopped", "cf2 is ready"]
+    reports = RadioExecutor(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
+    assert [one.stopped for one in reports] == [False, True]
+    bench.done(Act.ARM)
+    assert bench.pilot.stopped == frozenset()
+
+
 def test_places_are_sent_once_a_frame_and_only_where_measured() -> None:
     bench = Bench()
     for t in (1.0, 1.0, 1.01):

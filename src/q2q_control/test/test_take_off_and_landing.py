@@ -123,6 +123,22 @@ def test_vehicles_that_land_by_themselves_are_watched_to_the_ground() -> None:
     bench.move(HOME)
     bench.wait(2.0)
     assert bench.acts == [Act.DISARM]
+    assert "step landing: by themselves" in bench.log
+
+
+def test_vehicles_whose_motors_were_stopped_are_not_told_to_land_by_themselves() -> None:
+    bench = up_to(Step.FLIGHT)
+    bench.reports = tuple(replace(one, flies=False, stopped=True) for one in bench.reports)
+    bench.wait(STEP)
+    assert bench.log[-1] == "step landing: motors of cf1, cf2 stopped"
+
+
+def test_a_stopped_vehicle_is_named_while_the_other_lands_by_itself() -> None:
+    bench = up_to(Step.FLIGHT)
+    first, second = (replace(one, flies=False) for one in bench.reports)
+    bench.reports = first, replace(second, stopped=True)
+    bench.wait(STEP)
+    assert bench.log[-1] == "step landing: motors of cf2 stopped"
 
 
 def test_a_room_without_an_inside_is_refused() -> None:

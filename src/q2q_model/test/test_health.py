@@ -30,6 +30,25 @@ def test_a_missed_tick_or_a_fallback_warns_and_a_refusal_is_an_error_with_its_re
     assert "5 numbers" in graded.summary
 
 
+def test_a_fallback_is_told_from_a_missed_tick() -> None:
+    lost = report(Health(), Health(ticks=99, missed=1))
+    fallen = report(Health(), Health(ticks=99, fallbacks=1, fallback="cf1: failsafe LAND"))
+    both = report(Health(), Health(ticks=99, missed=1, fallbacks=1))
+    assert [one.summary for one in (lost, fallen, both)] == [
+        "missing ticks",
+        "in fallback: cf1: failsafe LAND",
+        "in fallback; missing ticks",
+    ]
+
+
+def test_a_failure_is_an_error_whatever_else_is_amiss() -> None:
+    health = Health(ticks=99, fallbacks=99, failure="motors cut")
+    health.refuse("state: position has 5 numbers")
+    for before in (Health(), health):
+        graded = report(before, health)
+        assert (graded.level, graded.summary) == (Level.ERROR, "motors cut")
+
+
 def test_decimation_lets_ten_of_a_hundred_through_in_a_second() -> None:
     due = Decimation(10.0)
     assert sum(due(tick * 0.01) for tick in range(100)) == 10

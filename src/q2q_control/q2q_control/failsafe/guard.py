@@ -116,7 +116,7 @@ class Guard:
         return self._emergency
 
     def cut(self) -> SwarmCommand | None:
-        """Cut all motors permanently: an emergency; return the command for now, None before the first tick."""
+        """Cut all motors permanently: an emergency; return the command to send, None before any tick."""
         self._emergency = True
         if self._last is not None:
             self._last = self._fallen_back(self._last, 0.0)  # which a late tick repeats

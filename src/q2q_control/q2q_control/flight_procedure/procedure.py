@@ -133,8 +133,14 @@ class FlightProcedure:
         fault = stream.take_fault(observation.setpoint_age)
         if not any(one.flies for one in observation.vehicles):
             stream.on, self.state.waiting = False, None
-            self.state.answer(granted=False, reason="no vehicle flies setpoints: all land by themselves")
-            self.state.enter(Step.LANDING, t, "by themselves")
+            self._leave_alone(observation, t)
         elif fault:
             self.state.answer(granted=False, reason=f"{fault}: landing")
             self._flight.land(observation, t, fault)
+
+    def _leave_alone(self, observation: Observation, t: float) -> None:
+        """Follow vehicles that no longer fly setpoints: their motors were stopped, or they land."""
+        stopped = [one.name for one in observation.vehicles if one.stopped]
+        why = f"motors of {', '.join(stopped)} stopped" if stopped else "by themselves"
+        self.state.answer(granted=False, reason=f"no vehicle flies setpoints: landing, {why}")
+        self.state.enter(Step.LANDING, t, why)

@@ -44,6 +44,7 @@ class RadioExecutor:
             armed=health.armed,
             locked=health.locked,
             flies=self.pilot.phases[name] is Phase.FLYING,
+            stopped=name in self.pilot.stopped,
             wrong=health.wrong,
             onboard=health.onboard,
             hover_ratio=nan if health.own_hover is None else hover_ratio(self.vehicle, health.own_hover),

@@ -74,6 +74,11 @@ class RadioPilot:
         return {name: one.phase for name, one in self._vehicles.items()}
 
     @property
+    def stopped(self) -> frozenset[str]:
+        """Return the vehicles whose motors were stopped since they were armed."""
+        return frozenset(name for name, one in self._vehicles.items() if np.isfinite(one.stopped_at))
+
+    @property
     def landing_s(self) -> float:
         """Return the duration of the longest landing [s]."""
         return max((one.landing_s for one in self._vehicles.values()), default=0.0)
@@ -126,11 +131,11 @@ class RadioPilot:
                 self._enter(name, Phase.READY, t)
 
     def cut(self, names: Names, t: float) -> None:
-        """Stop and lock the motors of these vehicles, if they fly."""
+        """Stop and lock the motors of these vehicles, which are commanded CUT, if they fly."""
         for name in names:
             if name in self._vehicles and self._vehicles[name].phase in AIRBORNE:
-                self._stop_one(name, t)
-                self._enter(name, Phase.READY, t)
+                self._log.append(f"{name} is commanded CUT: motors stopped")
+                self._cut_one(name, t)
 
     def watch(self, t: float) -> None:
         """Check links, batteries and missing commands at time t [s]."""
@@ -204,6 +209,10 @@ class RadioPilot:
         self._vehicles[name].stopped_at = t
         self._links[name].stop()
 
+    def _cut_one(self, name: str, t: float) -> None:
+        self._stop_one(name, t)
+        self._enter(name, Phase.READY, t)
+
     def _fly_one(self, name: str, t: float) -> None:
         self._enter(name, Phase.FLYING, t)
 
@@ -262,7 +271,7 @@ class RadioPilot:
             self._links[name].send_rpyt(replace(self._hover, pwm=round(share * self._hover.pwm)))
         else:
             self._log.append(f"{name} has no command for {limits.silent_stop_s} s and descended blind")
-            self.cut((name,), t)
+            self._cut_one(name, t)
 
     def _hold(self, name: str, one: VehicleRecord) -> None:
         """Send a setpoint that keeps a vehicle in place."""

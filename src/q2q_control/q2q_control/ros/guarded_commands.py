@@ -11,6 +11,7 @@ from std_srvs.srv import Empty
 
 from q2q_control.failsafe.guard import Guard, on_time
 from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_control.inputs.controller import Controller
@@ -37,6 +38,7 @@ class GuardedCommands:
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
         self._state: SwarmState | None = None
+        self._changes = PhaseChanges()
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
@@ -49,7 +51,7 @@ class GuardedCommands:
 
     def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
         """Offer the emergency service, count fallbacks and, live, start the watch."""
-        self._wiring = wiring
+        self._node, self._wiring = node, wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         if self._watch is not None:
@@ -71,7 +73,10 @@ class GuardedCommands:
             self._state = state
 
     def _count(self, _: int, command: SwarmCommand) -> None:
-        self._wiring.health.fallbacks += int(command.status.max(initial=0)) > _SATURATED
+        fallen = int(command.status.max(initial=0)) > _SATURATED
+        self._wiring.health.fallbacks += fallen
+        if fallen or self._changes.active:
+            self._tell(command)
 
     def _check(self) -> None:
         """Send the command that is due."""
@@ -80,9 +85,31 @@ class GuardedCommands:
 
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:
-            self._wiring.health.fallbacks += 1
             self._wiring.publish(stamp_from_time(command.t), command)
+            self._wiring.health.fallbacks += 1
+            self._tell(command)
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        self._send(self._guard.cut())
+        command = self._guard.cut()
+        if command is not None:
+            self._changes.take(command)  # told here, for all vehicles in one line
+        self._send(command)
+        self._wiring.health.failure = EMERGENCY_CUT
+        self._node.get_logger().error(EMERGENCY_CUT)
         return response
+
+    def _tell(self, command: SwarmCommand) -> None:
+        """Log the phases of the failsafe ladder that begin with a command; keep the present ones."""
+        log, health = self._node.get_logger(), self._wiring.health
+        for change in self._changes.take(command):
+            if change.phase is CommandStatus.CUT:
+                log.error(cut_reason(change.names, emergency=self._guard.emergency))
+            else:
+                log.warning(str(change))
+        health.fallback = str(self._changes)
+        health.failure = self._failure()
+
+    def _failure(self) -> str:
+        if self._guard.emergency:
+            return EMERGENCY_CUT
+        return cut_reason(self._changes.cut, emergency=False) if self._changes.cut else ""

@@ -28,6 +28,10 @@ class Health:
     """Reason for the last rejection."""
     fallbacks: int = 0
     """Ticks completed in the documented fallback."""
+    fallback: str = ""
+    """Which fallback the node is in, where there are several."""
+    failure: str = ""
+    """Why the node no longer does its work, and what the user has to do."""
     awaited: str = ""
     """Why ticks are not completed: inputs that do not come."""
     extra: dict[str, str] = field(default_factory=dict)
@@ -61,12 +65,24 @@ def report(before: Health, now: Health) -> HealthReport:
         "fallbacks": str(now.fallbacks),
         **now.extra,
     }
+    if now.failure:
+        return HealthReport(Level.ERROR, now.failure, values)
     if now.refused > before.refused:
         return HealthReport(Level.ERROR, f"refused: {now.last_refusal}", values, trouble=True)
     if now.missed > before.missed and not ticks and now.awaited:
         return HealthReport(Level.WARN, f"no tick: {now.awaited}", values, trouble=True)
-    if now.fallbacks > before.fallbacks or now.missed > before.missed:
-        return HealthReport(Level.WARN, "in fallback or missing ticks", values)
+    if warnings := _warnings(before, now):
+        return HealthReport(Level.WARN, "; ".join(warnings), values)
     if ticks == 0:
         return HealthReport(Level.STALE, "no tick", values)
     return HealthReport(Level.OK, f"{ticks} ticks", values)
+
+
+def _warnings(before: Health, now: Health) -> list[str]:
+    """Return what was amiss between two readings, though ticks were completed."""
+    found = []
+    if now.fallbacks > before.fallbacks:
+        found.append(f"in fallback{': ' if now.fallback else ''}{now.fallback}")
+    if now.missed > before.missed:
+        found.append("missing ticks")
+    return found

@@ -1,0 +1,82 @@
+"""Changes of the phases of the failsafe ladder (q2q_control.failsafe.ladder), for a log.
+
+A vehicle's phase is the status of its command: HOLD, LEVEL, LAND or CUT; else the controller flies it. The
+same change of the same vehicles is told once, and again after SETTLED_S without any phase or in a new flight.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_control.failsafe.guard import NEW_FLIGHT_S
+from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCommand, rows_by_name
+
+EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
+FAILSAFE_CUT = "motors cut, not measured for cut_s: restart this node to fly"
+SETTLED_S = 10.0
+"""Time without a phase after which changes are told again [s]: one dropout after another is one event."""
+FLOWN = CommandStatus.OK
+"""Stands for every status without a phase."""
+_PHASES = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
+_PHASE_OF = np.array([one if one in _PHASES else FLOWN for one in CommandStatus], dtype=np.uint8)
+
+
+@dataclass(frozen=True, slots=True)
+class PhaseChange:
+    """Phase that some vehicles enter with a command."""
+
+    phase: CommandStatus
+    """HOLD, LEVEL, LAND or CUT; FLOWN: the controller flies them again."""
+    names: Names
+
+    def __str__(self) -> str:
+        """Return the change in words."""
+        phase = "the controller flies on" if self.phase is FLOWN else f"failsafe {self.phase.name}"
+        return f"{', '.join(self.names)}: {phase}"
+
+
+class PhaseChanges:
+    """Phase of every vehicle, and the changes that were told."""
+
+    def __init__(self) -> None:
+        self._names: Names = ()
+        self._phases: Status = np.zeros(0, dtype=np.uint8)
+        self._told: set[PhaseChange] = set()
+        self._t = -np.inf  # stamp of the newest command with a phase [s]
+
+    @property
+    def active(self) -> bool:
+        """Return whether any vehicle is in a phase."""
+        return bool(self._phases.any())
+
+    @property
+    def cut(self) -> Names:
+        """Return the vehicles whose motors are off."""
+        return self._having(CommandStatus.CUT)
+
+    def __str__(self) -> str:
+        """Return the vehicles in each phase in words; empty if there are none."""
+        return "; ".join(str(PhaseChange(one, names)) for one in _PHASES if (names := self._having(one)))
+
+    def take(self, command: SwarmCommand) -> tuple[PhaseChange, ...]:
+        """Return the changes that come with a command and are to be told."""
+        phases = _PHASE_OF[command.status]
+        if phases.any():
+            if not -NEW_FLIGHT_S <= command.t - self._t <= SETTLED_S:
+                self._names, self._phases = (), phases[:0]
+                self._told.clear()
+            self._t = command.t
+        before = rows_by_name(self._phases, self._names, command.names, FLOWN)
+        self._names, self._phases = command.names, phases
+        found = [PhaseChange(one, self._having(one, phases != before)) for one in (FLOWN, *_PHASES)]
+        new = tuple(one for one in found if one.names and one not in self._told)
+        self._told.update(new)
+        return new
+
+    def _having(self, phase: CommandStatus, among: Mask | bool = True) -> Names:
+        return tuple(self._names[row] for row in np.flatnonzero((self._phases == phase) & among))
+
+
+def cut_reason(names: Names, *, emergency: bool) -> str:
+    """Return why the motors of these vehicles are off."""
+    return f"{', '.join(names)}: {EMERGENCY_CUT if emergency else FAILSAFE_CUT}"

@@ -1,0 +1,73 @@
+"""Phases of the failsafe ladder are told when vehicles enter them, once for each set of vehicles."""
+
+import numpy as np
+import pytest
+from guarded_flights import CUT, DEGRADED, HOLD, LAND, LEVEL, NAMES, OK, SATURATED, TICK, fly, guarded
+
+from q2q_control.failsafe.phase_changes import SETTLED_S, PhaseChanges, cut_reason
+from q2q_model.signals.values import Names, SwarmCommand
+
+
+def command(t: float, *status: int, names: Names = NAMES) -> SwarmCommand:
+    zero = np.zeros(len(names))
+    return SwarmCommand(t, names, zero, zero, zero, zero, np.array(status, dtype=np.uint8))
+
+
+def told(changes: PhaseChanges, one: SwarmCommand) -> list[str]:
+    return [str(change) for change in changes.take(one)]
+
+
+def test_each_phase_is_told_when_it_begins_and_when_the_controller_flies_again() -> None:
+    changes = PhaseChanges()
+    steps = ((OK, OK), (HOLD, HOLD), (HOLD, HOLD), (LEVEL, HOLD), (LAND, OK), (CUT, SATURATED))
+    assert [told(changes, command(k * TICK, *status)) for k, status in enumerate(steps)] == [
+        [],
+        ["cf1, cf2: failsafe HOLD"],
+        [],
+        ["cf1: failsafe LEVEL"],
+        ["cf2: the controller flies on", "cf1: failsafe LAND"],
+        ["cf1: failsafe CUT"],
+    ]
+    assert (changes.active, changes.cut, str(changes)) == (True, ("cf1",), "cf1: failsafe CUT")
+
+
+@pytest.mark.parametrize("status", [OK, SATURATED, DEGRADED])
+def test_a_command_of_the_controllers_is_no_phase(status: int) -> None:
+    changes = PhaseChanges()
+    assert told(changes, command(0.0, status, status)) == []
+    assert (changes.active, changes.cut, str(changes)) == (False, (), "")
+
+
+def test_one_dropout_after_another_is_told_once_and_one_after_a_calm_time_anew() -> None:
+    changes = PhaseChanges()
+    lines = []
+    for k in range(0, 100, 2):
+        lines += told(changes, command(k * TICK, HOLD, OK)) + told(changes, command((k + 1) * TICK, OK, OK))
+    assert lines == ["cf1: failsafe HOLD", "cf1: the controller flies on"]
+    assert told(changes, command(1.0, OK, HOLD)) == ["cf2: failsafe HOLD"]
+    told(changes, command(1.01, OK, OK))
+    assert told(changes, command(1.1 + SETTLED_S, HOLD, OK)) == ["cf1: failsafe HOLD"]
+
+
+def test_a_cut_is_told_again_in_a_new_flight_beside_the_same_controller() -> None:
+    guard, changes = guarded(), PhaseChanges()
+    for made in fly(guard, 0, 200):
+        assert told(changes, made) == []
+    guard.cut()
+    assert [line for made in fly(guard, 200, 210) for line in told(changes, made)] == [
+        "cf1, cf2: failsafe CUT"
+    ]
+    assert [line for made in fly(guard, 0, 10) for line in told(changes, made)] == ["cf1, cf2: failsafe CUT"]
+
+
+def test_phases_are_those_of_names_not_of_rows() -> None:
+    changes = PhaseChanges()
+    changes.take(command(0.0, HOLD, OK))
+    assert told(changes, command(0.01, OK, HOLD, names=("cf2", "cf1"))) == []
+    assert told(changes, command(0.02, LAND, names=("cf3",))) == ["cf3: failsafe LAND"]
+
+
+def test_a_cut_says_who_gave_it_and_what_to_do() -> None:
+    by_call = cut_reason(NAMES, emergency=True)
+    assert by_call == "cf1, cf2: motors cut by all/emergency: restart this node to fly"
+    assert cut_reason(("cf1",), emergency=False).startswith("cf1: motors cut, not measured for cut_s")
