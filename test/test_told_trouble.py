@@ -1,6 +1,7 @@
 """What a node logs, and grades its health by, when vehicles are cut, alone or commanded by two nodes."""
 
 import math
+from dataclasses import dataclass, field
 
 import pytest
 
@@ -12,6 +13,7 @@ from std_srvs.srv import Empty
 from q2q_control.ros import pid_node
 from q2q_model.node.health import Health, HealthReport, Level, report
 from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.node.input_warnings import SeveralWriters
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.stamps import stamp_from_time
@@ -79,3 +81,47 @@ def test_a_lost_vehicle_is_told_phase_by_phase_and_its_cut_is_an_error() -> None
         "cf1: motors cut, not measured for cut_s: restart this node to fly",
     ]
     assert (graded(wiring).level, graded(wiring).summary) == (Level.ERROR, node.lines[-1])
+
+
+@dataclass
+class Graph:
+    """Node that knows who writes a topic, and keeps what it warns of."""
+
+    writers: list[str]
+    lines: list[str] = field(default_factory=list)
+
+    def count_publishers(self, _: str) -> int:
+        """Return how many write any topic."""
+        return len(self.writers)
+
+    def get_publishers_info_by_topic(self, _: str) -> list["Writer"]:
+        """Return who writes any topic."""
+        return [Writer(name) for name in self.writers]
+
+    def get_logger(self) -> "Graph":
+        """Return the node itself, which keeps the lines."""
+        return self
+
+    def warning(self, line: str) -> None:
+        """Keep a line."""
+        self.lines.append(line)
+
+
+@dataclass
+class Writer:
+    """Publisher, as ROS describes it."""
+
+    node_name: str
+
+
+def test_a_second_writer_of_an_input_is_told_once_and_graded_until_it_is_gone() -> None:
+    graph, health = Graph(["replanner"]), Health()
+    writers = SeveralWriters(graph, "reference_safe")
+    told = "reference_safe: 2 nodes write it (replanner, replanner_2); 1 may: stop the others"
+    for names, found in ((1, ""), (2, told), (2, told), (1, ""), (2, told)):
+        graph.writers[:] = ["replanner_2", "replanner"][-names:]
+        health.ticks, health.doubts["reference_safe"] = 5, writers.look()
+        assert health.doubts["reference_safe"] == found
+        after = report(Health(), health)
+        assert (after.level, after.summary) == ((Level.WARN, told) if found else (Level.OK, "5 ticks"))
+    assert graph.lines == [told]

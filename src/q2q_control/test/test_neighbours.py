@@ -7,6 +7,7 @@ from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predi
 from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.prediction.neighbours import (
     LATE_FADE,
+    SILENT,
     TRACKING,
     HeardPath,
     HeardPredictions,
@@ -148,3 +149,14 @@ def test_the_downwash_of_an_uncertain_source_is_its_mean_over_a_normal_distribut
         exact = -2.5 * 0.1**2 / wide * np.exp(-(x**2) / (2.0 * wide))
         assert downwash_below(x, sigma, jet) == pytest.approx(exact, abs=0.02)
         assert abs(downwash_below(x, 0.0, jet)[0] - exact) > 0.04
+
+
+def test_a_neighbour_is_silent_once_several_of_its_predictions_are_missing() -> None:
+    heard = HeardPredictions(PERIOD)
+    assert heard.silent(100.0) == ()  # nobody was heard yet
+    heard.hear(prediction(1.0))
+    heard.hear(prediction(1.3, name="cf3"))
+    assert heard.silent(1.0 + 0.99 * SILENT * PERIOD) == ()
+    assert heard.silent(1.0 + 1.01 * SILENT * PERIOD) == ("cf2",)
+    heard.hear(prediction(1.5))
+    assert heard.silent(1.0 + 1.01 * SILENT * PERIOD) == ()

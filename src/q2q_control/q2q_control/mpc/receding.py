@@ -183,6 +183,10 @@ class Mpc:
         """Return whether a neighbour's prediction of a tick at t [s] or later has arrived."""
         return self._heard.has(name, t)
 
+    def silent_neighbours(self, t: float) -> Names:
+        """Return the vehicles of other controllers that were heard, and are silent at t [s]."""
+        return self._heard.silent(t)
+
     @property
     def prediction(self) -> PredictedPaths | None:
         """Return the paths of the last tick's usable vehicles; None if there are none."""

@@ -4,7 +4,7 @@ Distributed, one node for each vehicle, it also exchanges `predictions` with the
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from time import monotonic
 
@@ -104,7 +104,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
-    _rehearse(block, wiring, answer, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
+    rehearsed = _hearing_itself(block, answer) if mpc.distributed else answer
+    _rehearse(block, wiring, rehearsed, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
     wiring.start(_within(budget, answer))
@@ -122,6 +123,18 @@ def _rehearse(
     block.follow(resting_preview(vehicles or STAND_IN))
     wiring.rehearse(update, reset, vehicles)
     block.follow(None)
+
+
+def _hearing_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
+    """Return `answer`, after which the block hears its own prediction as that of NEIGHBOUR."""
+
+    def update(*signals: Signal) -> SwarmCommand:
+        command, own = answer(*signals), block.prediction
+        if own is not None:
+            block.hear(replace(own, names=(NEIGHBOUR,), pos=own.pos[:1]))
+        return command
+
+    return update
 
 
 def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:

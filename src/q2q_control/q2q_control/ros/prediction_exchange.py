@@ -4,10 +4,13 @@ In lockstep a tick begins once the predictions that neighbours have sent by the 
 inputs come a second time, because the simulator has waited too long. Live, it begins with what is here.
 """
 
+from collections.abc import Mapping
+
 from q2q_msgs.msg import Prediction as PredictionMessage
 from rclpy.node import Node
 
 from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_control.mpc.prediction.neighbours import SILENT
 from q2q_control.mpc.prediction.slots import BroadcastSchedule
 from q2q_control.mpc.receding import Mpc
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
@@ -30,6 +33,7 @@ class PredictionExchange:
         self._schedule = BroadcastSchedule(vehicles, period)
         self._state: SwarmState | None = None
         self._waits = True
+        self._silent: Names = ()
         self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
         self._node = node
 
@@ -41,6 +45,7 @@ class PredictionExchange:
         wiring.after_publish(self._publish)
         if self._waits:
             wiring.hold_until(self._may_begin)
+        wiring.add_facts(self._facts)
         self._node.create_subscription(PredictionMessage, TOPIC, self._hear, MANY_WRITERS)
 
     def begin(self, state: SwarmState) -> None:
@@ -65,3 +70,14 @@ class PredictionExchange:
         except ValueError as refusal:
             self._wiring.health.refuse(f"{TOPIC}: {refusal}")
         self._wiring.resume()
+
+    def _facts(self) -> Mapping[str, str]:
+        """Return which neighbours are silent; log it when it changes."""
+        silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
+        names = ", ".join(silent)
+        told = f"{TOPIC}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
+        if silent and silent != self._silent:
+            self._node.get_logger().warning(told)
+        self._silent = silent
+        self._wiring.health.doubts[TOPIC] = told if silent else ""
+        return {"silent_neighbours": names}

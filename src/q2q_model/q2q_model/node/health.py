@@ -32,6 +32,8 @@ class Health:
     """Which fallback the node is in, where there are several."""
     failure: str = ""
     """Why the node no longer does its work, and what the user has to do."""
+    doubts: dict[str, str] = field(default_factory=dict)
+    """What makes a tick's inputs or output doubtful now, by what has found it; empty texts are none."""
     awaited: str = ""
     """Why ticks are not completed: inputs that do not come."""
     extra: dict[str, str] = field(default_factory=dict)
@@ -85,4 +87,4 @@ def _warnings(before: Health, now: Health) -> list[str]:
         found.append(f"in fallback{': ' if now.fallback else ''}{now.fallback}")
     if now.missed > before.missed:
         found.append("missing ticks")
-    return found
+    return found + [doubt for doubt in now.doubts.values() if doubt]

@@ -3,7 +3,7 @@
 | signal | facts |
 |---|---|
 | SwarmState | number of vehicles, coasting and lost ones, largest age, smallest separation |
-| SwarmSetpoint | number of vehicles, smallest reference separation |
+| SwarmSetpoint | number of vehicles, shifted ones, broken promises, not finite ones, smallest separation |
 | Interference | largest downwash, number of predictions with a stale source or without a model |
 | SwarmCommand | number of saturated vehicles and of vehicles in fallback |
 """
@@ -20,6 +20,7 @@ from q2q_model.signals.values import (
     Interference,
     InterferenceStatus,
     Mask,
+    SetpointStatus,
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
@@ -49,7 +50,13 @@ def _(signal: SwarmState) -> Mapping[str, str]:
 @facts.register
 def _(signal: SwarmSetpoint) -> Mapping[str, str]:
     separation = smallest_separation(signal.pos)
-    return {"vehicles": str(len(signal.names)), "separation_m": _number(separation)}
+    return {
+        "vehicles": str(len(signal.names)),
+        "separation_m": _number(separation),
+        "shifted": _count(signal.status == SetpointStatus.SHIFTED),
+        "promise_broken": _count(signal.status == SetpointStatus.PROMISE_BROKEN),
+        "not_finite": _count(np.asarray(~np.isfinite(signal.pos).all(axis=1))),
+    }
 
 
 @facts.register

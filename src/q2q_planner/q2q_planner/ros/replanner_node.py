@@ -4,10 +4,12 @@
 law only, those of the second under `safe.`, and they may change in flight.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from rclpy.node import Node
 
+from q2q_model.node.health import Health
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick import TickWiring
@@ -17,6 +19,7 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.online.setpoint_troubles import SetpointTroubles
 
 SAFE = "safe"
 PREFIX = f"{SAFE}."
@@ -41,6 +44,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         node, {"reference": SwarmSetpoint, "state": SwarmState}, ("reference_safe", SwarmSetpoint)
     )
     wiring.rehearse(block.update, block.reset)
+    wiring.after_publish(_tell(node, wiring.health))
     wiring.start(block.update)
     return wiring
 
@@ -55,6 +59,18 @@ def _block(node: Node, law: str) -> Replanner:
     field = PotentialField(paper)
     on_change(node, paper, field.configure)
     return field
+
+
+def _tell(node: Node, health: Health) -> Callable[[int, SwarmSetpoint], None]:
+    """Return a listener that logs, and keeps in `health`, what is wrong with setpoints."""
+    troubles = SetpointTroubles()
+
+    def tell(_: int, setpoint: SwarmSetpoint) -> None:
+        if line := troubles.take(setpoint):
+            node.get_logger().warning(line)
+        health.doubts["reference_safe"] = troubles.text
+
+    return tell
 
 
 def main() -> None:

@@ -25,6 +25,7 @@ from std_srvs.srv import Trigger
 
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.input_warnings import SeveralWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
@@ -70,6 +71,7 @@ class Simulator:
             self._crtp = open_crtp(node, room, scenario)
         firmware = self._crtp.fly if self._crtp else None
         self._flight = RoomFlight(room, params, scenario.duration, perf_counter, firmware)
+        self._controllers = SeveralWriters(node, COMMAND, len(room.names))
         self._due: deque[Output] = deque()
         self._writers = {
             topic: SignalPublisher(node, topic, signal, TICK_WRITER) for topic, signal in OUTPUTS.items()
@@ -144,6 +146,7 @@ class Simulator:
             self._node.get_logger().info(f"flight over: {output.timing}")
 
     def _diagnostics(self) -> Mapping[str, str]:
+        self._flight.health.doubts[COMMAND] = self._controllers.look()
         return {**self._flight.clock.recent(), **(self._crtp.diagnostics() if self._crtp else {})}
 
 

@@ -34,6 +34,8 @@ LATE_FADE = 0.2
 """Time constant of a late prediction [s]: that for which an MPC follows its own last plan by default."""
 TRACKING = 0.05
 """Spread of a neighbour about its reference [m]: the default `tracking` of the safe replanner."""
+SILENT = 5
+"""Periods without a prediction after which a neighbour is silent: one or two are lost messages."""
 CLOCK_JUMP = 1.0
 """A prediction older than the last one by more [s] is of a clock that was set back."""
 
@@ -105,6 +107,11 @@ class HeardPredictions:
     def has(self, name: str, t: float) -> bool:
         """Return whether a prediction made at t [s] or later has arrived."""
         return any(one.t > t - SAME_STAMP for one in self._heard.get(name, ()))
+
+    def silent(self, t: float) -> Names:
+        """Return the neighbours whose newest prediction is older than SILENT periods at t [s]."""
+        oldest = t - SILENT * self._period
+        return tuple(sorted(name for name, paths in self._heard.items() if paths[-1].t < oldest))
 
     def follow(self, t: float, neighbours: Neighbours, times: Array) -> tuple[Neighbours, Array]:
         """Return neighbours on the predictions made before a tick at t [s], and the shares of those, (n,).

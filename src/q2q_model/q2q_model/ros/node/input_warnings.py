@@ -1,4 +1,4 @@
-"""Warnings of input that is of no use to a node: names of other vehicles, stamps that stand still."""
+"""Warnings of input that is of no use to a node: unknown names, standing stamps, several writers."""
 
 from collections.abc import Callable
 
@@ -63,3 +63,24 @@ class StandingStamps:
         if self._frames == FRAMES:
             told = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
             self._node.get_logger().warning(f"{self._topic}: {told}")
+
+
+class SeveralWriters:
+    """Warning, once for the same nodes, that more nodes write a topic than can be right."""
+
+    def __init__(self, node: Node, topic: str, most: int = 1) -> None:
+        """Watch the writers of a topic, of which `most` are right."""
+        self._node, self.topic, self._most = node, topic, most
+        self._told: set[str] = set()
+
+    def look(self) -> str:
+        """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
+        if self._node.count_publishers(self.topic) <= self._most:
+            return ""
+        writers = sorted(one.node_name for one in self._node.get_publishers_info_by_topic(self.topic))
+        may = f"{self._most} may: stop the others"
+        told = f"{self.topic}: {len(writers)} nodes write it ({', '.join(writers)}); {may}"
+        if told not in self._told:
+            self._told.add(told)
+            self._node.get_logger().warning(told)
+        return told

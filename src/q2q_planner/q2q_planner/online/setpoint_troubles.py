@@ -1,0 +1,44 @@
+"""What a replanner cannot mend in its setpoints, for its log: broken promises, and what is not finite."""
+
+import numpy as np
+
+from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
+
+SETTLED_S = 10.0
+"""Time without trouble after which it is told as over, and anew if it comes back [s]."""
+BROKEN = int(SetpointStatus.PROMISE_BROKEN)
+
+
+class SetpointTroubles:
+    """Trouble of the last setpoints, and what of it was told."""
+
+    def __init__(self) -> None:
+        self.text = ""
+        """Trouble of the last setpoints; empty if there is none."""
+        self._since = self._last = -np.inf  # stamps of the first and last troubled setpoints [s]
+
+    def take(self, setpoint: SwarmSetpoint) -> str:
+        """Return what to log of new setpoints; empty if nothing has changed."""
+        self.text = trouble_of(setpoint)
+        told = self._last > -np.inf
+        if self.text:
+            self._last = setpoint.t
+            return "" if told else self.text
+        if told and not 0.0 <= setpoint.t - self._last <= SETTLED_S:
+            self._last = -np.inf
+            return f"setpoints have been sound for {SETTLED_S:g} s"
+        return ""
+
+
+def trouble_of(setpoint: SwarmSetpoint) -> str:
+    """Return what is wrong with setpoints, with the vehicles; empty if nothing is."""
+    broken = setpoint.status == BROKEN
+    endless = np.asarray(~np.isfinite(setpoint.pos).all(axis=1))
+    found = _of(setpoint.names, broken, "promise broken"), _of(setpoint.names, endless, "no finite setpoint")
+    return "; ".join(filter(None, found))
+
+
+def _of(names: Names, which: Mask, what: str) -> str:
+    """Return the vehicles of a trouble, and what it is."""
+    rows = np.flatnonzero(which)
+    return f"{what}: {', '.join(names[row] for row in rows)}" if rows.size else ""

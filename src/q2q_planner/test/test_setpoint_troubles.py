@@ -1,0 +1,40 @@
+"""Tests of what is told of setpoints that a replanner cannot mend."""
+
+import numpy as np
+
+from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
+from q2q_planner.online.setpoint_troubles import SETTLED_S, SetpointTroubles
+
+NAMES = ("cf1", "cf2")
+
+
+def setpoint(t: float, *, broken: bool = False, nan: bool = False) -> SwarmSetpoint:
+    pos, status = np.zeros((2, 3)), np.zeros(2, np.uint8)
+    status[:] = SetpointStatus.SHIFTED
+    if broken:
+        status[1] = SetpointStatus.PROMISE_BROKEN
+    if nan:
+        pos[0, 2] = np.nan
+    zero = np.zeros((2, 3))
+    return SwarmSetpoint(t, NAMES, pos, zero, zero, np.zeros(2), np.zeros(2), status)
+
+
+def test_trouble_is_told_once_until_it_has_been_over_for_a_while() -> None:
+    troubles = SetpointTroubles()
+    lines = [
+        troubles.take(setpoint(0.01 * k, broken=100 <= k < 200 or k == 400)) for k in range(int(1e2 * 16))
+    ]
+    assert {k: line for k, line in enumerate(lines) if line} == {
+        100: "promise broken: cf2",
+        401 + round(100 * SETTLED_S): "setpoints have been sound for 10 s",
+    }
+    assert troubles.take(setpoint(30.0, broken=True)) == "promise broken: cf2"
+
+
+def test_setpoints_that_are_not_finite_are_named_beside_broken_promises() -> None:
+    troubles = SetpointTroubles()
+    assert troubles.take(setpoint(0.0, broken=True, nan=True)) == (
+        "promise broken: cf2; no finite setpoint: cf1"
+    )
+    troubles.take(setpoint(0.01))
+    assert troubles.text == ""
