@@ -15,7 +15,7 @@ class SetpointTroubles:
     def __init__(self) -> None:
         self.text = ""
         """Trouble of the last setpoints; empty if there is none."""
-        self._since = self._last = -np.inf  # stamps of the first and last troubled setpoints [s]
+        self._last = -np.inf  # stamp of the last troubled setpoints, until it is told that they are over [s]
 
     def take(self, setpoint: SwarmSetpoint) -> str:
         """Return what to log of new setpoints; empty if nothing has changed."""
