@@ -29,6 +29,7 @@ th { background: #f4f5f7; font-weight: 600; white-space: pre-line; vertical-alig
 .pictures { display: grid; gap: 1.2rem; margin: 1rem 0; }
 .pictures { grid-template-columns: repeat(auto-fill, minmax(min(420px, 100%), 1fr)); }
 @media (max-width: 600px) { th, td { padding: .25rem .4rem; } body { padding: 0 .8rem; } }
+@media (max-width: 600px) { td.text { white-space: normal; } td.words { min-width: 6rem; } }
 pre { overflow-x: auto; background: #f4f5f7; padding: .6rem .8rem; font-size: .88rem; }
 figure { margin: 0; } img { width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
 """
