@@ -42,6 +42,7 @@ ELSEWHERE: Mapping[str, str] = {
     "scripts/campaign --case": "needs a case of a guided campaign; test_campaign flies one again",
     "ros2 run q2q_control radio --dry-run": "needs a Crazyradio",
     "ros2 run q2q_control radio --ros-args -p crazyflies:=": "needs a Crazyradio",
+    "ros2 run q2q_control crazyswarm --ros-args": "needs Crazyswarm2's packages; test_crazyswarm_bridge",
     "ros2 run q2q_control call": "test_procedure_flights makes these calls, in simulated time",
     "ros2 launch": "needs ros2 launch; test_launch_files, where it is installed",
     "ros2 run q2q_sim bag_import FLIGHT.parquet": "the reader's own table; test_bag_import",

@@ -170,7 +170,7 @@ def test_a_status_is_new_once_per_change() -> None:
 
 
 def test_a_take_off_is_refused_until_the_controller_is_no_longer_cut() -> None:
-    piloted, _ = flight()
+    piloted, _ = flight(FlightProcedureParams(volt_start=0.0))
     cut, sound = (
         SwarmCommand(0.0, ("cf1",), *np.zeros((4, 1)), np.array([status], np.uint8))
         for status in (CommandStatus.CUT, CommandStatus.OK)

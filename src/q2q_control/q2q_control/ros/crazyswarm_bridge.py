@@ -53,23 +53,15 @@ class Crazyswarm:
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._version = poses_version(self._settings)
-        poses = self._off(self._wire_poses, "no poses pass")
-        flight = self._off(self._wire_flight, "no vehicle is flown")
-        self._health.extra["off"] = "; ".join(filter(None, (poses, flight)))
+        poses = _missing(self._wire_poses, "no poses pass")
+        flight = _missing(self._wire_flight, "no vehicle is flown")
+        self._health.extra["off"] = off = "; ".join(filter(None, (poses, flight)))
         if flight and self._poses is None:
-            raise ValueError("nothing is left to do without the packages above")
+            raise ValueError(off)
+        if off:
+            node.get_logger().warning(off)
         subscribe_signals(node, self._ticks.topics, self._take, self._health)
         publish_health(node, self._health)
-
-    def _off(self, wire: Callable[[], None], without: str) -> str:
-        """Wire a part; return and log what does not work `without` the package that it needs."""
-        try:
-            wire()
-        except ImportError as missing:
-            told = f"{missing}: {without}"
-            self._node.get_logger().warning(told)
-            return told
-        return ""
 
     def _wire_poses(self) -> None:
         if not (self._settings.poses_in or self._settings.poses_out):
@@ -130,3 +122,12 @@ class Crazyswarm:
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:
         if self._poses is not None:
             self._out.publish(self._poses.write(header_at(stamp_ns), poses_of(state)))
+
+
+def _missing(wire: Callable[[], None], without: str) -> str:
+    """Wire a part; return what is missing for it and what does not work `without`, empty if it works."""
+    try:
+        wire()
+    except ImportError as missing:
+        return f"{missing}: {without}"
+    return ""

@@ -1,7 +1,7 @@
 """Checks before take-off and before flying setpoints, each naming the vehicle and the value.
 
-Every check returns the reason of its refusal, empty if there is none. Order: links, controller, batteries,
-parameters, motion capture, estimators, thrust, positions, the plan, the room.
+Every check returns the reason of its refusal, empty if there is none. Order: links, batteries,
+parameters, controller, motion capture, estimators, thrust, positions, the plan, the room.
 """
 
 from collections.abc import Callable, Iterator
@@ -32,8 +32,8 @@ def take_off_refusal(observation: Observation, params: FlightProcedureParams, la
     """Return why vehicles on the ground may not take off."""
     checks: tuple[Callable[[], str], ...] = (
         lambda: connection_refusal(observation),
-        lambda: cut_refusal(observation),
         lambda: _first(_vehicle_refusal(one, params) for one in observation.vehicles),
+        lambda: cut_refusal(observation),
         lambda: state_refusal(observation, landing),
         lambda: _first(_estimates(observation, params)),
         lambda: _first(_thrust(one, params) for one in observation.vehicles),
@@ -49,8 +49,8 @@ def join_refusal(observation: Observation, params: FlightProcedureParams, landin
     """Return why vehicles may not fly the present setpoints from their positions."""
     return (
         connection_refusal(observation)
-        or cut_refusal(observation)
         or _first(_vehicle_refusal(one, params) for one in observation.vehicles)
+        or cut_refusal(observation)
         or state_refusal(observation, landing)
         or setpoint_refusal(observation, params.start_near, landing)
     )
