@@ -1,9 +1,17 @@
 """Planned trajectories of a scenario."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from q2q.identified_model import ModelChoice, load_model
 from q2q.scenario_choice import ScenarioChoice, scenario
-from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.loop.assembly import plan_around, plan_of
+from q2q_sim.scenarios.scenario import Scenario
+
+START_NEAR = 0.1
+"""Largest distance of a vehicle's start from its plan's first point [m]."""
 
 
 def plan(chosen: ScenarioChoice, *, around: ModelChoice | None = None) -> SwarmPlan:
@@ -20,3 +28,28 @@ def plan(chosen: ScenarioChoice, *, around: ModelChoice | None = None) -> SwarmP
     """
     path = scenario(chosen)
     return plan_of(path) if around is None else plan_around(path, load_model(around))
+
+
+def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:
+    """Return a plan with its vehicles in the order of a scenario's.
+
+    Raises:
+        TypeError: it is no plan.
+        ValueError: it is for other vehicles, or begins elsewhere.
+    """
+    if not isinstance(given, SwarmPlan):
+        raise TypeError(f"plan = {given!r}: what q2q.plan returns is expected")
+    if set(given.names) != set(flown.names):
+        raise ValueError(
+            f"the plan is for {', '.join(given.names)}, the scenario has {', '.join(flown.names)}"
+        )
+    rows = map(given.names.index, flown.names)
+    ordered = replace(given, names=flown.names, trajectories=tuple(given.trajectories[row] for row in rows))
+    starts = np.array([one.points[0, :3] for one in flown.waypoints])
+    off = np.linalg.norm(setpoint_at(ordered, 0.0).pos - starts, axis=1)
+    for name, far in zip(flown.names, off.tolist(), strict=True):
+        if not far <= START_NEAR:
+            raise ValueError(
+                f"{name} starts {far:.2f} m from its plan's first point: {START_NEAR} m is the most"
+            )
+    return ordered

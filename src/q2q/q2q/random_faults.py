@@ -10,16 +10,20 @@ from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 def campaign(
     runs: int, *, seed: int = 0, air: str = "", jobs: int = 1, out: Path | str = "out/campaign"
 ) -> Iterator[RunOutcome]:
-    """Yield the outcome of each run, in the order of completion.
+    """Return the outcomes of runs, each as it is completed.
 
     Args:
-        runs: number of runs.
-        seed: of the first run, which defines its scenario, controller and faults; the others follow it.
+        runs: number of runs, 1 or more.
+        seed: of the first run, 0 or above; it defines scenario, controller and faults, the others follow it.
         air: air in place of the scenarios' wake and disturbance: a name as for `q2q.scenario`.
         jobs: processes; above 1, call it under `if __name__ == "__main__":` in a script.
         out: folder for scenario and bag of each run that violates a policy.
 
     Raises:
+        ValueError: a number that is too small.
         AirError: there is no such air.
     """
-    yield from outcomes("local", range(seed, seed + runs), jobs, Path(out), air)
+    for name, number, least in (("runs", runs, 1), ("seed", seed, 0), ("jobs", jobs, 1)):
+        if number < least:
+            raise ValueError(f"{name} = {number}: {least} or more is expected")
+    return outcomes("local", range(seed, seed + runs), jobs, Path(out), air)

@@ -6,6 +6,7 @@ from typing import Literal
 
 from q2q.flight_result import FlightResult
 from q2q.identified_model import ModelChoice, load_model
+from q2q.planned_path import plan_for
 from q2q.scenario_choice import ScenarioChoice, scenario
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
@@ -49,14 +50,14 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
             `q2q.load_model`; None takes that of the scenario.
         correct: whether "pid" or "mpc" corrects the predicted downwash by positions and accelerometers.
         replan: online replanner.
-        plan: flown in place of the scenario's own path; see `q2q.plan`.
+        plan: flown in place of the scenario's own path, for the same vehicles and starts; see `q2q.plan`.
         air: air in place of the scenario's wake and disturbance: a name as for `q2q.scenario`, or an object
             (`q2q.load_air`, or your own q2q.Wake).
         seed: of the noise, losses and gusts; 0 or above.
 
     Raises:
         ValueError: a choice that is not allowed; the message says what is.
-        TypeError: a controller without the methods of q2q.Controller.
+        TypeError: a controller without the methods of q2q.Controller, or a plan that is none.
         AirError: an air of your own failed or returned something that cannot be flown in.
     """
     flown = _in_air(scenario(chosen), air)
@@ -64,7 +65,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
     choice = Options(mode, _name_of(controller), replan, correct)
     residual = known.residual or REAL_FLIGHTS
-    blocks = blocks_of(flown, choice, known.interaction, plan, residual)
+    path = None if plan is None else plan_for(flown, plan)
+    blocks = blocks_of(flown, choice, known.interaction, path, residual)
     if not isinstance(controller, str):
         _check_controller(controller)
         if correct:

@@ -78,3 +78,11 @@ def test_a_model_is_identified_from_bags():
     assert found.gains.loop.k_p == pytest.approx(0.81073, rel=0.02)
     assert found.held_out.r2.lower > 0.95
     assert q2q.load_model(found) is found.file
+
+
+@pytest.mark.parametrize(
+    ("runs", "choice"), [(0, {}), (-1, {}), (1, {"jobs": 0}), (1, {"jobs": -1}), (1, {"seed": -5})]
+)
+def test_a_campaign_of_no_runs_is_refused_at_once(runs: int, choice: dict[str, int]):
+    with pytest.raises(ValueError, match="or more is expected"):
+        q2q.campaign(runs, **choice)

@@ -129,6 +129,26 @@ def test_a_given_plan_is_flown():
     np.testing.assert_array_equal(q2q.fly(moved, plan=other).arrays.ref_pos, q2q.fly(moved).arrays.ref_pos)
 
 
+def test_a_plan_is_flown_by_name_not_by_row():
+    own = q2q.plan(STACK)
+    turned = replace(own, names=own.names[::-1], trajectories=own.trajectories[::-1])
+    np.testing.assert_array_equal(q2q.fly(STACK, plan=turned).arrays.ref_pos, q2q.fly(STACK).arrays.ref_pos)
+
+
+def test_a_plan_of_other_vehicles_or_from_elsewhere_is_refused():
+    own = q2q.plan(STACK)
+    first = replace(own, names=own.names[:1], trajectories=own.trajectories[:1])
+    swapped = replace(own, trajectories=own.trajectories[::-1])
+    for wrong, message in (
+        (first, f"the plan is for {own.names[0]}, the scenario has {', '.join(own.names)}"),
+        (swapped, f"{own.names[0]} starts .* m from its plan's first point: 0.1 m is the most"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            q2q.fly(STACK, plan=wrong)
+    with pytest.raises(TypeError, match="plan = 3: what q2q.plan returns is expected"):
+        q2q.fly(STACK, plan=3)
+
+
 def test_a_correction_of_a_controller_of_ones_own_is_refused():
     with pytest.raises(ValueError, match="pid and mpc"):
         q2q.fly(STACK, controller=Motionless(0.3), correct=True)
