@@ -145,7 +145,7 @@ def test_a_plan_of_other_vehicles_or_from_elsewhere_is_refused():
     ):
         with pytest.raises(ValueError, match=message):
             q2q.fly(STACK, plan=wrong)
-    with pytest.raises(TypeError, match="plan = 3: what q2q.plan returns is expected"):
+    with pytest.raises(TypeError, match=r"plan = 3: what q2q.plan returns is expected"):
         q2q.fly(STACK, plan=3)
 
 

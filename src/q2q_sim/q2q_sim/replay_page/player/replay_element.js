@@ -146,9 +146,13 @@ class Replay {
     const absent = missing.map((run) => `${run.facts.name}: no ${run.facts.missing.join(", no ")} recorded.`);
     const lines = new Set([...this.runs.map((run) => run.facts.note), ...absent]);
     const push = this.sight.room.fullPush.toPrecision(2);
-    const legend = `Air turns from blue to orange as it pushes a vehicle (orange: ${push} m/s² of downwash).`;
-    const legends = this.runs.some((run) => run.has("downwash")) ? [legend] : [];
-    return made("p", { className: "notes", textContent: [...legends, "Dashed: reference.", ...lines].join(" ") });
+    const legends = [
+      ["downwash", `Air turns from blue to orange as it pushes a vehicle (orange: ${push} m/s² of downwash).`],
+      ["ref", "Dashed: reference."],
+    ].flatMap(([channel, words]) => (this.runs.some((run) => run.has(channel)) ? [words] : []));
+    const crosses = "Crosses: motion capture that the filter did not follow; in the curves at the edge if it lies outside.";
+    if (this.runs.some((run) => run.facts.outliers.length > 0)) legends.push(crosses);
+    return made("p", { className: "notes", textContent: [...legends, ...lines].join(" ") });
   }
 
   #frame(now) {
