@@ -90,13 +90,17 @@ class Graph:
     writers: list[str]
     lines: list[str] = field(default_factory=list)
 
-    def count_publishers(self, _: str) -> int:
-        """Return how many write any topic."""
-        return len(self.writers)
+    def resolve_topic_name(self, topic: str) -> str:
+        """Return the topic in the room that every topic is remapped into."""
+        return f"/room/{topic}"
 
-    def get_publishers_info_by_topic(self, _: str) -> list["Writer"]:
-        """Return who writes any topic."""
-        return [Writer(name) for name in self.writers]
+    def count_publishers(self, topic: str) -> int:
+        """Return how many write a topic."""
+        return len(self.get_publishers_info_by_topic(topic))
+
+    def get_publishers_info_by_topic(self, topic: str) -> list["Writer"]:
+        """Return who writes a topic of the room."""
+        return [Writer(name) for name in self.writers if topic.startswith("/room/")]
 
     def get_logger(self) -> "Graph":
         """Return the node itself, which keeps the lines."""

@@ -75,9 +75,10 @@ class SeveralWriters:
 
     def look(self) -> str:
         """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
-        if self._node.count_publishers(self.topic) <= self._most:
+        resolved = self._node.resolve_topic_name(self.topic)  # rclpy does not remap what it counts
+        if self._node.count_publishers(resolved) <= self._most:
             return ""
-        writers = sorted(one.node_name for one in self._node.get_publishers_info_by_topic(self.topic))
+        writers = sorted(one.node_name for one in self._node.get_publishers_info_by_topic(resolved))
         may = f"{self._most} may: stop the others"
         told = f"{self.topic}: {len(writers)} nodes write it ({', '.join(writers)}); {may}"
         if told not in self._told:
