@@ -14,7 +14,9 @@ def test_an_option_is_its_parameter_and_the_rest_is_for_ros(line: NodeCommandLin
     ros = ["--ros-args", "-p", "mode:=setpoint"]
     assert line.for_ros([]) == []
     assert line.for_ros(ros) == ros
-    assert line.for_ros(["--dry-run", *ros]) == [*ros, "--ros-args", "-p", "dry_run:=true"]
+    dry = ["--ros-args", "-p", "dry_run:=true"]
+    assert line.for_ros(["--dry-run", *ros]) == ["--dry-run", *ros, *dry]
+    assert line.for_ros([*ros, "--", "--dry-run"]) == [*ros, "--", "--dry-run", *dry]
 
 
 @pytest.mark.parametrize(
@@ -30,11 +32,14 @@ def test_an_unknown_word_is_refused(
 ) -> None:
     with pytest.raises(SystemExit) as ended:
         line.for_ros([*words, "--ros-args", "-p", "vehicles:=['cf1']"])
+    with pytest.raises(SystemExit):
+        line.for_ros(["--ros-args", "-p", "vehicles:=['cf1']", "--", *words])
     assert ended.value.code == 2
     error = capsys.readouterr().err
     assert error.startswith("radio: ")
     assert told in error
-    assert len(error.splitlines()) == 1
+    first, second = error.splitlines()
+    assert first == second
 
 
 def test_help_names_the_options_and_how_parameters_are_given(

@@ -20,8 +20,8 @@ from q2q_model.signals.values import Names
 
 Position = tuple[float, float, float]
 URI = "something like radio://0/80/2M/E7E7E7E701"
-SCHEMES = tuple(f"{driver}://" for driver in ("radio", "usb", "serial", "udp", "tcp", "prrt"))
-"""Beginnings of the URIs that cflib has drivers for."""
+SCHEMES = tuple(f"{driver}://" for driver in ("radio", "usb", "udp", "tcp", "prrt"))
+"""Beginnings of the URIs that cflib opens unless it is asked for more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ def _check(vehicles: Sequence[Crazyflie]) -> None:
         check_topic_name(one.name)
         if not one.uri.startswith(SCHEMES):
             raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
-        twins = [other.name for other in vehicles if other.uri == one.uri]
+        twins = [other.name for other in vehicles if other.uri.lower() == one.uri.lower()]
         if len(twins) > 1:
             raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
 

@@ -1,4 +1,4 @@
-"""Command line of a node: what may stand before `--ros-args`.
+"""Command line of a node: what may stand beside the arguments for ROS.
 
 ROS itself ignores a word that it does not know, so a misspelt `--dry-run` would fly.
 """
@@ -6,13 +6,13 @@ ROS itself ignores a word that it does not know, so a misspelt `--dry-run` would
 from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
-from q2q_model.commands.command_line import ROS_ARGS, CommandLine, without_ros
+from q2q_model.commands.command_line import ROS_ARGS, CommandLine
 
 HOW = f"parameters follow {ROS_ARGS}: {ROS_ARGS} -p name:=value"
 
 
 class NodeCommandLine(CommandLine):
-    """Parser of the words before `--ros-args`: `--help`, and options that stand for parameters."""
+    """Parser of the words that are not for ROS: `--help`, and options that stand for parameters."""
 
     def __init__(self, package: str, name: str, about: str | None, flags: Mapping[str, str]) -> None:
         """Create the parser of a node.
@@ -38,7 +38,19 @@ class NodeCommandLine(CommandLine):
         Args:
             argv: arguments of the process, without its name.
         """
-        own = without_ros(argv)
-        given = vars(self.parse_args(own))
+        given = vars(self.parse_args(outside_ros(argv)))
         set_true = [f"{name}:=true" for name in self._flags if given[name]]
-        return [*argv[len(own) :], *(word for one in set_true for word in (ROS_ARGS, "-p", one))]
+        return [*argv, *(word for one in set_true for word in (ROS_ARGS, "-p", one))]
+
+
+def outside_ros(argv: Sequence[str]) -> list[str]:
+    """Return the words that are not for ROS: those before `--ros-args`, and those after a `--` that ends it."""
+    own, of_ros = list[str](), False
+    for word in argv:
+        if of_ros:
+            of_ros = word != "--"
+        elif word == ROS_ARGS:
+            of_ros = True
+        else:
+            own.append(word)
+    return own
