@@ -44,7 +44,7 @@ class NodeCommandLine(CommandLine):
 
 
 def outside_ros(argv: Sequence[str]) -> list[str]:
-    """Return the words that are not for ROS: those before `--ros-args`, and those after a `--` that ends it."""
+    """Return the words that are not for ROS: before `--ros-args`, and after a `--` that ends these."""
     own, of_ros = list[str](), False
     for word in argv:
         if of_ros:
