@@ -109,6 +109,14 @@ def test_what_was_not_recorded_is_not_judged_and_told() -> None:
     assert "missed ticks" in output(flown(status=np.full((TICKS, 2), np.nan)))
 
 
+def test_a_vehicle_without_positions_for_a_while_is_not_judged_then() -> None:
+    nan = (np.nan, np.nan, np.nan)
+    told = "ok: 10.0 s flown to the end; not judged: cf2 from 3.0 to 8.0 s (no position recorded)"
+    assert output(flown(moved(3.0, 8.0, 1, nan))) == told
+    assert output(flown(moved(9.0, 20.0, 0, nan))).endswith("cf1 from 9.0 to 10.0 s (no position recorded)")
+    assert output(flown(moved(3.0, 3.4, 1, nan))) == "ok: 10.0 s flown to the end"
+
+
 def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> None:
     recorded = flown(true_pos=np.full_like(HOVER, np.nan))
     fallen = replace(recorded, pos=moved(5.6, 5.8, 1, (0.0, 1.0, 0.0)))

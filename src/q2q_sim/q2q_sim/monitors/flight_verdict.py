@@ -35,6 +35,8 @@ COMMANDS_END_S = 0.5
 """Time without commands after which the Crazyflie firmware levels out [s] (q2q_sim.link.radio)."""
 EARLY_S = 0.5
 """Time that a flight to the end may lack [s]: live, the last ticks are lost when the nodes end."""
+UNSEEN_S = 0.5
+"""Time without a position of a vehicle from which it is told [s]: longer than the dropouts of a room."""
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
 """Policies that decide on the outcome of a flight."""
 WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left the room"}
@@ -186,6 +188,20 @@ def _unjudged(evidence: Evidence) -> Iterator[str]:
         yield "floor and room (no reference recorded)"
     if not np.isfinite(evidence.command_status).any():
         yield "missed ticks (no command recorded)"
+    if np.isfinite(evidence.true_pos).any():
+        yield from _unseen(evidence)
+
+
+def _unseen(evidence: Evidence) -> Iterator[str]:
+    """Yield the longest time without a position of each vehicle that has a long one."""
+    t = evidence.t
+    for row, name in enumerate(evidence.names):
+        seen = t[np.isfinite(evidence.true_pos[:, row]).all(axis=1)]
+        ends = np.concatenate((t[:1], seen, t[-1:]))
+        longest = int(np.argmax(np.diff(ends)))
+        begin, end = ends[longest : longest + 2].tolist()
+        if end - begin > UNSEEN_S:
+            yield f"{name} from {begin:.1f} to {end:.1f} s (no position recorded)"
 
 
 def _duration(flight: Flight) -> float:
