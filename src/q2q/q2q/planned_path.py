@@ -1,8 +1,7 @@
 """Planned trajectories of a scenario."""
 
 from dataclasses import replace
-
-import numpy as np
+from math import dist
 
 from q2q.identified_model import ModelChoice, load_model
 from q2q.scenario_choice import ScenarioChoice, scenario
@@ -45,11 +44,10 @@ def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:
         )
     rows = map(given.names.index, flown.names)
     ordered = replace(given, names=flown.names, trajectories=tuple(given.trajectories[row] for row in rows))
-    starts = np.array([one.points[0, :3] for one in flown.waypoints])
-    off = np.linalg.norm(setpoint_at(ordered, 0.0).pos - starts, axis=1)
-    for name, far in zip(flown.names, off.tolist(), strict=True):
+    for one, first in zip(flown.waypoints, setpoint_at(ordered, 0.0).pos, strict=True):
+        far = dist(one.waypoints[0].pos, first)
         if not far <= START_NEAR:
             raise ValueError(
-                f"{name} starts {far:.2f} m from its plan's first point: {START_NEAR} m is the most"
+                f"{one.name} starts {far:.2f} m from its plan's first point: {START_NEAR} m is the most"
             )
     return ordered
