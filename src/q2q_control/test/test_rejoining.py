@@ -51,17 +51,25 @@ def test_it_begins_where_it_is_and_ends_on_the_plan_without_more_than_its_accele
         assert all(np.array_equal(one.pos, plan_at(one.t).pos) for one in made)
         return
     np.testing.assert_allclose(made[0].pos, [[x, y, 1.0]], atol=1e-12)
-    away = np.array([x, y]) / np.hypot(x, y)  # the plan begins at the origin, at 0.5 m/s
-    further = max(float(away @ [vx - 0.5, vy]), 0.0) * away
+    away = np.array([x, y]) / np.hypot(x, y)  # the plan begins at the origin
+    further = max(float(away @ [vx, vy]), 0.0) * away
     np.testing.assert_allclose(made[0].vel, [[vx - further[0], vy - further[1], 0.0]], atol=1e-12)
     assert max(float(np.linalg.norm(one.acc)) for one in made) <= ACC_MAX * (1.0 + 1e-9)
     np.testing.assert_array_equal(made[-1].pos, plan_at(made[-1].t).pos)
 
 
-def test_from_rest_it_takes_the_time_of_a_quintic_whose_peak_acceleration_is_the_bound() -> None:
-    made = led_back(np.array([-3.0, 0.0]), np.array([0.5, 0.0]))  # at rest beside the moving plan
+def test_at_rest_behind_a_moving_plan_its_setpoint_begins_at_rest_and_is_fastest_on_its_way() -> None:
+    made = led_back(np.array([-2.0, 0.0]), np.zeros(2))
+    speeds = [float(one.vel[0, 0]) for one in made]
+    assert speeds[0] == pytest.approx(0.0, abs=1e-12)  # not the 0.5 m/s of the plan, which would be a step
+    assert max(speeds) > 1.5
+    assert speeds[-1] == 0.5
+
+
+def test_from_the_plans_velocity_it_takes_the_time_of_a_quintic_whose_peak_is_the_bound() -> None:
+    made = led_back(np.array([-3.0, 0.0]), np.array([0.5, 0.0]))  # as fast as the moving plan
     on_plan = [one.t for one in made if np.array_equal(one.pos, plan_at(one.t).pos)]
-    lasts = np.sqrt(10.0 / np.sqrt(3.0) * 3.0 / ACC_MAX)  # 2.6 s
+    lasts = np.sqrt(10.0 / np.sqrt(3.0) * 3.0 / ACC_MAX)  # 2.5 s
     assert on_plan[0] == pytest.approx(lasts, abs=TICK)
     assert max(float(np.linalg.norm(one.acc)) for one in made) == pytest.approx(ACC_MAX, rel=1e-3)
 

@@ -1,9 +1,9 @@
 """Lead vehicles that are measured again far from their setpoints back to these, as fast as tilt allows.
 
 A vehicle without measurements stops, and its setpoint goes on. A step of metres would saturate its tilt, and
-it would overshoot. Its setpoint therefore begins where it is measured, with its velocity unless that leads
-further away, and joins that of the plan in the least time in which the shift
-(q2q_control.inputs.shifted_setpoint) accelerates by at most A:
+so would one to the velocity of the plan: it would overshoot. Its setpoint therefore begins where it is
+measured, with its velocity but for what leads further away, which it brakes first, and joins that of the plan
+in the least time in which the shift (q2q_control.inputs.shifted_setpoint) accelerates by at most A:
 
     A T^2 = PEAK |p0| + PEAK_V |v0| T                       flown: r + s with its velocity and acceleration
 
@@ -25,7 +25,7 @@ from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 FAR = 0.5
 """Distance from which a vehicle is led back [m]: a step of less does not saturate the tilt for long."""
-ACC_MAX = 2.5
+ACC_MAX = 2.75
 """Largest acceleration [m/s^2]: three quarters of that of TILT_MAX (q2q_control.inputs.controller) at hover
 thrust, as one that ends its climb has less for a second."""
 PEAK = 10.0 / 3.0**0.5
@@ -69,11 +69,10 @@ def _begun(setpoint: SwarmSetpoint, state: SwarmState, name: str) -> QuinticShif
     """Return the shift that begins where a vehicle is measured; None if that is near its setpoint."""
     row, mine = setpoint.names.index(name), state.names.index(name)
     pos = state.pos[mine, :2] - setpoint.pos[row, :2]
-    vel = state.vel[mine, :2] - setpoint.vel[row, :2]
-    far = float(np.hypot(*pos))
+    far, own = float(np.hypot(*pos)), state.vel[mine, :2]
     if not far > FAR:
         return None
-    vel = vel - max(float(vel @ pos), 0.0) / far**2 * pos
+    vel = own - max(float(own @ pos), 0.0) / far**2 * pos - setpoint.vel[row, :2]
     half = 0.5 * PEAK_V * float(np.hypot(*vel)) / ACC_MAX
     return QuinticShift(setpoint.t, half + (half * half + PEAK * far / ACC_MAX) ** 0.5, pos, vel)
 
