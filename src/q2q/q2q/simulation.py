@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from q2q.flight_result import FlightResult
-from q2q.identified_model import ModelChoice, load_model
+from q2q.identified_model import ModelChoice, flown_model
 from q2q.planned_path import plan_for
 from q2q.scenario_choice import ScenarioChoice, scenario
 from q2q_control.failsafe.guard import Guard
@@ -57,11 +57,12 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
 
     Raises:
         ValueError: a choice that is not allowed; the message says what is.
-        TypeError: a controller without the methods of q2q.Controller, or a plan that is none.
+        TypeError: a controller without the methods of q2q.Controller, or a model or a plan that is none.
+        ModelAnswerError: a model of your own returned something that cannot be flown with.
         AirError: an air of your own failed or returned something that cannot be flown in.
     """
     flown = _in_air(scenario(chosen), air)
-    known = load_model(flown.model if model is None else model)
+    known = flown_model(flown.model if model is None else model)
     mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
     choice = Options(mode, _name_of(controller), replan, correct)
     residual = known.residual or REAL_FLIGHTS
