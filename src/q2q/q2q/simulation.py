@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
+from q2q.checked_controller import CheckedController
 from q2q.flight_result import FlightResult
 from q2q.identified_model import ModelChoice, flown_model
 from q2q.planned_path import plan_for
@@ -58,8 +59,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     Raises:
         ValueError: a choice that is not allowed; the message says what is.
         TypeError: a controller without the methods of q2q.Controller, or a model or a plan that is none.
-        ModelAnswerError: a model of your own returned something that cannot be flown with.
-        AirError: an air of your own failed or returned something that cannot be flown in.
+        ModelAnswerError, ControllerAnswerError, AirError: your own model, controller or air returned
+            something that cannot be flown with, or the air failed.
     """
     flown = _in_air(scenario(chosen), air)
     known = flown_model(flown.model if model is None else model)
@@ -116,5 +117,6 @@ def _check_controller(own: object) -> None:
 
 
 def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks:
-    guarded = Guard(own, FallbackParams(), flown.vehicle.hover_thrust)
+    checked = CheckedController(own, flown.vehicle)
+    guarded = Guard(checked, FallbackParams(), flown.vehicle.hover_thrust)
     return replace(blocks, controller=guarded, sense=ignore_accelerometers)
