@@ -119,5 +119,5 @@ def _known(names: Names, state: SwarmState, setpoint: SwarmSetpoint, felt: Inter
     read += [(setpoint.names, one) for one in (setpoint.pos, setpoint.vel, setpoint.acc)]
     read += [(setpoint.names, one[:, None]) for one in (setpoint.yaw, setpoint.yaw_rate)]
     read += [] if felt is None else [(felt.names, felt.acc)]
-    finite = [rows_by_name(np.isfinite(one).all(axis=1), have, names) for have, one in read]
+    finite = [rows_by_name(np.asarray(np.isfinite(one).all(axis=1)), have, names) for have, one in read]
     return np.asarray(np.logical_and.reduce(finite))

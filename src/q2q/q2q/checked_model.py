@@ -63,16 +63,16 @@ class CheckedModel:
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return the model's eta [m/s^2], world, (..., 3)."""
         given = self._numbers("acceleration", self._model.acceleration(rel_pos, motion), rel_pos.shape)
-        allowed = (np.abs(given) <= LARGEST).all(axis=-1)  # not NaN either
+        allowed = np.abs(given) <= LARGEST  # not NaN either
         inputs = rel_pos, motion.source_vel, motion.source_axis, motion.vel
-        self._require("acceleration", given, allowed, inputs)
+        self._require("acceleration", given, np.asarray(allowed.all(axis=-1)), inputs)
         return given
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return one standard deviation of the model's prediction [m/s^2], (..., 3)."""
         given = self._numbers("deviation", self._model.deviation(rel_pos, motion), rel_pos.shape)
         allowed = np.isnan(given) | ((given >= 0.0) & (given <= LARGEST))
-        self._require("deviation", given, allowed.all(axis=-1), (rel_pos,))
+        self._require("deviation", given, np.asarray(allowed.all(axis=-1)), (rel_pos,))
         return given
 
     def _checked_reach(self) -> Reach:

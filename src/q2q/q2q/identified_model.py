@@ -1,13 +1,14 @@
 """Interaction models: identified from flights, loaded and saved."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from threadpoolctl import threadpool_limits
 
+from q2q.argument_checks import check_positive
 from q2q.checked_model import CheckedModel
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files import model_file
@@ -43,8 +44,12 @@ def identify(
 
     Raises:
         BagError: a bag cannot be read.
-        ValueError: no bag, or flights that lack data that a step needs; the message names what to record.
+        TypeError, ValueError: an argument that is not allowed, no bag, or flights that lack data that a step
+            needs; the message says what is allowed, or what to record.
     """
+    check_positive("threshold", threshold, "m/s^2")
+    if not isinstance(bags, str | Path | Iterable):
+        raise TypeError(f"bags = {bags!r}: the folder of a bag, or several, is expected")
     paths = [Path(bag) for bag in ([bags] if isinstance(bags, str | Path) else bags)]
     if not paths:
         raise ValueError("no bags: give the folder of a recorded flight, or several")
