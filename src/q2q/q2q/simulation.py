@@ -85,7 +85,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     facts = replace(scenario_facts(flown, choice, seed), controller=_word(controller))
     facts = facts if model is None else replace(facts, model=_word(model))
     facts = facts if isinstance(air, AirName) else replace(facts, wake="", air=_word(air))
-    return FlightResult(arrays, flown.vehicle, facts, flown.faults, tuple(signals))
+    return FlightResult(arrays, flown.vehicle, facts, flown.faults, tuple(signals), flown)
 
 
 def _word(choice: object) -> str:

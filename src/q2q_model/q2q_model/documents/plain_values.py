@@ -24,7 +24,7 @@ def to_plain(value: object, path: str = "") -> Plain:
     """Return `value` as JSON values; raise PlainValueError for a number that is not finite."""
     if is_dataclass(value):
         return {f.name: to_plain(getattr(value, f.name), f"{path}.{f.name}") for f in fields(value)}
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         return to_plain(value.tolist(), path)
     if isinstance(value, Mapping):
         return {str(name): to_plain(item, f"{path}.{name}") for name, item in value.items()}

@@ -44,7 +44,7 @@ def recorded_case(bag: Path) -> RecordedCase:
         ValueError: the bag cannot be read, its metadata do not suffice, or the new flight is another one.
     """
     recorded, facts = read_flight(bag), _checked(read_facts(bag), bag)
-    scenario = _as_recorded(flown_scenario(facts, bag.parent), recorded)
+    scenario = _as_recorded(flown_scenario(facts, bag), recorded)
     found = np.inf
     for replan in REPLANNERS:
         options = Options(facts.mode, facts.controller, replan, facts.correct == "true")
@@ -59,10 +59,10 @@ def recorded_case(bag: Path) -> RecordedCase:
     )
 
 
-def flown_scenario(facts: FlightFacts, beside: Path) -> Scenario:
-    """Return the scenario of a bag's metadata; a file that is not found is looked for `beside` the bag."""
-    here = beside / facts.scenario
-    own = library.load(str(here) if here.is_file() and not Path(facts.scenario).is_file() else facts.scenario)
+def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
+    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it."""
+    files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
+    own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
     if facts.wake and (own.air or own.wake != facts.wake):
         own = with_choices(own, "", facts.wake)
     if facts.air and facts.air != air_words(own):
