@@ -5,6 +5,7 @@ from typing import TypeVar
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
+from q2q_model.documents.plain_values import without_numpy
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.nearest_name import name_hint
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
@@ -60,6 +61,7 @@ def _values(params: ParamsClass, values: Mapping[str, object], where: str) -> di
 
 def _value(value: object, default: object, where: str) -> ParameterValue:
     """Return a document's value in the type of a parameter: an integer as float, a list as tuple."""
+    value = without_numpy(value)
     if isinstance(default, tuple | list) and isinstance(value, list | tuple):
         return tuple(_number(one, where) for one in value)
     if isinstance(default, float):
@@ -70,6 +72,7 @@ def _value(value: object, default: object, where: str) -> ParameterValue:
 
 
 def _number(value: object, where: str) -> float:
+    value = without_numpy(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
     return float(value)
