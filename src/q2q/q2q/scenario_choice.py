@@ -1,5 +1,6 @@
 """Scenarios by name, from a file or from a document."""
 
+import reprlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -59,9 +60,8 @@ def load_air(name: AirName, *, without: tuple[str, ...] = ()) -> FlownAir:
 def air_name(given: AirName) -> str:
     """Return the name of an air as text; raise TypeError for what is none."""
     if not isinstance(given, str | Path):
-        raise TypeError(
-            f"air = {given!r}: a shipped name, the path of a .air file or module:Class is expected"
-        )
+        shown = reprlib.repr(given)
+        raise TypeError(f"air = {shown}: a shipped name, the path of a .air file or module:Class is expected")
     return str(given)
 
 

@@ -35,6 +35,7 @@ BEYOND = r"a finite number above 0 m/s\^2 is expected$"
         (lambda: q2q.load_air(None), f"air = None: {AIR}"),
         (lambda: q2q.scenario(STACK, air=3), f"air = 3: {AIR}"),
         (lambda: q2q.campaign(1, air=3), f"air = 3: {AIR}"),
+        (lambda: q2q.load_air(q2q.load_air("room")), rf"air = RoomAir\(.{{,30}}: {AIR}"),  # not all its table
         (lambda: q2q.load_air("room", without="residual"), r"without = 'residual': a tuple of terms, as"),
         (lambda: q2q.scenario(None), r"scenario = None: a name, a file, a document or a q2q.Scenario is"),
         (lambda: q2q.identify(BAG, threshold="x"), f"threshold = 'x': {BEYOND}"),

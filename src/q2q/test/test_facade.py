@@ -61,6 +61,8 @@ def test_numbers_of_numpy_in_a_document_are_numbers():
     assert found.overrides["pid"] == {"k_p_z": 3.0}
     assert [type(one) for one in (found.duration, found.overrides["pid"]["k_p_z"])] == [float, float]
     assert replace(found, overrides={"pid": {"k_p_z": np.float32(0.5)}}).overrides
+    with pytest.raises(ValueError, match="no parameter 'on'"):
+        q2q.scenario({**given, "overrides": {"pid": {"on": np.True_}}})
 
 
 def test_a_plan_passes_its_waypoints_and_around_a_model_stays_out_of_its_zone():

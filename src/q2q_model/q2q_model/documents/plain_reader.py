@@ -18,7 +18,7 @@ from cattrs import ClassValidationError, Converter, ForbiddenExtraKeysError, Ite
 from cattrs.cols import homogenous_tuple_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn, override
 
-from q2q_model.documents.plain_values import without_numpy
+from q2q_model.documents.numpy_values import without_numpy
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Array
 

@@ -37,11 +37,6 @@ def to_plain(value: object, path: str = "") -> Plain:
     raise PlainValueError(f"{path.lstrip('.')} is a {type(value).__name__}: it has no plain form")
 
 
-def without_numpy(value: object) -> object:
-    """Return a scalar of NumPy as a number of Python, an array as a list; anything else as it is."""
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-
-
 def from_plain(kind: type[T], plain: object, where: str, *, extra: bool = False) -> T:
     """Return parsed YAML or JSON as a dataclass, or as a dict or tuple of some.
 

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
-from q2q_model.documents.plain_values import without_numpy
+from q2q_model.documents.numpy_values import without_numpy
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.nearest_name import name_hint
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
@@ -54,14 +54,12 @@ def merged(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Override
 
 def _values(params: ParamsClass, values: Mapping[str, object], where: str) -> dict[str, ParameterValue]:
     """Return a document's values as parameters; `with_overrides` refuses unknown names."""
-    return {
-        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in values.items()
-    }
+    given = {key: without_numpy(value) for key, value in values.items()}
+    return {key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in given.items()}
 
 
 def _value(value: object, default: object, where: str) -> ParameterValue:
     """Return a document's value in the type of a parameter: an integer as float, a list as tuple."""
-    value = without_numpy(value)
     if isinstance(default, tuple | list) and isinstance(value, list | tuple):
         return tuple(_number(one, where) for one in value)
     if isinstance(default, float):
