@@ -40,6 +40,22 @@ def test_a_flight_of_a_changed_scenario_is_flown_again_by_its_bag_alone(tmp_path
     assert found.case.scenario.radio.latency == 0.05
 
 
+@pytest.mark.parametrize(
+    ("changed", "unknown"),
+    [
+        ({"model": "ModelFile"}, "no model 'ModelFile'"),
+        ({"air": "RoomAir"}, "no air 'RoomAir'"),
+        ({"controller": "Pd"}, "unknown controller 'Pd'"),
+    ],
+)
+def test_a_flight_by_an_object_is_not_flown_again(
+    flight: q2q.FlightResult, tmp_path: Path, changed: dict[str, str], unknown: str
+):
+    bag = replace(flight, facts=replace(flight.facts, **changed)).to_bag(tmp_path / "bag")
+    with pytest.raises(ValueError, match=rf"bag: {unknown}: .*; an object of Python cannot be flown again"):
+        recorded_case(bag)
+
+
 def test_a_bag_whose_metadata_name_its_scenario_holds_none(flight: q2q.FlightResult, tmp_path: Path):
     bag = flight.to_bag(tmp_path / "bag")
     assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]

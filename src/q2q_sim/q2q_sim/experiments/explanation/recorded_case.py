@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import FlightFacts, read_facts, read_flight
+from q2q_model.files.model_choice import check_model
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_names import check_air
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.loop.assembly import TICK_S, Options
 from q2q_sim.loop.scenario_air import air_words
@@ -111,4 +113,10 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
         raise ValueError(
             f"{bag}: seed {facts.seed!r} in its metadata: a whole number, 0 or above, is allowed"
         )
+    try:
+        check_model(facts.model)
+        check_air(facts.air.partition(" without ")[0] or "none")
+        Options(facts.mode, facts.controller)
+    except ValueError as unknown:
+        raise ValueError(f"{bag}: {unknown}; an object of Python cannot be flown again by a bag") from unknown
     return facts
