@@ -2,12 +2,14 @@
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import yaml
 from matplotlib.figure import Figure
 
+from q2q.bag_scenario import FILE, bag_document
 from q2q_model.bag import BagError, BagWriter, FlightFacts, read_facts, read_flight
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.stamps import stamp_from_time
@@ -19,6 +21,7 @@ from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.replay_page import replay_html, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, draw
+from q2q_sim.scenarios.scenario import Scenario
 
 FigureKind = Literal["altitude", "sideways", "downwash", "thrust", "tilt"]
 
@@ -37,6 +40,8 @@ class FlightResult:
     """Faults injected by the scenario."""
     signals: tuple[RecordedSignal, ...] = field(default=(), repr=False)
     """Messages of a simulated flight, as its nodes would publish them."""
+    scenario: Scenario | None = field(default=None, repr=False)
+    """Scenario of a simulated flight."""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -60,14 +65,20 @@ class FlightResult:
     def to_bag(self, path: Path | str) -> Path:
         """Write the flight as a rosbag2 folder (MCAP) with the nodes' topics; return its path.
 
+        A scenario that its name does not give, as of a document, is written into the folder: scenario.yaml.
+
         Raises:
             BagError: the path exists, or the flight was itself read from a bag.
         """
         if not self.signals:
             raise BagError(f"{self.arrays.name} was read from a bag: copy that")
-        with BagWriter(path, facts=self.facts) as writer:
+        document = None if self.scenario is None else bag_document(self.scenario, self.facts)
+        facts = self.facts if document is None else replace(self.facts, scenario=FILE)
+        with BagWriter(path, facts=facts) as writer:
             for one in self.signals:
                 writer.write_signal(f"/{one.topic}", stamp_from_time(one.at), one.signal)
+        if document is not None:
+            (writer.path / FILE).write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
         return writer.path
 
     def page(self, path: Path | str) -> Path:

@@ -1,16 +1,19 @@
 """Interaction models: identified from flights, loaded and saved."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from threadpoolctl import threadpool_limits
 
+from q2q.argument_checks import check_positive
+from q2q.checked_model import CheckedModel
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files import model_file
 from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import ModelFile
+from q2q_model.files.model_file import MODELS, ModelFile
 from q2q_model.identification.identification import Identification, ProcedureParams
 from q2q_model.identification.identification import identify as identify_recordings
 from q2q_model.tools.bag_vehicle import common_vehicle
@@ -41,8 +44,12 @@ def identify(
 
     Raises:
         BagError: a bag cannot be read.
-        ValueError: no bag, or flights that lack data that a step needs; the message names what to record.
+        TypeError, ValueError: an argument that is not allowed, no bag, or flights that lack data that a step
+            needs; the message says what is allowed, or what to record.
     """
+    check_positive("threshold", threshold, "m/s^2")
+    if not isinstance(bags, str | Path | Iterable):
+        raise TypeError(f"bags = {bags!r}: the folder of a bag, or several, is expected")
     paths = [Path(bag) for bag in ([bags] if isinstance(bags, str | Path) else bags)]
     if not paths:
         raise ValueError("no bags: give the folder of a recorded flight, or several")
@@ -64,12 +71,32 @@ def load_model(chosen: ModelChoice) -> ModelFile:
 
     Raises:
         ModelFileError: the model does not exist, or its file is not valid.
+        TypeError: it is no model, as a class in place of an object of it.
     """
     if isinstance(chosen, str | Path):
         return find_model(str(chosen))
     if isinstance(chosen, Identification):
         return chosen.file
-    return chosen if isinstance(chosen, ModelFile) else ModelFile(interaction=chosen)
+    file = chosen if isinstance(chosen, ModelFile) else ModelFile(interaction=chosen)
+    if isinstance(file.interaction, type) or not isinstance(file.interaction, InteractionModel):
+        raise TypeError(
+            f"no model {file.interaction!r}: give a name, the path of a .q2q file, a model of "
+            "q2q.load_model or q2q.identify, or an object like q2q.InteractionModel"
+        )
+    return file
+
+
+def flown_model(chosen: ModelChoice) -> ModelFile:
+    """Return the model of a flight or a plan; every answer of a class of one's own is checked.
+
+    Raises:
+        ModelFileError, TypeError: as `load_model`.
+        ModelAnswerError: a class of one's own answers with something that cannot be flown with.
+    """
+    file = load_model(chosen)
+    if isinstance(file.interaction, tuple(MODELS.values())):
+        return file
+    return replace(file, interaction=CheckedModel(file.interaction))
 
 
 def save_model(chosen: ModelChoice, path: Path | str) -> Path:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from math import dist
 
-from q2q.identified_model import ModelChoice, load_model
+from q2q.identified_model import ModelChoice, flown_model
 from q2q.scenario_choice import ScenarioChoice, scenario
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.loop.assembly import plan_around, plan_of
@@ -23,10 +23,11 @@ def plan(chosen: ScenarioChoice, *, around: ModelChoice | None = None) -> SwarmP
 
     Raises:
         InfeasibleError: no such plan was found.
-        ValueError: a choice that is not allowed; the message says what is.
+        ValueError: a choice, or an answer of a model, that is not allowed; the message says what is.
+        TypeError: `around` is no model.
     """
     path = scenario(chosen)
-    return plan_of(path) if around is None else plan_around(path, load_model(around))
+    return plan_of(path) if around is None else plan_around(path, flown_model(around))
 
 
 def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:

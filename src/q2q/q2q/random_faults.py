@@ -3,12 +3,15 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from q2q.argument_checks import check_whole_number
+from q2q.scenario_choice import AirName, air_name
+from q2q_sim.air.air_names import check_air
 from q2q_sim.experiments.campaign.engine import outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 
 
 def campaign(
-    runs: int, *, seed: int = 0, air: str = "", jobs: int = 1, out: Path | str = "out/campaign"
+    runs: int, *, seed: int = 0, air: AirName = "", jobs: int = 1, out: Path | str = "out/campaign"
 ) -> Iterator[RunOutcome]:
     """Return the outcomes of runs, each as it is completed.
 
@@ -20,10 +23,12 @@ def campaign(
         out: folder for scenario and bag of each run that violates a policy.
 
     Raises:
+        TypeError: an argument of another type; the message says what is expected.
         ValueError: a number that is too small.
         AirError: there is no such air.
     """
     for name, number, least in (("runs", runs, 1), ("seed", seed, 0), ("jobs", jobs, 1)):
-        if number < least:
-            raise ValueError(f"{name} = {number}: {least} or more is expected")
-    return outcomes("local", range(seed, seed + runs), jobs, Path(out), air)
+        check_whole_number(name, number, least)
+    if named := air_name(air):
+        check_air(named)
+    return outcomes("local", range(seed, seed + runs), jobs, Path(out), named)

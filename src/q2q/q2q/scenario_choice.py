@@ -1,5 +1,6 @@
 """Scenarios by name, from a file or from a document."""
 
+import reprlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,7 +14,11 @@ ScenarioChoice = str | Path | Mapping[str, object] | Scenario
 """Scenario, its name or file, or its document (the keys of a scenario file)."""
 
 
-def scenario(chosen: ScenarioChoice, *, vehicle: str = "", wake: str = "", air: str = "") -> Scenario:
+AirName = str | Path
+"""Shipped name of an air, as "room", path of a .air file, or "module:Class"."""
+
+
+def scenario(chosen: ScenarioChoice, *, vehicle: str = "", wake: str = "", air: AirName = "") -> Scenario:
     """Return a scenario, a frozen dataclass: change its fields by `dataclasses.replace`.
 
     Args:
@@ -26,8 +31,9 @@ def scenario(chosen: ScenarioChoice, *, vehicle: str = "", wake: str = "", air: 
 
     Raises:
         ValueError: a name, key or value that is not allowed; the message says what is.
+        TypeError: `chosen` is no scenario, or `air` no name; an air object is given to `q2q.fly`.
     """
-    return with_air(with_choices(_found(chosen), vehicle, wake), air, ())
+    return with_air(with_choices(_found(chosen), vehicle, wake), air_name(air), ())
 
 
 def scenario_names() -> list[str]:
@@ -35,17 +41,28 @@ def scenario_names() -> list[str]:
     return library.names()
 
 
-def load_air(name: str, *, without: tuple[str, ...] = ()) -> FlownAir:
+def load_air(name: AirName, *, without: tuple[str, ...] = ()) -> FlownAir:
     """Return an air, a frozen dataclass if it is learned: change its terms by `dataclasses.replace`.
 
     Args:
         name: a shipped name, as "room", a .air file or "module:Class".
-        without: terms that are switched off, as "residual".
+        without: terms that are switched off, as ("residual",).
 
     Raises:
         AirError: there is no such air or term.
+        TypeError: `name` is no name, or `without` no tuple of names.
     """
-    return find_air(name, without)
+    if isinstance(without, str):
+        raise TypeError(f"without = {without!r}: a tuple of terms, as ({without!r},), is expected")
+    return find_air(air_name(name), without)
+
+
+def air_name(given: AirName) -> str:
+    """Return the name of an air as text; raise TypeError for what is none."""
+    if not isinstance(given, str | Path):
+        shown = reprlib.repr(given)
+        raise TypeError(f"air = {shown}: a shipped name, the path of a .air file or module:Class is expected")
+    return str(given)
 
 
 def _found(chosen: ScenarioChoice) -> Scenario:
@@ -53,4 +70,6 @@ def _found(chosen: ScenarioChoice) -> Scenario:
         return chosen
     if isinstance(chosen, Mapping):
         return scenario_from_document("document", chosen)
+    if not isinstance(chosen, str | Path):
+        raise TypeError(f"scenario = {chosen!r}: a name, a file, a document or a q2q.Scenario is expected")
     return library.load(str(chosen))

@@ -4,10 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
+from q2q.argument_checks import check_flags, check_whole_number
+from q2q.checked_controller import CheckedController
 from q2q.flight_result import FlightResult
-from q2q.identified_model import ModelChoice, load_model
+from q2q.identified_model import ModelChoice, flown_model
 from q2q.planned_path import plan_for
-from q2q.scenario_choice import ScenarioChoice, scenario
+from q2q.scenario_choice import AirName, ScenarioChoice, scenario
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
@@ -36,7 +38,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     correct: bool = False,
     replan: Literal["none", "paper", "safe"] = "none",
     plan: SwarmPlan | None = None,
-    air: str | FlownAir = "",
+    air: AirName | FlownAir = "",
     seed: int = 0,
 ) -> FlightResult:
     """Fly a scenario and return the flight; the same arguments give the same numbers.
@@ -57,20 +59,21 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
 
     Raises:
         ValueError: a choice that is not allowed; the message says what is.
-        TypeError: a controller without the methods of q2q.Controller, or a plan that is none.
-        AirError: an air of your own failed or returned something that cannot be flown in.
+        TypeError: an argument of another type, as a controller without the methods of q2q.Controller.
+        ModelAnswerError, ControllerAnswerError, AirError: your own model, controller or air returned
+            something that cannot be flown with, or the air failed.
     """
+    check_flags(aware=aware, limit=limit, correct=correct)
+    check_whole_number("seed", seed, 0)
+    _check_controller(controller, correct=correct)
     flown = _in_air(scenario(chosen), air)
-    known = load_model(flown.model if model is None else model)
+    known = flown_model(flown.model if model is None else model)
     mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
     choice = Options(mode, _name_of(controller), replan, correct)
     residual = known.residual or REAL_FLIGHTS
     path = None if plan is None else plan_for(flown, plan)
     blocks = blocks_of(flown, choice, known.interaction, path, residual)
     if not isinstance(controller, str):
-        _check_controller(controller)
-        if correct:
-            raise ValueError("correct=True is for pid and mpc: a controller of your own corrects by itself")
         blocks = _with_controller(blocks, controller, flown)
     signals: list[RecordedSignal] = []
 
@@ -81,8 +84,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     arrays = fly_blocks(flown, blocks, options)
     facts = replace(scenario_facts(flown, choice, seed), controller=_word(controller))
     facts = facts if model is None else replace(facts, model=_word(model))
-    facts = facts if isinstance(air, str) else replace(facts, wake="", air=_word(air))
-    return FlightResult(arrays, flown.vehicle, facts, flown.faults, tuple(signals))
+    facts = facts if isinstance(air, AirName) else replace(facts, wake="", air=_word(air))
+    return FlightResult(arrays, flown.vehicle, facts, flown.faults, tuple(signals), flown)
 
 
 def _word(choice: object) -> str:
@@ -90,15 +93,23 @@ def _word(choice: object) -> str:
     return str(choice) if isinstance(choice, str | Path) else type(choice).__name__
 
 
-def _in_air(flown: Scenario, air: str | FlownAir) -> Scenario:
-    """Return the scenario in an air, as `fly --air` does: of two variants, that for another air."""
-    if isinstance(air, str):
+def _in_air(flown: Scenario, air: AirName | FlownAir) -> Scenario:
+    """Return the scenario in an air, as `fly --air` does: of two variants, that for another air.
+
+    Raises:
+        TypeError: it is no air, such as the class in place of an object of it.
+    """
+    if isinstance(air, AirName):
         return scenario(flown, air=air)
+    if isinstance(air, type) or not isinstance(air, FlownAir):
+        raise TypeError(
+            f"no air {air!r}: give a name as for q2q.scenario, an air of q2q.load_air, or one like q2q.Wake"
+        )
     return flown.in_air or flown
 
 
-def _own_air(air: str | FlownAir) -> FlownAir | None:
-    if isinstance(air, str):
+def _own_air(air: AirName | FlownAir) -> FlownAir | None:
+    if isinstance(air, AirName):
         return None
     return air if isinstance(air, WakeLaw | RoomAir) else CheckedWake(air)
 
@@ -108,12 +119,17 @@ def _name_of(controller: str | Controller) -> str:
     return controller if isinstance(controller, str) else "pid"
 
 
-def _check_controller(own: object) -> None:
+def _check_controller(given: object, *, correct: bool) -> None:
     """Raise TypeError for what is no controller, such as the class in place of an object of it."""
-    if isinstance(own, type) or not isinstance(own, Controller):
-        raise TypeError(f"no controller {own!r}: give pid, mpc, or an object like q2q.Controller")
+    if isinstance(given, str):
+        return
+    if isinstance(given, type) or not isinstance(given, Controller):
+        raise TypeError(f"no controller {given!r}: give pid, mpc, or an object like q2q.Controller")
+    if correct:
+        raise ValueError("correct=True is for pid and mpc: a controller of your own corrects by itself")
 
 
 def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks:
-    guarded = Guard(own, FallbackParams(), flown.vehicle.hover_thrust)
+    checked = CheckedController(own, flown.vehicle)
+    guarded = Guard(checked, FallbackParams(), flown.vehicle.hover_thrust)
     return replace(blocks, controller=guarded, sense=ignore_accelerometers)

@@ -44,6 +44,27 @@ def test_a_document_is_a_scenario_that_ends_at_its_last_waypoint():
     assert q2q.scenario(CROSSING).names == ("cf1", "cf2")
 
 
+def test_numbers_of_numpy_in_a_document_are_numbers():
+    given = {
+        "vehicles": {
+            "cf1": [{"t": np.int64(0), "pos": np.array([-1, 0, 1])}, {"t": 4, "pos": [1, 0, np.int64(1)]}],
+            "cf2": CROSSING["vehicles"]["cf2"],
+        },
+        "duration": np.float32(4.0),
+        "radio": {"latency": np.float64(0.25)},
+        "overrides": {"pid": {"k_p_z": np.int64(3)}},
+        "faults": [{"kind": "dropout", "start": np.int64(1)}],
+    }
+    found = q2q.scenario(given)
+    assert found.waypoints == q2q.scenario(CROSSING).waypoints
+    assert (found.duration, found.radio.latency, found.faults[0].start) == (4.0, 0.25, 1.0)
+    assert found.overrides["pid"] == {"k_p_z": 3.0}
+    assert [type(one) for one in (found.duration, found.overrides["pid"]["k_p_z"])] == [float, float]
+    assert replace(found, overrides={"pid": {"k_p_z": np.float32(0.5)}}).overrides
+    with pytest.raises(ValueError, match="no parameter 'on'"):
+        q2q.scenario({**given, "overrides": {"pid": {"on": np.True_}}})
+
+
 def test_a_plan_passes_its_waypoints_and_around_a_model_stays_out_of_its_zone():
     free, around = q2q.plan(CROSSING), q2q.plan(CROSSING, around="none")
     np.testing.assert_allclose(setpoint_at(free, 4.0).pos, [[1.0, 0.0, 1.0], [0.0, 1.0, 1.4]], atol=1e-9)

@@ -9,6 +9,7 @@ import pytest
 import q2q
 from q2q_model.bag import BagError, FlightFacts
 from q2q_model.flights.flight import Flight
+from q2q_sim.experiments.explanation.recorded_case import recorded_case
 from q2q_sim.monitors.metrics import measure
 
 SHORT = replace(q2q.scenario("table6_room", air="room"), duration=0.5)
@@ -28,6 +29,37 @@ def test_a_bag_holds_every_array_of_the_flight(flight: q2q.FlightResult, tmp_pat
     assert read.facts == flight.facts
     assert read.vehicle == flight.vehicle
     np.testing.assert_equal(asdict(read.metrics), asdict(flight.metrics))
+
+
+def test_a_flight_of_a_changed_scenario_is_flown_again_by_its_bag_alone(tmp_path: Path):
+    late = replace(SHORT, name="document", radio=replace(SHORT.radio, latency=0.05))
+    bag = q2q.fly(late, seed=2).to_bag(tmp_path / "bag")
+    assert q2q.read_bag(bag).facts.scenario == "scenario.yaml"
+    found = recorded_case(bag)
+    assert found.difference < 1e-9
+    assert found.case.scenario.radio.latency == 0.05
+
+
+@pytest.mark.parametrize(
+    ("changed", "unknown"),
+    [
+        ({"model": "ModelFile"}, "no model 'ModelFile'"),
+        ({"air": "RoomAir"}, "no air 'RoomAir'"),
+        ({"controller": "Pd"}, "unknown controller 'Pd'"),
+    ],
+)
+def test_a_flight_by_an_object_is_not_flown_again(
+    flight: q2q.FlightResult, tmp_path: Path, changed: dict[str, str], unknown: str
+):
+    bag = replace(flight, facts=replace(flight.facts, **changed)).to_bag(tmp_path / "bag")
+    with pytest.raises(ValueError, match=rf"bag: {unknown}: .*; an object of Python cannot be flown again"):
+        recorded_case(bag)
+
+
+def test_a_bag_whose_metadata_name_its_scenario_holds_none(flight: q2q.FlightResult, tmp_path: Path):
+    bag = flight.to_bag(tmp_path / "bag")
+    assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
+    assert recorded_case(bag).difference < 1e-9
 
 
 def test_a_flight_of_a_bag_is_not_written_again(flight: q2q.FlightResult, tmp_path: Path):

@@ -1,13 +1,14 @@
 """Plain values become the dataclass they describe, or every mistake is named, with what is expected."""
 
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 import numpy as np
 import pytest
 
-from q2q_model.documents.plain_values import PlainValueError, from_plain
+from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
 from q2q_model.signals.values import Array
 
 
@@ -61,9 +62,45 @@ def test_a_document_becomes_the_values_it_gives_in_their_types() -> None:
     assert from_plain(Document, {"paths": {}, "limit": None}, "file") == Document({})
 
 
+def test_scalars_and_arrays_of_numpy_are_numbers_and_lists_of_python() -> None:
+    given = {
+        "paths": {"cf1": [{"pos": np.array([0, 1, 2.5]), "t": np.int64(3)}]},
+        "count": np.int64(3),
+        "on": np.bool_(False),  # noqa: FBT003  a value of a document
+        "reading": np.str_("fixed"),
+        "limit": np.float32(0.25),
+        "table": np.array([[1, 2], [3, 4]]),
+        "names": np.array(["a", "b"]),
+    }
+    plain = {
+        "paths": {"cf1": [{"pos": [0, 1, 2.5], "t": 3}]},
+        "count": 3,
+        "on": False,
+        "reading": "fixed",
+        "limit": 0.25,
+        "table": [[1, 2], [3, 4]],
+        "names": ["a", "b"],
+    }
+    read, expected = (from_plain(Document, one, "file") for one in (given, plain))
+    np.testing.assert_array_equal(read.table, expected.table)
+    assert replace(read, table=None) == replace(expected, table=None)
+    assert [type(one) for one in (read.count, read.on, read.limit)] == [int, bool, float]
+    assert [type(one) for one in (*read.paths["cf1"][0].pos, *read.names)] == [float] * 3 + [str] * 2
+
+
+def test_values_of_numpy_are_written_as_those_of_python() -> None:
+    written = to_plain(Document({}, count=np.int64(3), on=np.True_, limit=np.float32(0.25)))
+    assert json.loads(json.dumps(written)) == to_plain(Document({}, count=3, on=True, limit=0.25))
+    with pytest.raises(PlainValueError, match="limit = nan: only finite numbers"):
+        to_plain(Document({}, limit=np.float32(np.nan)))
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [
+        ({"paths": PATHS, "count": np.float64(3.5)}, "count = 3.5: a whole number is expected"),
+        ({"paths": PATHS, "limit": np.float32(np.nan)}, "limit = nan: a finite number is expected"),
+        ({"paths": {"cf1": [{"pos": np.zeros(2)}]}}, "paths.cf1[0].pos = [0.0, 0.0]: [x, y, z] in"),
         (None, "got None, expected a mapping with paths, count, on, reading, limit, table, names, "),
         ({}, "paths is missing"),
         ({"paths": PATHS, "cuont": 2}, "unknown key 'cuont'; did you mean count?"),

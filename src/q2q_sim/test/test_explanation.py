@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from q2q_model.bag import FlightFacts, read_flight
 from q2q_sim.commands.explain import main
@@ -203,6 +204,34 @@ def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.Ca
     assert main([str(kept)]) == 1
     assert "its metadata lack seed" in capsys.readouterr().err
     metadata.write_text(text)
+
+
+@pytest.mark.parametrize("written", [("--out",), ("--json", "why.json")])
+def test_a_place_that_cannot_be_written_is_refused_before_any_flight(
+    kept: Path,
+    tmp_path: Path,
+    written: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    nowhere = tmp_path / "out"
+    nowhere.symlink_to(tmp_path / "gone")
+    monkeypatch.setattr(cases, "fly_case", lambda _: pytest.fail("flown"))
+    assert main([str(kept), written[0], str(nowhere.joinpath(*written[1:]))]) == 1
+    assert capsys.readouterr().err == f"explain: {nowhere}: File exists\n"
+
+
+def test_a_scenario_in_a_bag_comes_before_files_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    bag = tmp_path / "bags" / "bag"
+    facts = FlightFacts(scenario="scenario.yaml", model="none")
+    for place, height in ((tmp_path / "bags", 1.0), (tmp_path, 2.0), (bag, 3.0)):
+        place.mkdir(exist_ok=True)
+        path = [{"t": t, "pos": [0.0, 0.0, height]} for t in (0.0, 1.0)]
+        (place / "scenario.yaml").write_text(yaml.safe_dump({"vehicles": {"cf1": path}}))
+        assert flown_scenario(facts, bag).waypoints[0].waypoints[0].pos[2] == height
 
 
 def test_a_scenario_is_that_of_the_metadata() -> None:

@@ -192,7 +192,7 @@ UNCOMMANDED = "thrust, tilt, age, action, silence"
 
 
 @pytest.mark.parametrize(("topics", "status", "said"), [
-    ("mocap", 1, ("keeps numbers", f"{UNSEEN}, {UNCOMMANDED}, belief, return")),
+    ("mocap", 2, ("nothing to judge: record state or", f"{UNSEEN}, {UNCOMMANDED}, belief, return")),
     ("mocap state reference_safe", 1, ("separation: cf1 and cf2", f"{UNCOMMANDED}, belief, return")),
     ("mocap command", 0, ("keeps thrust, tilt, numbers, action, silence", f"{UNSEEN}, age, belief, return")),
 ])  # fmt: skip

@@ -76,3 +76,17 @@ def test_policies_judge_a_bag_by_the_vehicle_it_names(
     assert "crazyflie_2_0 is assumed" in lines.err
     assert "thrust: cf1" in lines.out
     assert policies.main([str(bag_with_facts), "--vehicle", "crazyflie_2_0"]) == 1
+
+
+def test_a_scenario_is_for_its_faults_and_its_vehicle_is_taken_for_a_bag_that_names_none_only(
+    bag_with_facts: Path, silent: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert policies.main([str(bag_with_facts), "--scenario", "stack3"]) == 0  # of Crazyflies
+    assert not capsys.readouterr().err
+    assert policies.main([str(silent), "--scenario", "table6"]) == 0
+    expected = f"policies: {silent} does not name its vehicle: textbook_065 of the scenario is assumed; "
+    assert capsys.readouterr().err == f"{expected}name it with --vehicle\n"
+    assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyflie_2_0"]) == 1
+    assert "thrust: cf1" in capsys.readouterr().out
+    assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyfly"]) == 2
+    assert "unknown vehicle 'crazyfly'" in capsys.readouterr().err

@@ -18,6 +18,7 @@ from cattrs import ClassValidationError, Converter, ForbiddenExtraKeysError, Ite
 from cattrs.cols import homogenous_tuple_structure_factory, mapping_structure_factory
 from cattrs.gen import make_dict_structure_fn, override
 
+from q2q_model.documents.numpy_values import without_numpy
 from q2q_model.nearest_name import name_hint
 from q2q_model.signals.values import Array
 
@@ -100,7 +101,7 @@ def _converter(extra: bool) -> Converter:
     made.register_structure_hook(float, _number)
     made.register_structure_hook(_Key, lambda key, _: str(key))
     made.register_structure_hook(
-        _Cell, lambda cell, _: made.structure(cell, Array if isinstance(cell, list) else float)
+        _Cell, lambda cell, _: made.structure(cell, Array if isinstance(cell, list | np.ndarray) else float)
     )
     made.register_structure_hook_func(lambda kind: kind is object, lambda value, _: value)
     made.register_structure_hook_func(lambda kind: _origin(kind) is Literal, _choice)
@@ -119,6 +120,7 @@ def _after_check(accepted: type | UnionType, expected: str, hook: Hook) -> Hook:
     """Return a hook that checks the type before; True and False are no numbers."""
 
     def read(value: object, kind: object) -> object:
+        value = without_numpy(value)
         if not isinstance(value, accepted) or isinstance(value, bool) is not (accepted is bool):
             raise _UnexpectedError(value, expected)
         return hook(value, kind)
@@ -140,7 +142,7 @@ _number = _after_check(int | float, "a number", _finite)
 
 
 def _choice(value: object, kind: object) -> object:
-    known = get_args(kind)
+    known, value = get_args(kind), without_numpy(value)
     if value not in known:
         raise _UnexpectedError(value, f"one of {', '.join(map(str, known))}")
     return known[known.index(value)]

@@ -24,7 +24,7 @@ def to_plain(value: object, path: str = "") -> Plain:
     """Return `value` as JSON values; raise PlainValueError for a number that is not finite."""
     if is_dataclass(value):
         return {f.name: to_plain(getattr(value, f.name), f"{path}.{f.name}") for f in fields(value)}
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         return to_plain(value.tolist(), path)
     if isinstance(value, Mapping):
         return {str(name): to_plain(item, f"{path}.{name}") for name, item in value.items()}
@@ -40,8 +40,9 @@ def to_plain(value: object, path: str = "") -> Plain:
 def from_plain(kind: type[T], plain: object, where: str, *, extra: bool = False) -> T:
     """Return parsed YAML or JSON as a dataclass, or as a dict or tuple of some.
 
-    Numbers are finite; an integer is read as float where a float is expected; the keys of a mapping become
-    text. `Annotated[kind, "[x, y, z] in metres"]` words what is expected.
+    Numbers are finite; an integer is read as float where a float is expected; scalars and arrays of NumPy are
+    read as numbers and lists; the keys of a mapping become text. `Annotated[kind, "[x, y, z] in metres"]`
+    words what is expected.
 
     Args:
         kind: type of the result.

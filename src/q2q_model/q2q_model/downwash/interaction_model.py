@@ -19,7 +19,7 @@ all callers, which differ in what they know of a source's past:
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -73,6 +73,16 @@ def at_rest(rel_pos: Array) -> PairMotion:
     return PairMotion(source_vel=still, source_axis=still + UP, vel=still)
 
 
+class ModelAnswerError(ValueError):
+    """Error for an answer of a model that cannot be flown with."""
+
+    def __init__(self, message: str, pair: int | None = None) -> None:
+        """Take the message, and the number of the pair if the answer to one is wrong."""
+        super().__init__(message)
+        self.pair = pair
+
+
+@runtime_checkable
 class InteractionModel(Protocol):
     """Model of the downwash of one source at one vehicle."""
 

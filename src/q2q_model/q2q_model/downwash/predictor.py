@@ -20,7 +20,12 @@ observed for less than its delay counts with its first observed state.
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, retarded_pairs
+from q2q_model.downwash.interaction_model import (
+    InteractionModel,
+    ModelAnswerError,
+    SourceStates,
+    retarded_pairs,
+)
 from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.pairs import (
     InteractionSums,
@@ -89,7 +94,10 @@ class InteractionPredictor:
         now = np.empty((len(state.names), 9))
         keys = find_pairs(states, now, self._bounds)
         self._remember(state, now)
-        answers = self._answers(state, now, keys) if keys.size else _NO_PAIR
+        try:
+            answers = self._answers(state, now, keys) if keys.size else _NO_PAIR
+        except ModelAnswerError as error:
+            raise _with_names(error, state, keys) from error
         sum_over_sources(keys, answers, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
@@ -133,6 +141,14 @@ class InteractionPredictor:
         seen = np.minimum(after, self._history.newest) - np.maximum(before, self._history.oldest)
         ratio = thrust_ratio(vel[0], vel[1], seen)
         return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
+
+
+def _with_names(error: ModelAnswerError, state: SwarmState, keys: Rows) -> ModelAnswerError:
+    """Return the error with its time, and with the vehicles of its pair."""
+    if error.pair is None:
+        return ModelAnswerError(f"at {state.t:.3f} s: {error}")
+    feels, causes = (state.names[row] for row in divmod(int(keys[error.pair]), len(state.names)))
+    return ModelAnswerError(f"{feels} in the downwash of {causes} at {state.t:.3f} s: {error}", error.pair)
 
 
 def _sources(states: Array) -> SourceStates:

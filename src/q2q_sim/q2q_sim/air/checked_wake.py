@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from q2q_model.signals.array_answer import array_answer
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import AirError, cause
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
@@ -49,18 +50,10 @@ class CheckedWake:
         return AirError(f"air {self._name}: {what} raised {cause(error)}")
 
     def _within(self, what: str, values: Array, limit: float, t: float) -> Array:
-        shape = (self._count, 3)
         try:
-            given = np.asarray(values)
-        except (TypeError, ValueError) as error:
-            raise AirError(
-                f"air {self._name}: {what} is no array ({cause(error)}): floats of shape {shape} are needed"
-            ) from error
-        if given.shape != shape or given.dtype.kind not in "fiu":
-            raise AirError(
-                f"air {self._name}: {what} is {given.dtype} of shape {given.shape}: floats of shape {shape} "
-                "are needed"
-            )
+            given = array_answer(values, (self._count, 3))
+        except ValueError as error:
+            raise AirError(f"air {self._name}: {what} {error}") from error
         allowed = (np.abs(given) <= limit).all(axis=1)  # not NaN either
         if not allowed.all():
             row = int(np.argmin(allowed))

@@ -1,4 +1,7 @@
-"""Check recorded flights against the safety policies: `policies BAG...`; exit status 1 if one is violated."""
+"""Check recorded flights against the safety policies: `policies BAG...`.
+
+The exit status is 1 if a policy is violated, 2 if a bag cannot be read or has nothing to judge, else 0.
+"""
 
 import sys
 from argparse import Namespace
@@ -22,7 +25,7 @@ def _prepare(args: Namespace) -> Work:
     require_existing("bag", *args.bags)
     if args.scenario:
         scenario_files.check(args.scenario)
-    elif args.vehicle:
+    if args.vehicle:
         vehicle_by_name(args.vehicle)
     from q2q_sim.tools.judge_bags import run
 
@@ -33,7 +36,7 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("policies", __doc__, EXAMPLE)
     made.add_argument("bags", type=Path, nargs="+", metavar="BAG", help="bag folder of a flight")
-    made.add_argument("--scenario", default="", help="scenario of the flight, for its vehicle and faults")
+    made.add_argument("--scenario", default="", help="scenario of the flight, for its faults")
     made.add_argument(
         "--vehicle", default="", help=f"vehicle, in place of the bag's: one of {', '.join(VEHICLES)}"
     )

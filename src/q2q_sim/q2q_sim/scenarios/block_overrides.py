@@ -5,6 +5,7 @@ from typing import TypeVar
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
+from q2q_model.documents.numpy_values import without_numpy
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.nearest_name import name_hint
 from q2q_model.tunable import ParameterValue, ParamsClass, with_overrides
@@ -53,9 +54,8 @@ def merged(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Override
 
 def _values(params: ParamsClass, values: Mapping[str, object], where: str) -> dict[str, ParameterValue]:
     """Return a document's values as parameters; `with_overrides` refuses unknown names."""
-    return {
-        key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in values.items()
-    }
+    given = {key: without_numpy(value) for key, value in values.items()}
+    return {key: _value(value, getattr(params, key, value), f"{where}.{key}") for key, value in given.items()}
 
 
 def _value(value: object, default: object, where: str) -> ParameterValue:
@@ -70,6 +70,7 @@ def _value(value: object, default: object, where: str) -> ParameterValue:
 
 
 def _number(value: object, where: str) -> float:
+    value = without_numpy(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{where} = {value!r}: a number is expected")  # noqa: TRY004  a bad document, not a bad call
     return float(value)

@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_model.bag import BagReader, BagRepairWarning
 from q2q_model.signals.stamps import time_from_stamp
-from q2q_model.tools.bag_vehicle import flown_vehicle
+from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.loop.topics import TICK_TOPICS
 from q2q_sim.monitors.policies import (
@@ -28,6 +28,9 @@ from q2q_sim.monitors.policies import (
 )
 from q2q_sim.scenarios import library
 
+VIOLATED, NOT_JUDGED = 1, 2
+"""Exit statuses; 2 is that of a bag that cannot be read, too."""
+
 
 @dataclass(frozen=True, slots=True)
 class JudgedBag:
@@ -36,14 +39,21 @@ class JudgedBag:
     violations: tuple[Violation, ...]
     unjudged: tuple[str, ...]
 
+    @property
+    def is_empty(self) -> bool:
+        """Return whether there was nothing to judge: what needs no signal is kept by a bag without any."""
+        return not self.violations and NEEDS.keys() <= {*self.unjudged}
+
     def lines(self) -> list[str]:
         """Return the violations, or the policies that are kept."""
+        if self.is_empty:
+            return ["nothing to judge: record state or truth, reference_safe and command"]
         kept = [policy for policy in POLICIES if policy not in self.unjudged]
         return [str(one) for one in self.violations] or [f"keeps {', '.join(kept)}"]
 
 
 def run(args: Namespace) -> int:
-    """Check the named bags; return 1 if a policy is violated, or a bag has nothing to judge."""
+    """Check the named bags; return 1 if a policy is violated, else 2 if a bag has nothing to judge."""
     found = {
         str(bag): judged(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
         for bag in args.bags
@@ -57,7 +67,9 @@ def run(args: Namespace) -> int:
         print(
             f"policies: {bag}: not judged, as it has nothing of them: {', '.join(lacking)}", file=sys.stderr
         )
-    return int(any(one.violations or NEEDS.keys() <= {*one.unjudged} for one in found.values()))
+    if any(one.violations for one in found.values()):
+        return VIOLATED
+    return NOT_JUDGED if any(one.is_empty for one in found.values()) else 0
 
 
 def judged(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
@@ -73,14 +85,21 @@ def judged(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
 
 
 def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:
-    """Return the circumstances of a flight; raise ValueError for an unknown name."""
-    if scenario:
-        flown = library.load(scenario)
-        return Circumstances(vehicle=flown.vehicle, faults=flown.faults)
-    flown_by = flown_vehicle(bag, vehicle)
-    if flown_by.note:
-        print(f"policies: {flown_by.note}", file=sys.stderr)
-    return Circumstances(vehicle=flown_by.vehicle)
+    """Return the circumstances of a flight, by a scenario if one is given; its vehicle is that of the bag.
+
+    A bag that names none has the scenario's, or the default one, and a line on stderr says so.
+
+    Raises:
+        ValueError: an unknown name.
+    """
+    flown = library.load(scenario) if scenario else None
+    known = flown_vehicle(bag, vehicle)
+    if known.note and flown is not None:
+        note = f"{bag} does not name its vehicle: {flown.vehicle.name} of the scenario is assumed; "
+        known = FlownVehicle(flown.vehicle, f"{note}name it with --vehicle")
+    if known.note:
+        print(f"policies: {known.note}", file=sys.stderr)
+    return Circumstances(vehicle=known.vehicle, faults=() if flown is None else flown.faults)
 
 
 def evidence_in(bag: Path) -> Evidence:

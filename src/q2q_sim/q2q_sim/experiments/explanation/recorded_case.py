@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import FlightFacts, read_facts, read_flight
+from q2q_model.files.model_choice import check_model
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_names import check_air
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.loop.assembly import TICK_S, Options
 from q2q_sim.loop.scenario_air import air_words
@@ -44,7 +46,7 @@ def recorded_case(bag: Path) -> RecordedCase:
         ValueError: the bag cannot be read, its metadata do not suffice, or the new flight is another one.
     """
     recorded, facts = read_flight(bag), _checked(read_facts(bag), bag)
-    scenario = _as_recorded(flown_scenario(facts, bag.parent), recorded)
+    scenario = _as_recorded(flown_scenario(facts, bag), recorded)
     found = np.inf
     for replan in REPLANNERS:
         options = Options(facts.mode, facts.controller, replan, facts.correct == "true")
@@ -59,10 +61,10 @@ def recorded_case(bag: Path) -> RecordedCase:
     )
 
 
-def flown_scenario(facts: FlightFacts, beside: Path) -> Scenario:
-    """Return the scenario of a bag's metadata; a file that is not found is looked for `beside` the bag."""
-    here = beside / facts.scenario
-    own = library.load(str(here) if here.is_file() and not Path(facts.scenario).is_file() else facts.scenario)
+def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
+    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it."""
+    files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
+    own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
     if facts.wake and (own.air or own.wake != facts.wake):
         own = with_choices(own, "", facts.wake)
     if facts.air and facts.air != air_words(own):
@@ -111,4 +113,10 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
         raise ValueError(
             f"{bag}: seed {facts.seed!r} in its metadata: a whole number, 0 or above, is allowed"
         )
+    try:
+        check_model(facts.model)
+        check_air(facts.air.partition(" without ")[0] or "none")
+        Options(facts.mode, facts.controller)
+    except ValueError as unknown:
+        raise ValueError(f"{bag}: {unknown}; an object of Python cannot be flown again by a bag") from unknown
     return facts

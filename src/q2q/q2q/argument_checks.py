@@ -1,0 +1,40 @@
+"""Checks of arguments that Python would take as they are: errors say what was given and what is allowed."""
+
+from math import inf
+
+import numpy as np
+
+
+def check_flags(**given: object) -> None:
+    """Raise TypeError for the first argument that is neither True nor False: "no" would count as True."""
+    for name, value in given.items():
+        if not isinstance(value, bool | np.bool_):
+            raise TypeError(f"{name} = {value!r}: True or False is expected")
+
+
+def check_whole_number(name: str, given: object, least: int) -> None:
+    """Check that an argument is a whole number of `least` or more.
+
+    Raises:
+        TypeError: it is no whole number.
+        ValueError: it is too small.
+    """
+    expected = f"{name} = {given!r}: a whole number of {least} or more is expected"
+    if not isinstance(given, int | np.integer) or isinstance(given, bool):
+        raise TypeError(expected)
+    if given < least:
+        raise ValueError(expected)
+
+
+def check_positive(name: str, given: object, unit: str) -> None:
+    """Check that an argument is a finite number above 0.
+
+    Raises:
+        TypeError: it is no number.
+        ValueError: it is not finite, or not above 0.
+    """
+    expected = f"{name} = {given!r}: a finite number above 0 {unit} is expected"
+    if not isinstance(given, int | float | np.integer | np.floating) or isinstance(given, bool):
+        raise TypeError(expected)
+    if not 0.0 < float(given) < inf:
+        raise ValueError(expected)

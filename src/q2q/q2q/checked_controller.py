@@ -1,0 +1,123 @@
+"""Controller of a user's class, with every command checked.
+
+A law without limits may ask for more than the motors give, and the simulator limits that; the bounds here
+are those of another unit: grams or m/s^2 for newtons, degrees for radians.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import pi
+
+import numpy as np
+
+from q2q_control.inputs.controller import Controller
+from q2q_model.signals.array_answer import array_answer
+from q2q_model.signals.recent_ticks import SAME_STAMP
+from q2q_model.signals.values import (
+    Array,
+    CommandStatus,
+    Interference,
+    Mask,
+    Names,
+    Status,
+    SwarmCommand,
+    SwarmSetpoint,
+    SwarmState,
+    index_of,
+    rows_by_name,
+)
+from q2q_model.vehicle.constants import Vehicle
+
+LARGEST_THRUST = 10.0
+"""Largest thrust over the vehicle's own [-]; the weight of a Crazyflie in m/s^2 is 12 times that or more."""
+LARGEST_TILT = pi
+"""Largest roll and pitch [rad]."""
+LARGEST_YAW_RATE = 35.0
+"""[rad/s], the range of the BMI088's gyroscopes, 2000 degrees/s."""
+
+
+class ControllerAnswerError(ValueError):
+    """Error for a command of a controller that cannot be flown."""
+
+
+class CheckedController:
+    """Controller that raises ControllerAnswerError where its class answers with what cannot be flown."""
+
+    def __init__(self, controller: Controller, vehicle: Vehicle) -> None:
+        """Take a controller and the vehicle that it flies."""
+        self._controller = controller
+        self._name = f"controller {type(controller).__module__}:{type(controller).__qualname__}"
+        self._bounds: Mapping[str, tuple[float, str]] = {
+            "thrust": (LARGEST_THRUST * vehicle.thrust_max, "N"),
+            "roll": (LARGEST_TILT, "rad"),
+            "pitch": (LARGEST_TILT, "rad"),
+            "yaw_rate": (LARGEST_YAW_RATE, "rad/s"),
+        }
+
+    def reset(self) -> None:
+        """Reset the controller."""
+        self._controller.reset()
+
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
+    ) -> SwarmCommand:
+        """Return the controller's command, in the order of the setpoint's vehicles."""
+        command = self._controller.update(state, setpoint, interference)
+        self._check_tick(command, state, setpoint)
+        known = partial(_known, command.names, state, setpoint, interference)
+        rows = index_of(setpoint.names, command.names)
+        return SwarmCommand(
+            t=command.t,
+            names=setpoint.names,
+            thrust=self._within(command, "thrust", known)[rows],
+            roll=self._within(command, "roll", known)[rows],
+            pitch=self._within(command, "pitch", known)[rows],
+            yaw_rate=self._within(command, "yaw_rate", known)[rows],
+            status=self._status(command)[rows],
+        )
+
+    def _check_tick(self, command: object, state: SwarmState, setpoint: SwarmSetpoint) -> None:
+        """Check that it is a command of this tick for its vehicles."""
+        if not isinstance(command, SwarmCommand):
+            raise self._wrong(f"update returned a {type(command).__name__}: return a SwarmCommand")
+        if not isinstance(command.names, tuple) or sorted(command.names) != sorted(setpoint.names):
+            raise self._wrong(f"names are {command.names!r}: {setpoint.names}, in any order, are needed")
+        if not any(abs(command.t - one.t) < SAME_STAMP for one in (state, setpoint)):
+            raise self._wrong(f"t is {command.t} s: that of the setpoint, {setpoint.t} s, is needed")
+
+    def _within(self, command: SwarmCommand, what: str, known: Callable[[], Mask]) -> Array:
+        given = self._numbers(what, getattr(command, what), len(command.names)).astype(np.float64)
+        most, unit = self._bounds[what]
+        wrong = ~(np.abs(given) <= most)
+        if wrong.any() and (wrong := wrong & (known() | ~np.isnan(given))).any():
+            row = int(np.argmax(wrong))
+            raise self._wrong(
+                f"{what} of {command.names[row]} at {command.t:.3f} s is {given[row]:g}: "
+                f"a finite number of at most {most:.3g} {unit} is needed"
+            )
+        return given
+
+    def _status(self, command: SwarmCommand) -> Status:
+        given = self._numbers("status", command.status, len(command.names))
+        if not np.isin(given, list(CommandStatus)).all():
+            raise self._wrong(f"status is {given}: a CommandStatus, 0 to {max(CommandStatus):d}, is needed")
+        return given.astype(np.uint8)
+
+    def _numbers(self, what: str, answer: object, count: int) -> Array:
+        try:
+            return array_answer(answer, (count,))
+        except ValueError as error:
+            raise self._wrong(f"{what} {error}") from error
+
+    def _wrong(self, message: str) -> ControllerAnswerError:
+        return ControllerAnswerError(f"{self._name}: {message}")
+
+
+def _known(names: Names, state: SwarmState, setpoint: SwarmSetpoint, felt: Interference | None) -> Mask:
+    """Return for which vehicles all that a controller reads is finite, (n,): others may get NaN."""
+    read = [(state.names, one) for one in (state.pos, state.vel, state.quat, state.ang_vel_body)]
+    read += [(setpoint.names, one) for one in (setpoint.pos, setpoint.vel, setpoint.acc)]
+    read += [(setpoint.names, one[:, None]) for one in (setpoint.yaw, setpoint.yaw_rate)]
+    read += [] if felt is None else [(felt.names, felt.acc)]
+    finite = [rows_by_name(np.asarray(np.isfinite(one).all(axis=1)), have, names) for have, one in read]
+    return np.asarray(np.logical_and.reduce(finite))

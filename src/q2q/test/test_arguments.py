@@ -1,0 +1,76 @@
+"""Arguments of the public functions: mistakes are refused with what was given and what is allowed."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import q2q
+from q2q_sim.air.air_names import shipped_airs
+
+STACK = {
+    "vehicle": "crazyflie_2_0",
+    "duration": 0.1,
+    "vehicles": {
+        "cf1": [{"t": 0.0, "pos": [0.0, 0.0, 1.0]}, {"t": 2.0, "pos": [0.0, 0.0, 1.0]}],
+        "cf2": [{"t": 0.0, "pos": [0.0, 0.0, 1.5]}, {"t": 2.0, "pos": [0.0, 0.0, 1.5]}],
+    },
+}
+BAG = Path(__file__).parents[3] / "bags" / "table2_1"
+AIR = r"a shipped name, the path of a .air file or module:Class is expected$"
+BEYOND = r"a finite number above 0 m/s\^2 is expected$"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: q2q.fly(STACK, aware="no"), r"aware = 'no': True or False is expected$"),
+        (lambda: q2q.fly(STACK, limit=0), r"limit = 0: True or False is expected$"),
+        (lambda: q2q.fly(STACK, correct="no"), r"correct = 'no': True or False is expected$"),
+        (lambda: q2q.fly(STACK, seed=1.5), r"seed = 1.5: a whole number of 0 or more is expected$"),
+        (lambda: q2q.fly(STACK, seed="1"), r"seed = '1': a whole number of 0 or more is expected$"),
+        (lambda: q2q.fly(STACK, air=3), r"no air 3: give a name as for q2q.scenario, an air of q2q.load_air"),
+        (lambda: q2q.fly(STACK, air=None), r"no air None: give a name"),
+        (lambda: q2q.load_air(None), f"air = None: {AIR}"),
+        (lambda: q2q.scenario(STACK, air=3), f"air = 3: {AIR}"),
+        (lambda: q2q.campaign(1, air=3), f"air = 3: {AIR}"),
+        (lambda: q2q.load_air(q2q.load_air("room")), rf"air = RoomAir\(.{{,30}}: {AIR}"),  # not all its table
+        (lambda: q2q.load_air("room", without="residual"), r"without = 'residual': a tuple of terms, as"),
+        (lambda: q2q.scenario(None), r"scenario = None: a name, a file, a document or a q2q.Scenario is"),
+        (lambda: q2q.identify(BAG, threshold="x"), f"threshold = 'x': {BEYOND}"),
+        (lambda: q2q.identify(3), r"bags = 3: the folder of a bag, or several, is expected$"),
+        (lambda: q2q.campaign(2.5), r"runs = 2.5: a whole number of 1 or more is expected$"),
+        (lambda: q2q.campaign(runs=True), r"runs = True: a whole number of 1 or more is expected$"),
+    ],
+)
+def test_an_argument_of_another_type_is_refused_with_one_sentence(call: Callable[[], object], message: str):
+    with pytest.raises(TypeError, match=f"^{message}"):
+        call()
+
+
+@pytest.mark.parametrize("threshold", [np.nan, np.inf, 0.0, -0.1])
+def test_a_zone_that_no_model_has_is_refused_before_the_bags_are_read(threshold: float):
+    with pytest.raises(ValueError, match=rf"^threshold = {threshold}: {BEYOND}"):
+        q2q.identify("absent", threshold=threshold)
+
+
+def test_an_unknown_air_ends_a_campaign_before_its_runs():
+    with pytest.raises(ValueError, match="no air 'rome'"):
+        q2q.campaign(1, air="rome")
+
+
+def test_flags_and_seeds_of_numpy_are_flags_and_seeds():
+    plain = q2q.fly(STACK, aware=False, seed=3)
+    given = q2q.fly(STACK, aware=np.False_, seed=np.int64(3))
+    np.testing.assert_array_equal(given.arrays.true_pos, plain.arrays.true_pos)
+    assert given.facts == plain.facts
+
+
+def test_an_air_is_found_by_its_path(tmp_path: Path):
+    copy = tmp_path / "copy.air"
+    copy.write_bytes((shipped_airs() / "room.air").read_bytes())
+    assert q2q.scenario(STACK, air=copy).air == str(copy)
+    by_path, by_name = q2q.fly(STACK, air=copy), q2q.fly(STACK, air="room")
+    np.testing.assert_array_equal(by_path.arrays.true_pos, by_name.arrays.true_pos)
+    assert by_path.facts.air == str(copy)

@@ -1,0 +1,102 @@
+"""Flights with a controller of one's own: its first command that cannot be flown is told."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import q2q
+from q2q.checked_controller import CheckedController, ControllerAnswerError
+from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+
+STACK = {
+    "vehicle": "crazyflie_2_0",
+    "duration": 0.1,
+    "vehicles": {
+        "cf1": [{"t": 0.0, "pos": [0.0, 0.0, 1.0]}, {"t": 2.0, "pos": [0.0, 0.0, 1.0]}],
+        "cf2": [{"t": 0.0, "pos": [0.0, 0.0, 1.5]}, {"t": 2.0, "pos": [0.0, 0.0, 1.5]}],
+    },
+}
+"""Two vehicles that hover above each other, without downwash."""
+HOVER = CRAZYFLIE_2_0.hover_thrust
+
+Change = Callable[[SwarmCommand], object]
+
+
+class Changed:
+    """Controller that hovers until 0.05 s and then changes its command."""
+
+    def __init__(self, change: Change, since: float = 0.05) -> None:
+        """Take the change and the time of the first changed command [s]."""
+        self._change, self._since = change, since
+
+    def update(self, state: SwarmState, setpoint: SwarmSetpoint, _: Interference | None) -> SwarmCommand:
+        """Return the command."""
+        level = np.zeros(len(setpoint.names))
+        status = level.astype(np.uint8)
+        command = SwarmCommand(state.t, setpoint.names, level + HOVER, level, level, level, status)
+        return command if state.t < self._since - 1e-9 else self._change(command)  # type: ignore[return-value]
+
+    def reset(self) -> None:
+        """Forget nothing."""
+
+
+def with_cf2(what: str, value: float) -> Change:
+    """Return the change of a value of the second vehicle's command."""
+    return lambda one: replace(one, **{what: np.array([getattr(one, what)[0], value])})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (with_cf2("thrust", np.nan), r"thrust of cf2 at 0.050 s is nan: a finite number of at most 4.8 N is"),
+        (with_cf2("thrust", 34.0), r"thrust of cf2 at 0.050 s is 34: .* at most 4.8 N is"),  # grams
+        (with_cf2("thrust", -9.81), r"thrust of cf2 at 0.050 s is -9.81: .* at most 4.8 N is"),  # m/s^2
+        (with_cf2("roll", 10.0), r"roll of cf2 at 0.050 s is 10: .* at most 3.14 rad is"),  # degrees
+        (with_cf2("pitch", np.inf), r"pitch of cf2 at 0.050 s is inf: .* at most 3.14 rad is needed$"),
+        (with_cf2("yaw_rate", 200.0), r"yaw_rate of cf2 at 0.050 s is 200: .* at most 35 rad/s is needed$"),
+        (with_cf2("status", 9), r"status is \[0 9\]: a CommandStatus, 0 to 6, is needed$"),
+        (lambda one: replace(one, thrust=HOVER), r"thrust is float64 of shape \(\): floats of shape \(2,\)"),
+        (lambda one: replace(one, roll=np.zeros((2, 1))), r"roll is float64 of shape \(2, 1\): floats of"),
+        (lambda one: replace(one, pitch=["up", "up"]), r"pitch is <U2 of shape \(2,\): floats of shape"),
+        (lambda one: replace(one, names=("cf1", "cf1")), r"names are \('cf1', 'cf1'\): \('cf1', 'cf2'\), in"),
+        (lambda one: replace(one, t=3.0), r"t is 3.0 s: that of the setpoint, 0.05 s, is needed$"),
+        (lambda one: one.thrust, r"update returned a ndarray: return a SwarmCommand$"),
+    ],
+)
+def test_a_command_that_cannot_be_flown_ends_the_flight_with_one_sentence(change: Change, message: str):
+    with pytest.raises(ControllerAnswerError, match=rf"^controller .*:Changed: {message}") as said:
+        q2q.fly(STACK, controller=Changed(change))
+    assert "\n" not in str(said.value)
+
+
+def test_lists_and_whole_numbers_are_numbers():
+    exact = q2q.fly(STACK, controller=Changed(lambda one: one))
+    loose = q2q.fly(
+        STACK,
+        controller=Changed(lambda one: replace(one, thrust=one.thrust.tolist(), roll=[0, 0], status=[0, 0])),
+    )
+    np.testing.assert_array_equal(loose.arrays.true_pos, exact.arrays.true_pos)
+    np.testing.assert_array_equal(loose.arrays.thrust, np.full((10, 2), HOVER))
+
+
+def test_rows_may_be_in_another_order_and_thrust_beyond_the_motors():
+    def turned(one: SwarmCommand) -> SwarmCommand:
+        return replace(one, names=one.names[::-1], thrust=np.array([4.7, HOVER]))
+
+    flight = q2q.fly(STACK, controller=Changed(turned, since=0.0))
+    np.testing.assert_array_equal(flight.arrays.thrust[-1], [HOVER, 4.7])
+
+
+def test_a_vehicle_without_a_state_may_get_no_number_and_no_other():
+    names, level = ("cf1", "cf2"), np.zeros((2, 3))
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    pos = np.array([[0.0, 0.0, 1.0], [np.nan, np.nan, np.nan]])
+    state = SwarmState(0.0, names, pos, level, quat, level, np.zeros(2), np.array([0, 2], dtype=np.uint8))
+    setpoint = SwarmSetpoint(0.0, names, level, level, level, *np.zeros((2, 2)), np.zeros(2, dtype=np.uint8))
+    missing = CheckedController(Changed(with_cf2("thrust", np.nan), since=0.0), CRAZYFLIE_2_0)
+    np.testing.assert_array_equal(missing.update(state, setpoint, None).thrust, [HOVER, np.nan])
+    with pytest.raises(ControllerAnswerError, match="thrust of cf2"):
+        missing.update(replace(state, pos=level), setpoint, None)

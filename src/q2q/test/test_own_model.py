@@ -1,0 +1,166 @@
+"""Flights with an interaction model of one's own: flown as it is, and told at its first wrong answer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import q2q
+from q2q.checked_model import CheckedModel
+from q2q_model.downwash.interaction_model import ModelAnswerError, PairMotion, Reach
+from q2q_model.downwash.jet import Jet
+from q2q_model.signals.values import Array
+
+STACK = {
+    "vehicle": "crazyflie_2_0",
+    "duration": 0.1,
+    "vehicles": {
+        "cf1": [{"t": 0.0, "pos": [0.0, 0.0, 1.0]}, {"t": 2.0, "pos": [0.0, 0.0, 1.0]}],
+        "cf2": [{"t": 0.0, "pos": [0.0, 0.0, 1.5]}, {"t": 2.0, "pos": [0.0, 0.0, 1.5]}],
+    },
+}
+"""Two vehicles that hover above each other, 0.5 m apart."""
+
+
+class Steady:
+    """Model that pushes every vehicle in reach down by 1 m/s^2."""
+
+    reach = Reach(horizontal=0.5, vertical=2.0)
+    max_delay = 0.0
+
+    def delay(self, rel_pos: Array) -> Array:
+        """Return no delay."""
+        return np.zeros(rel_pos.shape[:-1])
+
+    def acceleration(self, rel_pos: Array, _: PairMotion) -> Array:
+        """Return the push."""
+        return np.zeros(rel_pos.shape) + np.array([0.0, 0.0, -1.0])
+
+    def deviation(self, rel_pos: Array, _: PairMotion) -> Array:
+        """Return that it is unknown."""
+        return np.full(rel_pos.shape, np.nan)
+
+
+class NotANumber(Steady):
+    """Model that fails half a metre below a source, where no trial asks."""
+
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
+        """Return the push."""
+        below = (rel_pos[..., 2:] > 0.45) & (rel_pos[..., 2:] < 0.55)
+        return np.where(below, np.nan, super().acceleration(rel_pos, motion))
+
+
+class Hurricane(Steady):
+    """Model whose push is none of an air."""
+
+    def acceleration(self, rel_pos: Array, _: PairMotion) -> Array:
+        """Return the push."""
+        return np.full(rel_pos.shape, 1e4)
+
+
+class Scalar(Steady):
+    """Model without axes of pairs."""
+
+    def acceleration(self, _: Array, __: PairMotion) -> Array:
+        """Return the push."""
+        return np.array([0.0, 0.0, -1.0])
+
+
+class NoBatch(Steady):
+    """Model that knows one axis of pairs only, not those of an MPC's horizon."""
+
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
+        """Return the push."""
+        return super().acceleration(rel_pos.reshape(-1, 3), motion)
+
+
+class Early(Steady):
+    """Model whose air arrives before it left."""
+
+    def delay(self, rel_pos: Array) -> Array:
+        """Return the delay."""
+        return np.full(rel_pos.shape[:-1], -0.1)
+
+
+class Doubtful(Steady):
+    """Model with a negative deviation."""
+
+    def deviation(self, rel_pos: Array, _: PairMotion) -> Array:
+        """Return the deviation."""
+        return np.full(rel_pos.shape, -1.0)
+
+
+class Boundless(Steady):
+    """Model whose reach is no Reach."""
+
+    reach = (0.5, 2.0)  # type: ignore[assignment]
+
+
+class Timeless(Steady):
+    """Model without a largest delay."""
+
+    max_delay = np.nan
+
+
+@pytest.mark.parametrize("controller", ["pid", "mpc"])
+def test_a_model_of_ones_own_flies_with_its_own_numbers(controller: str):
+    flight = q2q.fly(STACK, model=Steady(), controller=controller)
+    eta = flight.arrays.eta
+    np.testing.assert_array_equal(eta, np.broadcast_to([0.0, 0.0, -1.0], eta.shape))
+    assert flight.facts.model == "Steady"
+
+
+def test_a_checked_model_answers_as_its_model_does():
+    jet, rel_pos = Jet(travel_speed=5.0), np.array([[0.1, 0.0, 0.5], [0.0, 0.2, -0.5]])
+    motion = PairMotion(np.full((2, 3), 0.1), np.tile([0.0, 0.0, 1.0], (2, 1)), np.zeros((2, 3)))
+    checked = CheckedModel(jet)
+    np.testing.assert_array_equal(checked.acceleration(rel_pos, motion), jet.acceleration(rel_pos, motion))
+    np.testing.assert_array_equal(checked.deviation(rel_pos, motion), jet.deviation(rel_pos, motion))
+    np.testing.assert_array_equal(checked.delay(rel_pos), jet.delay(rel_pos))
+    assert (checked.reach, checked.max_delay) == (jet.reach, jet.max_delay)
+
+
+@pytest.mark.parametrize("controller", ["pid", "mpc"])
+def test_a_wrong_answer_in_flight_names_the_vehicles_and_what_is_allowed(controller: str):
+    message = (
+        r"^cf1 in the downwash of cf2 at 0.000 s: model .*:NotANumber: acceleration for a source at rel_pos "
+        r"\[0\. +0\. +0\.5\] m is \[nan nan nan\]: finite numbers of at most 1000 m/s\^2 are needed$"
+    )
+    with pytest.raises(ModelAnswerError, match=message):
+        q2q.fly(STACK, model=NotANumber(), controller=controller)
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        (Hurricane(), r"acceleration for .* is \[10000. .*: finite numbers of at most 1000 m/s\^2 are"),
+        (Scalar(), r"acceleration is float64 of shape \(3,\): floats of shape \(12, 3\) are needed$"),
+        (NoBatch(), r"acceleration is float64 of shape \(24, 3\): floats of shape \(2, 12, 3\) are needed$"),
+        (Early(), r"delay for .* is \[-0.1\]: finite numbers of 0 s or more are needed$"),
+        (Doubtful(), r"deviation for .* is \[-1. -1. -1.\]: 0 to 1000 m/s\^2 is needed, or NaN where"),
+        (Boundless(), r"reach is \(0.5, 2.0\): a Reach of finite distances \[m\] is needed$"),
+        (Timeless(), r"max_delay is nan: a finite time \[s\] is needed$"),
+    ],
+)
+def test_a_model_that_cannot_be_flown_with_is_refused_before_the_flight(model: Steady, message: str):
+    with pytest.raises(ModelAnswerError, match=message):
+        q2q.fly(STACK, model=model)
+    with pytest.raises(ModelAnswerError, match=message):
+        q2q.plan(STACK, around=replace(q2q.load_model("none"), interaction=model))
+
+
+@pytest.mark.parametrize("given", [3, None, Steady, lambda rel_pos, _: rel_pos])
+def test_what_is_no_model_is_refused(given: object):
+    for choose in (q2q.load_model, lambda one: q2q.plan(STACK, around=q2q.ModelFile(one))):
+        with pytest.raises(TypeError, match=r"^no model .*: give a name, the path of a .q2q file, a"):
+            choose(given)  # type: ignore[arg-type]
+
+
+def test_an_answer_to_a_pair_whose_place_is_unknown_is_not_judged():
+    class Follows(Steady):
+        def acceleration(self, rel_pos: Array, _: PairMotion) -> Array:
+            return 0.0 * rel_pos
+
+    lost = np.array([[np.nan, 0.0, 0.5]])
+    motion = PairMotion(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3)))
+    assert np.isnan(CheckedModel(Follows()).acceleration(lost, motion)[0, 0])
