@@ -205,6 +205,12 @@ def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.Ca
     metadata.write_text(text)
 
 
+def test_the_help_says_which_orders_are_allowed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "an even number of 4 or more (default 8)" in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_scenario_is_that_of_the_metadata() -> None:
     facts = FlightFacts("crazyflie_2_1", "stock", "stack3", "aware", "pid", "", "none", "", "ring", "0")
     flown = flown_scenario(facts, Path())
