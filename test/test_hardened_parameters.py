@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
 
 from q2q_control.failsafe.ladder import FallbackParams
-from q2q_control.pid.pid import PidParams
+from q2q_control.pid.pid import Pid, PidParams
 from q2q_control.ros.controller_wiring import ControllerNodeParams
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.node_parameters import declare, on_change
@@ -30,6 +30,7 @@ from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.trajectory import plan_file
+from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.loop import assembly
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.scenarios import library
@@ -183,6 +184,18 @@ def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() 
     (answer,) = node.set_parameters([Given("k_p_z", value=7.0)])
     assert answer.successful
     assert taken == [replace(params, k_p_z=7.0)]
+
+
+def test_what_a_block_has_refused_does_not_stand_in_the_way_of_the_next_change() -> None:
+    node = Node("refusing_block")
+    MADE.append(node)
+    params = declare(node, PidParams(), in_flight=True)
+    on_change(node, params, Pid(params, TEXTBOOK_065).configure)
+    low = [Given("thrust_max", value=0.1), Given("thrust_limited", value=True)]
+    together = node.set_parameters_atomically(low)
+    assert (together.successful, "thrust_max = 0.1 N" in together.reason) == (False, True)
+    (answer,) = node.set_parameters([Given("k_p_z", value=7.0)])
+    assert (answer.successful, answer.reason) == (True, "")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The height errors that a tutorial quotes are those of the scenario that it has its reader write."""
 
 import re
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from q2q_sim.monitors.metrics import VehicleMetrics, measure
 from q2q_sim.scenarios import library
 
 CRAZYSWARM = ROOT / "docs/tutorials/real_vehicles_with_crazyswarm2.md"
+COLUMN = ROOT / "docs/tutorials/add_an_interaction_model.md"
 IDENTIFY = ROOT / "docs/tutorials/identify_your_bag.md"
 REAL_FLIGHTS = ROOT / "docs/real_flights.md"
 TUTORIAL = ROOT / "docs/tutorials/fly_your_scenario.md"
@@ -92,6 +94,23 @@ def test_the_pair_of_the_crazyswarm_tutorial_has_the_errors_quoted_above_its_ini
     first = setpoint_at(plan_of(library.load(str(path))), 0.0)
     on_ground = [robots[name]["initial_position"][:2] for name in first.names]
     np.testing.assert_allclose(first.pos[:, :2], on_ground, atol=1e-9)
+
+
+def test_the_column_of_the_interaction_tutorial_helps_by_what_is_quoted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (law,) = (one for one in blocks(COLUMN) if one.file.endswith("downwash/column.py"))
+    (tmp_path / "tutorial_column.py").write_text(law.text)
+    monkeypatch.syspath_prepend(tmp_path)
+    column = import_module("tutorial_column").Column
+    words = r"is ([\d.]+) mm ignoring .* and ([\d.]+) mm with the\s+column.*=2.0\)` the error is ([\d.]+) mm"
+    found = re.search(words, COLUMN.read_text(encoding="utf-8"), re.DOTALL)
+    assert found is not None
+    scenario = library.load("table2_3")
+    aware = [FlightOptions(model=one) for one in (column(), column(strength=2.0))]
+    for options, quoted in zip((FlightOptions("ignoring"), *aware), found.groups(), strict=True):
+        error = measure(fly(scenario, options), scenario.vehicle).vehicles["cf1"].z_rmse_m
+        assert 1000.0 * error == pytest.approx(float(quoted), abs=0.05)  # quoted to the last digit
 
 
 def test_the_scores_quoted_for_real_flights_are_the_extremes_of_their_table() -> None:

@@ -20,7 +20,6 @@
 The other names are the types of what these functions take and return.
 """
 
-from q2q.compilation_notice import give_notice_of_compilation
 from q2q.flight_result import FlightResult, page, plot, read_bag
 from q2q.identified_model import identify, load_model, save_model
 from q2q.planned_path import plan
@@ -28,6 +27,7 @@ from q2q.random_faults import campaign
 from q2q.scenario_choice import load_air, scenario, scenario_names
 from q2q.simulation import fly
 from q2q_control.inputs.controller import Controller
+from q2q_model.compilation_notice import give_notice_of_compilation
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.flight import Flight
@@ -75,4 +75,4 @@ __all__ = [
     "scenario_names",
 ]
 
-give_notice_of_compilation()
+give_notice_of_compilation("q2q")

@@ -215,9 +215,9 @@ def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
     assert np.isfinite(command.thrust).all()
 
 
-def test_a_bound_below_hover_and_a_reference_out_of_reach_are_survived():
+def test_rotors_too_weak_to_hover_and_a_reference_out_of_reach_are_survived():
     low = replace(random_law(), bounds=np.array([-9.0, 6.0 / 0.65 - GRAVITY]))
-    flown = flown_by(low, replace(PARAMS, thrust_max=6.0))
+    flown = flown_by(low, PARAMS, replace(TEXTBOOK_065, thrust_max=6.0))
     state, setpoint, downwash = alone()
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(6.0)
     far = replace(setpoint, t=0.01, pos=np.array([[0.0, 0.0, 100.0]]))

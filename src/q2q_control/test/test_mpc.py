@@ -38,6 +38,13 @@ def test_without_limit_nothing_of_the_downwash_is_left():
     assert np.abs(errors).max() < 1e-3
 
 
+def test_a_bound_that_does_not_carry_the_vehicle_is_refused():
+    low = replace(IDEAL, thrust_max=6.37)
+    with pytest.raises(ValueError, match=r"thrust_max = 6.37 N .* more than .* textbook_065, 6.3765 N"):
+        Mpc(low, TEXTBOOK_065, PAPER_LAW)
+    Mpc(replace(low, thrust_limited=False), TEXTBOOK_065, PAPER_LAW)
+
+
 def test_latency_that_is_known_is_made_up_for():
     preview = pass_over(speed=0.5, start=1.5)
     known = replace(IDEAL, latency=0.03, thrust_limited=False)

@@ -165,6 +165,22 @@ def test_thrust_keeps_the_papers_limit_and_the_rotors_limits():
     assert Pid(PidParams(), TEXTBOOK_065).update(state, setpoint, push).thrust[0] == 0.0
 
 
+def test_a_bound_that_does_not_carry_the_vehicle_is_refused_and_changes_nothing():
+    weight = TEXTBOOK_065.hover_thrust  # 6.3765 N
+    refused = r"thrust_max = 6.37 N with thrust_limited: allowed is more than .* textbook_065, 6.3765 N"
+    low = PidParams(thrust_limited=True, thrust_max=6.37)
+    with pytest.raises(ValueError, match=refused):
+        Pid(low, TEXTBOOK_065)
+    pid = Pid(PidParams(), TEXTBOOK_065)
+    with pytest.raises(ValueError, match=refused):
+        pid.configure(low)
+    state, setpoint, eta = swarm(("cf1",))
+    pull = replace(eta, acc=np.array([[0.0, 0.0, -50.0]]))
+    assert pid.update(state, setpoint, pull).thrust[0] == TEXTBOOK_065.thrust_max
+    Pid(replace(low, thrust_limited=False), TEXTBOOK_065)
+    Pid(replace(low, thrust_max=weight + 1e-6), TEXTBOOK_065)
+
+
 @given(seed=st.integers(0, 10_000), exact=st.booleans())
 def test_the_thrust_never_leans_further_than_tilt_max(seed: int, exact: bool):
     state, setpoint, eta = random_swarm(seed)

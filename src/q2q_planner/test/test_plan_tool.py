@@ -114,15 +114,44 @@ def test_an_upload_read_as_crazyswarm2_does_flies_the_plan(crossing: Path, tmp_p
         assert begun == pytest.approx(plan.duration, abs=1e-12)
 
 
-def test_more_pieces_than_a_crazyflie_holds_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_more_waypoints_than_a_crazyflie_holds_are_refused_before_the_search(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "long.yaml"
     rows = ", ".join(f"{{t: {2 * k}, pos: [{k % 2}, 0, 1]}}" for k in range(33))
     path.write_text(f"vehicles: {{cf1: [{rows}]}}")
+    monkeypatch.delattr("q2q_planner.tools.plan_swarm.planned")
     arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(tmp_path / "uploads")]
     assert main([str(path), *arguments]) == 1
     assert "cf1: 32 pieces; a Crazyflie's memory holds 31" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_plan_cut_into_more_pieces_than_a_crazyflie_holds_leaves_no_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "crossings.yaml"
+    rows = [
+        ", ".join(f"{{t: {20 * k}, pos: [{x * (-1) ** k}, {y * (-1) ** k}, {z}]}}" for k in range(count))
+        for x, y, z, count in ((1, 0, 1.0, 8), (0, 1, 1.6, 2))
+    ]
+    path.write_text(f"vehicles: {{cf1: [{rows[0]}], cf2: [{rows[1]}]}}")
+    arguments = ["--out", str(tmp_path / "plan.json"), "--csv", str(tmp_path / "plan.csv")]
+    assert main([str(path), *arguments, "--upload", str(tmp_path / "uploads")]) == 1
+    assert "cf1: 35 pieces; a Crazyflie's memory holds 31" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [path]
+    assert main([str(path), *arguments]) == 0
+
+
+@pytest.mark.parametrize("option", ["--out", "--csv", "--json"])
+def test_an_output_that_would_be_a_vehicle_s_upload_is_refused(
+    option: str, crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    uploads = tmp_path / "uploads"
+    arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(uploads)]
+    assert main([str(crossing), *arguments, option, str(uploads / "cf2.csv")]) == 1
+    assert f"{uploads / 'cf2.csv'} is cf2's file of --upload" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [crossing]
 
 
 def test_the_zone_is_chosen_by_what_it_spares(
@@ -289,6 +318,9 @@ def refusal(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--out", "plan.json", "--upload", "old.json"], "old.json is a file; give a folder"),
         (["--out", "plan.json", "--figures", "old.json"], "old.json is a file; give a folder"),
         (["--out", "plan.json", "--csv", "old.json/a.csv"], "old.json is a file; it cannot hold a.csv"),
+        (["--out", "plan.json", "--csv", "ups", "--upload", "ups"], "ups, which --upload needs as a folder"),
+        (["--out", "plan.json", "--csv", "a", "--figures", "a/b"], "a, which --figures needs as a folder"),
+        (["--out", "plan.json", "--csv", "plan.json/a.csv"], "plan.json, which --csv needs as a folder"),
     ],
 )
 def test_no_file_is_written_twice_or_over_another(

@@ -234,6 +234,12 @@ def test_a_scenario_in_a_bag_comes_before_files_of_its_name(
         assert flown_scenario(facts, bag).waypoints[0].waypoints[0].pos[2] == height
 
 
+def test_the_help_says_which_orders_are_allowed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "an even number of 4 or more (default 8)" in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_scenario_is_that_of_the_metadata() -> None:
     facts = FlightFacts("crazyflie_2_1", "stock", "stack3", "aware", "pid", "", "none", "", "ring", "0")
     flown = flown_scenario(facts, Path())

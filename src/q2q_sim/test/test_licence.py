@@ -25,7 +25,7 @@ from q2q_sim.experiments.licence.licence_reports import (
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.program_turns import Turns, always
-from q2q_sim.experiments.licence.program.simulator_errors import SimulatorError, is_of_room
+from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
 from q2q_sim.experiments.licence.program_flight import MORE_VEHICLES, FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.loop.room import Room
@@ -284,18 +284,6 @@ def test_the_tick_after_a_program_is_not_interrupted_by_looks_at_it(tmp_path: Pa
     (flight,) = flown([order], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.log.end.error == MORE_VEHICLES
-
-
-def test_an_error_in_a_tick_ends_the_licence_though_the_program_catches_it(tmp_path: Path):
-    end = """
-    from q2q_sim.loop.room import Room
-    def fail(*_):
-        raise LookupError("no row")
-    Room.fly = fail
-    try: time.sleep(1.0)
-    except Exception: pass"""
-    with pytest.raises(SimulatorError, match=r"the simulator failed, not the program:\n(?s:.*)no row$"):
-        licence(hop(tmp_path, end), LicenceOptions())
 
 
 @pytest.mark.parametrize(("kind", "own"), [(LookupError, True), (RecursionError, False)])

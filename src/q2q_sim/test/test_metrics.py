@@ -16,7 +16,9 @@ from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.exposure import exposed
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import held, measure
+from q2q_sim.report.run_table import HEAD as TERMINAL_HEAD
 from q2q_sim.scenarios import library
+from q2q_sim.tools.report_bags import TRACKING
 
 T = np.arange(1000) * 0.01
 SCENARIO = library.load("table6")
@@ -41,7 +43,12 @@ def test_errors_are_root_mean_squares_along_z_and_beside_it() -> None:
     assert (two.z_rmse_m, two.xy_rmse_m) == (0.0, 0.0)
 
 
-def test_energy_of_hover_is_its_square_over_time() -> None:
+def test_tables_call_the_integral_of_squared_thrust_by_its_name_in_control() -> None:
+    assert TERMINAL_HEAD[4:6] == ("control\neffort\n[N²s]", "above\nhover\n[N²s]")
+    assert TRACKING["u1_energy"] == "control effort ∫ U1² dt [N²s]"
+
+
+def test_control_effort_of_hover_is_its_square_over_time() -> None:
     weight = SCENARIO.vehicle.hover_thrust
     thrust = np.column_stack([np.full(1000, weight), weight + np.sin(2 * np.pi * T)])
     one, two = measure(_flight(_still(), _still(), thrust), SCENARIO.vehicle).vehicles.values()

@@ -46,7 +46,7 @@ from q2q_control.mpc.prediction.present import Present, PresentEstimator
 from q2q_control.mpc.prediction.surroundings import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
-from q2q_control.pid.thrust_vector import ThrustLimits
+from q2q_control.pid.thrust_vector import ThrustLimits, largest_thrust
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
@@ -100,14 +100,13 @@ class Mpc:
         """Use other parameters; plans and estimates start anew.
 
         Raises:
-            ValueError: the solver is not made for these parameters.
+            ValueError: the solver is not made for these parameters, or thrust_max does not carry the vehicle.
         """
         if self._setup.correct is not None:
             params = tightened(params)
+        thrust_max = largest_thrust(self._vehicle, params.thrust_max if params.thrust_limited else None)
         self._solver = self._setup.solver(params, self._vehicle)
         self._params = params
-        top = self._vehicle.rpyt_thrust_max
-        thrust_max = min(params.thrust_max, top) if params.thrust_limited else top
         limits = ThrustLimits(
             mass=self._vehicle.mass,
             thrust_max=thrust_max,

@@ -31,7 +31,7 @@ from q2q_control.inputs.alignment import Aligned, align
 from q2q_control.inputs.controller import TILT_MAX
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
-from q2q_control.pid.thrust_vector import ThrustLimits
+from q2q_control.pid.thrust_vector import ThrustLimits, largest_thrust
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
     Interference,
@@ -99,7 +99,11 @@ class Pid:
         self.reset()
 
     def configure(self, params: PidParams) -> None:
-        """Use other parameters from the next stamp on; memory is kept."""
+        """Use other parameters from the next stamp on; memory is kept.
+
+        Raises:
+            ValueError: thrust_max does not carry the vehicle.
+        """
         limits = pid_limits(params, self._vehicle)
         self._law: Law = (*pid_gains(params),), (*limits,)
         hover = min(self._vehicle.hover_thrust, limits.thrust_max)
@@ -152,11 +156,14 @@ def pid_gains(params: PidParams) -> PidGains:
 
 
 def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:
-    """Return the limits of a vehicle: its own, and those of the parameters."""
-    allowed = params.thrust_max if params.thrust_limited else vehicle.rpyt_thrust_max
+    """Return the limits of a vehicle: its own, and those of the parameters.
+
+    Raises:
+        ValueError: thrust_max does not carry the vehicle.
+    """
     return ThrustLimits(
         mass=vehicle.mass,
-        thrust_max=min(allowed, vehicle.rpyt_thrust_max),
+        thrust_max=largest_thrust(vehicle, params.thrust_max if params.thrust_limited else None),
         tilt_max=params.tilt_max,
         exact=params.exact_inverse,
         k_yaw=params.k_yaw,

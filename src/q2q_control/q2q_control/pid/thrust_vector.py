@@ -35,7 +35,7 @@ import numpy as np
 from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 UPRIGHT_MIN = 0.3
 """cos phi cos theta below which (tilted by 70 deg) thrust is no longer raised for it."""
@@ -59,6 +59,24 @@ class ThrustLimits(NamedTuple):
     """[1/s]"""
     yaw_rate_max: float
     """[rad/s]"""
+
+
+def largest_thrust(vehicle: Vehicle, bound: float | None) -> float:
+    """Return the largest collective thrust that a controller may command [N].
+
+    Args:
+        vehicle: whose own limit holds as well.
+        bound: thrust_max of a controller with thrust_limited [N]; None without.
+
+    Raises:
+        ValueError: the bound does not carry the vehicle.
+    """
+    if bound is None:
+        return vehicle.rpyt_thrust_max
+    if bound <= vehicle.hover_thrust:
+        least = f"allowed is more than the weight of {vehicle.name}, {vehicle.hover_thrust:.6g} N"
+        raise ValueError(f"thrust_max = {bound:g} N with thrust_limited: {least}")
+    return min(bound, vehicle.rpyt_thrust_max)
 
 
 class Excess(NamedTuple):

@@ -11,12 +11,15 @@ from rclpy.node import Node
 
 from q2q_control.mpc.prediction.awaited import AwaitedPredictions
 from q2q_control.mpc.prediction.neighbours import SILENT
+from q2q_control.mpc.prediction.own_predictions import OwnPredictions
 from q2q_control.mpc.prediction.slots import BroadcastSchedule
 from q2q_control.mpc.receding import Mpc
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
+from q2q_model.ros.node.input_warnings import writers_of
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.qos import MANY_WRITERS, TICK_WRITER
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_parts
 from q2q_model.signals.values import Names, SwarmCommand, SwarmState
 
 TOPIC = "predictions"
@@ -34,6 +37,8 @@ class PredictionExchange:
         self._state: SwarmState | None = None
         self._waits = True
         self._silent: Names = ()
+        self._own = OwnPredictions()
+        self._told: set[Names] = set()
         self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
         self._node = node
 
@@ -60,10 +65,13 @@ class PredictionExchange:
     def _publish(self, _: int, __: Signal) -> None:
         prediction = self._mpc.prediction
         if prediction is not None and self._state is not None and self._schedule.take_turn(self._state):
-            self._publisher.publish(encode_prediction(prediction))
+            message = encode_prediction(prediction)
+            self._own.send(_stamp_of(message))
+            self._publisher.publish(message)
 
     def _hear(self, message: PredictionMessage) -> None:
-        if not set(message.names).isdisjoint(self._vehicles):
+        if own := set(message.names).intersection(self._vehicles):
+            self._own.hear(_stamp_of(message), own)
             return
         try:
             self._mpc.hear(decode_prediction(message))
@@ -72,7 +80,8 @@ class PredictionExchange:
         self._wiring.resume()
 
     def _facts(self) -> Mapping[str, str]:
-        """Return which neighbours are silent; log it when it changes."""
+        """Return which neighbours are silent; log a change of it, and that others fly own vehicles."""
+        self._wiring.health.doubts[f"{TOPIC} doubled"] = self._doubled()
         silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
         names = ", ".join(silent)
         told = f"{TOPIC}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
@@ -81,3 +90,20 @@ class PredictionExchange:
         self._silent = silent
         self._wiring.health.doubts[TOPIC] = told if silent else ""
         return {"silent_neighbours": names}
+
+    def _doubled(self) -> str:
+        """Return which own vehicles another node predicts, empty for none; warn of it the first time."""
+        doubled = self._own.take_doubled()
+        if not doubled:
+            return ""
+        writers = ", ".join(writers_of(self._node, TOPIC))
+        told = f"{TOPIC}: another node flies {', '.join(doubled)}, too; stop one ({writers} write it)"
+        if doubled not in self._told:
+            self._told.add(doubled)
+            self._node.get_logger().warning(told)
+        return told
+
+
+def _stamp_of(message: PredictionMessage) -> int:
+    stamp = message.header.stamp
+    return stamp_from_parts(stamp.sec, stamp.nanosec)

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
+from types import MappingProxyType
 from typing import NoReturn
 
 from q2q_model.commands.quiet_end import drop_output, ending_at_once, output_is_read
@@ -134,8 +135,13 @@ def require_existing(what: str, *paths: Path) -> None:
             raise ValueError(f"no {what} at {path}")
 
 
-def require_apart(files: Mapping[str, Path | None]) -> None:
-    """Raise UsageError if two of the files, named by their arguments, are the same; devices may be."""
+def require_apart(
+    files: Mapping[str, Path | None], folders: Mapping[str, Path | None] = MappingProxyType({})
+) -> None:
+    """Raise UsageError if two of the files, named by their arguments, are the same; devices may be.
+
+    It is raised, too, if a file is a folder that another argument asks for.
+    """
     seen: dict[Path, str] = {}
     for name, path in files.items():
         if path is None or (path.exists() and not path.is_file()):
@@ -143,6 +149,16 @@ def require_apart(files: Mapping[str, Path | None]) -> None:
         other = seen.setdefault(path.resolve(), name)
         if other != name:
             raise UsageError(f"{other} and {name} are both {path}: give each a file of its own")
+    needed = {name: path.resolve() for name, path in folders.items() if path}
+    _require_no_folders(seen, needed | {name: path.parent for path, name in seen.items()})
+
+
+def _require_no_folders(files: Mapping[Path, str], needed: Mapping[str, Path]) -> None:
+    for name, folder in needed.items():
+        for place in (folder, *folder.parents):
+            if place in files:
+                both = f"{files[place]} is the file {place}, which {name} needs as a folder"
+                raise UsageError(f"{both}: give one of them another place")
 
 
 def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:

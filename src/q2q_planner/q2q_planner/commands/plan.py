@@ -43,7 +43,8 @@ def _prepare(args: Namespace) -> Work:
         check_model(args.model)
     require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
     written = {"--out": args.out, "--json": args.json, "--csv": args.csv}
-    require_apart({"the waypoint file": args.waypoints, "--warm": args.warm} | written)
+    folders = {"--upload": args.upload, "--figures": args.figures}
+    require_apart({"the waypoint file": args.waypoints, "--warm": args.warm} | written, folders)
     from q2q_planner.tools.plan_swarm import run
 
     return run

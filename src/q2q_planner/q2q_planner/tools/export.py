@@ -5,11 +5,14 @@ the ascending coefficients of x, y, z, yaw, degree 7 each (crazyflie_py, `uav_tr
 """
 
 import csv
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from q2q_model.trajectory.polynomials import AXES, SwarmPlan, setpoint_at
+from q2q_model.signals.values import Array
+from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory, setpoint_at
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
 UPLOAD_ORDER = 8
 """Coefficients per piece and axis: degree 7."""
@@ -41,25 +44,60 @@ def write_samples(path: Path, plan: SwarmPlan) -> None:
                 table.writerow([repr(setpoint.t), name, *(repr(float(number)) for number in numbers)])
 
 
-def write_uploads(folder: Path, plan: SwarmPlan) -> None:
-    """Write `<name>.csv` for each vehicle, to be uploaded by Crazyswarm2.
+def check_upload_of(swarm: Sequence[VehicleWaypoints], folder: Path, others: Iterable[Path | None]) -> None:
+    """Check, before the search, that waypoints can be uploaded, and that their files are not `others`.
+
+    Raises:
+        ValueError: naming the vehicle and what is allowed.
+    """
+    taken = {path.resolve() for path in others if path}
+    for vehicle in swarm:
+        check_pieces(vehicle.name, len(vehicle.waypoints) - 1)
+        path = upload_path(folder, vehicle.name)
+        if path.resolve() in taken:
+            told = f"{path} is {vehicle.name}'s file of --upload"
+            raise ValueError(f"{told}: give the other output another name")
+
+
+def check_pieces(name: str, pieces: int) -> None:
+    """Raise ValueError if a vehicle's memory does not hold that many pieces."""
+    if pieces > MOST_PIECES:
+        given = f"{name}: {pieces} pieces; a Crazyflie's memory holds {MOST_PIECES}"
+        raise ValueError(f"{given}: give fewer waypoints (avoidance cuts what lies between two into several)")
+
+
+def upload_path(folder: Path, name: str) -> Path:
+    """Return the file of a vehicle's upload."""
+    return folder / f"{name}.csv"
+
+
+def upload_rows(plan: SwarmPlan) -> dict[str, Array]:
+    """Return each vehicle's pieces, (pieces, 1 + AXES * UPLOAD_ORDER): duration, then coefficients.
 
     Raises:
         ValueError: a piece has a degree above the firmware's 7, or there are too many pieces.
     """
+    return {name: _pieces_of(name, one) for name, one in zip(plan.names, plan.trajectories, strict=True)}
+
+
+def _pieces_of(name: str, trajectory: Trajectory) -> Array:
+    order = trajectory.coefficients.shape[-1]
+    if order > UPLOAD_ORDER and trajectory.coefficients[..., UPLOAD_ORDER:].any():
+        raise ValueError(f"{name}: pieces of degree {order - 1}; Crazyswarm2 uploads at most degree 7")
+    pieces = len(trajectory.durations)
+    check_pieces(name, pieces)
+    powers = np.zeros((pieces, AXES, UPLOAD_ORDER))
+    powers[..., : min(order, UPLOAD_ORDER)] = trajectory.coefficients[..., :UPLOAD_ORDER]
+    return np.column_stack([trajectory.durations, powers.reshape(pieces, -1)])
+
+
+def write_uploads(folder: Path, rows: Mapping[str, Array]) -> None:
+    """Write `<name>.csv` for each vehicle of `upload_rows`, to be uploaded by Crazyswarm2."""
     header = ["Duration", *(f"{axis}^{k}" for axis in ("x", "y", "z", "yaw") for k in range(UPLOAD_ORDER))]
     folder.mkdir(parents=True, exist_ok=True)
-    for name, trajectory in zip(plan.names, plan.trajectories, strict=True):
-        order = trajectory.coefficients.shape[-1]
-        if order > UPLOAD_ORDER and trajectory.coefficients[..., UPLOAD_ORDER:].any():
-            raise ValueError(f"{name}: pieces of degree {order - 1}; Crazyswarm2 uploads at most degree 7")
-        if len(trajectory.durations) > MOST_PIECES:
-            pieces = f"{name}: {len(trajectory.durations)} pieces"
-            raise ValueError(f"{pieces}; a Crazyflie's memory holds {MOST_PIECES}: plan a shorter flight")
-        rows = np.zeros((len(trajectory.durations), AXES, UPLOAD_ORDER))
-        rows[..., : min(order, UPLOAD_ORDER)] = trajectory.coefficients[..., :UPLOAD_ORDER]
-        with (folder / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
+    for name, pieces in rows.items():
+        with upload_path(folder, name).open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file)
             table.writerow(header)
-            for duration, row in zip(trajectory.durations, rows, strict=True):
-                table.writerow([repr(float(duration)), *(repr(float(number)) for number in row.ravel())])
+            for row in pieces:
+                table.writerow([repr(float(number)) for number in row])

@@ -1,7 +1,7 @@
 """Planning from the command line: zone, search, certificate, and the files of the plan."""
 
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from time import process_time
@@ -9,6 +9,7 @@ from time import process_time
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Zone
+from q2q_model.signals.values import Array
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
@@ -20,7 +21,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, pla
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.rounding_bound import NOT_BOUNDED
 from q2q_planner.offline.walls import WallProof, prove_within
-from q2q_planner.tools.export import write_samples, write_uploads
+from q2q_planner.tools.export import check_upload_of, upload_rows, write_samples, write_uploads
 from q2q_planner.tools.flight_options import read_swarm
 from q2q_planner.tools.risk_options import risk_facts, terms_of
 from q2q_planner.tools.zone_options import zone_of
@@ -89,15 +90,18 @@ def _finite(clearance: float) -> float | None:
 def run(asked: Namespace) -> int:
     """Plan, certify, and write the files; return the exit status."""
     asked, swarm = read_swarm(asked)
+    if asked.upload:
+        check_upload_of(swarm, asked.upload, (asked.out, asked.json, asked.csv))
     before = process_time()
     zone, words = zone_of(asked, swarm, _params_of(asked))
     made = planned(asked, swarm, zone, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold
     check_feasible(made.plan, swarm, asked.vehicle, reserve)
+    uploads = upload_rows(made.plan) if asked.upload else {}
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
     plan_file.save(asked.out, made.plan, facts)
-    _write_others(asked, made)
+    _write_others(asked, made, uploads)
     if asked.figures:
         _draw(asked, made, swarm, zone)
     count = len(made.plan.names)
@@ -110,14 +114,14 @@ def run(asked: Namespace) -> int:
     return 0
 
 
-def _write_others(asked: Namespace, made: Planned) -> None:
+def _write_others(asked: Namespace, made: Planned, uploads: Mapping[str, Array]) -> None:
     if asked.json:
         facts = as_json(made) | risk_facts(asked, len(made.plan.names))
         write_json(facts, asked.json)
     if asked.csv:
         write_samples(asked.csv, made.plan)
     if asked.upload:
-        write_uploads(asked.upload, made.plan)
+        write_uploads(asked.upload, uploads)
 
 
 def _draw(asked: Namespace, made: Planned, swarm: Sequence[VehicleWaypoints], zone: Zone) -> None:

@@ -60,7 +60,7 @@ def parser() -> CommandLine:
         type=whole_number(1),
         default=8,
         metavar="N",
-        help="orders in which causes are taken out (default 8)",
+        help=f"orders in which causes are taken out, an even number of {FEWEST_ORDERS} or more (default 8)",
     )
     made.add_argument(
         "--seeds",

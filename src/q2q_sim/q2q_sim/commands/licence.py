@@ -3,8 +3,8 @@
 The program uses cflib, or crazyflie_py of Crazyswarm2, for which there is a stand-in; every URI that it opens
 is an emulated vehicle on the floor. Without faults it must fly and end safely; then it is flown with one
 fault each: radio, motion capture, battery, arming, downwash.
-Exits with 0 if every flight passes, 1 if one does not, 2 if the command line is wrong or the simulator
-itself fails. Options of the program come after `--`.
+Exits with 0 if every flight passes, 1 if one fails, 2 if the command line is wrong, or if none fails and the
+simulator itself did in one. Options of the program come after `--`.
 """
 
 import sys

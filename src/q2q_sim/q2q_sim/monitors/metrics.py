@@ -1,7 +1,7 @@
 """Metrics of a flight: those of the paper's Table 6, separation and time in the zone.
 
     z RMSE   = sqrt(1/T int (z - z_ref)^2 dt)          against the plan, of the truth if known
-    energy   = int U1^2 dt,   above hover: - (m g)^2 T
+    effort   = int U1^2 dt,   above hover: - (m g)^2 T     control effort; the paper's "energy"
     under, clear = z RMSE under another vehicle, in clear air (q2q_sim.monitors.exposure)
     worst    = max |z - z_ref| under another vehicle
     separation = min over pairs and time of |r_i - r_j|
@@ -33,9 +33,9 @@ class VehicleMetrics:
     z_rmse_m: float
     xy_rmse_m: float
     u1_energy: float
-    """[N^2 s]"""
+    """Control effort [N^2 s]."""
     u1_energy_above_hover: float
-    """[N^2 s]"""
+    """Control effort beyond that of hovering [N^2 s]."""
     u1_max: float
     """[N]"""
     under_rms_m: float
@@ -85,12 +85,12 @@ def _vehicle(when: Exposure, error: Array, thrust: Array, dt: float, weight: flo
     """Return the metrics of one vehicle from its exposure (T,), position error (T, 3) and thrust (T,)."""
     given = held(thrust)
     known = len(given) > 0
-    energy = float(np.sum(given**2)) * dt if known else float("nan")
+    effort = float(np.sum(given**2)) * dt if known else float("nan")
     return VehicleMetrics(
         z_rmse_m=_rms(error[:, 2]),
         xy_rmse_m=_rms(np.hypot(error[:, 0], error[:, 1])),
-        u1_energy=energy,
-        u1_energy_above_hover=energy - weight**2 * len(given) * dt,
+        u1_energy=effort,
+        u1_energy_above_hover=effort - weight**2 * len(given) * dt,
         u1_max=float(given.max()) if known else float("nan"),
         under_rms_m=_rms(error[when.under, 2]),
         clear_rms_m=_rms(error[when.clear, 2]),

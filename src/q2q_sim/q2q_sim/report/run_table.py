@@ -23,7 +23,7 @@ HEAD = (
     "vehicle",
     "z RMSE\n[m]",
     "xy RMSE\n[m]",
-    "U1 energy\n[N²s]",
+    "control\neffort\n[N²s]",
     "above\nhover\n[N²s]",
     "max U1\n[N]",
     "separation\n[m]",

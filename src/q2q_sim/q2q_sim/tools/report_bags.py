@@ -34,7 +34,7 @@ from q2q_sim.tools.distinct_names import distinct_names
 TRACKING = {
     "z_rmse_m": "z RMSE [m]",
     "xy_rmse_m": "xy RMSE [m]",
-    "u1_energy": "U1 energy [N²s]",
+    "u1_energy": "control effort ∫ U1² dt [N²s]",
     "u1_energy_above_hover": "above hover [N²s]",
     "u1_max": "max U1 [N]",
     "under_rms_m": "z RMSE under another [m]",

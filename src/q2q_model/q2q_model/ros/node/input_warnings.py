@@ -65,6 +65,12 @@ class StandingStamps:
             self._node.get_logger().warning(f"{self._topic}: {told}")
 
 
+def writers_of(node: Node, topic: str) -> list[str]:
+    """Return the names of the nodes that write a topic, sorted."""
+    found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
+    return sorted(one.node_name for one in found)
+
+
 class SeveralWriters:
     """Warning, once for the same nodes, that more nodes write a topic than can be right."""
 
@@ -78,7 +84,7 @@ class SeveralWriters:
         resolved = self._node.resolve_topic_name(self.topic)  # rclpy does not remap what it counts
         if self._node.count_publishers(resolved) <= self._most:
             return ""
-        writers = sorted(one.node_name for one in self._node.get_publishers_info_by_topic(resolved))
+        writers = writers_of(self._node, self.topic)
         may = f"{self._most} may: stop the others"
         told = f"{self.topic}: {len(writers)} nodes write it ({', '.join(writers)}); {may}"
         if told not in self._told:

@@ -58,8 +58,9 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
         if not overrides:  # rclpy calls it for every parameter of the node, also when one is declared
             return SetParametersResult(successful=True)
         try:
-            current[0] = with_overrides(current[0], overrides)
-            apply(current[0])
+            asked = with_overrides(current[0], overrides)
+            apply(asked)
+            current[0] = asked
         except ValueError as refusal:
             return SetParametersResult(successful=False, reason=str(refusal))
         return SetParametersResult(successful=True)

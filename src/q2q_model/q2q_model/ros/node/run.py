@@ -22,6 +22,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
+from q2q_model.compilation_notice import give_notice_of_compilation
 from q2q_model.node.loopback import restrict
 from q2q_model.node.ros_refusal import refusal_of_ros
 from q2q_model.ros.node.node_parameters import refuse_undeclared
@@ -63,8 +64,9 @@ def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | 
 def run_together(
     name: str, build: Callable[[], Mapping[Node, Kept]], end: Callable[[Kept], None] | None = None
 ) -> None:
-    """Run several nodes in one process, as `run` does; `name` prefixes error messages."""
+    """Run several nodes in one process, as `run` does; `name` prefixes notices and error messages."""
     ending = _Ending()
+    give_notice_of_compilation(name)
     gc.disable()  # objects created during start-up are never freed
     try:
         start_ros()

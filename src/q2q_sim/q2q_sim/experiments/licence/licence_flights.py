@@ -18,6 +18,7 @@ from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, findings
+from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
 from q2q_sim.experiments.licence.program_flight import (
     MORE_VEHICLES,
     PATIENCE_S,
@@ -90,6 +91,8 @@ class FlownTrial:
     log: LicenceLog | None
     seconds: float
     """Wall time."""
+    error: SimulatorFailure | None = None
+    """Why the simulator failed: the program is not judged by this flight."""
 
     @property
     def failures(self) -> tuple[BrokenRule, ...]:
@@ -98,8 +101,21 @@ class FlownTrial:
 
     @property
     def passed(self) -> bool:
-        """Return whether no rule was broken."""
-        return not self.failures
+        """Return whether the flight was flown and no rule was broken."""
+        return not self.failures and self.error is None
+
+    @property
+    def verdict(self) -> str:
+        """Return the verdict in one word."""
+        if self.error is not None:
+            return "ERROR"
+        return "pass" if self.passed else "FAIL"
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Return what was found, or how the simulator failed."""
+        errors = () if self.error is None else (self.error.sentence,)
+        return (*errors, *(one.sentence for one in self.findings))
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +142,17 @@ class Licence:
     @property
     def failed(self) -> tuple[FlownTrial, ...]:
         """Return the flights with broken rules."""
-        return tuple(one for one in self.flights if not one.passed)
+        return tuple(one for one in self.flights if one.failures)
+
+    @property
+    def errors(self) -> tuple[FlownTrial, ...]:
+        """Return the flights in which the simulator failed."""
+        return tuple(one for one in self.flights if one.error is not None)
+
+    @property
+    def judged(self) -> bool:
+        """Return whether the program failed, or the simulator did in no flight."""
+        return bool(self.failed) or not self.errors
 
 
 def licence(program: Program, options: LicenceOptions) -> Licence:
@@ -134,7 +160,6 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
 
     Raises:
         AirError: the air does not exist, or cannot be flown in.
-        SimulatorError: the simulator failed in a flight.
     """
     begin()
     LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
@@ -212,7 +237,7 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
         seconds = monotonic() - one.since
         if answer not in ready and seconds < STUCK_S:
             continue
-        log = received(answer) if answer in ready else None
+        sent = received(answer) if answer in ready else None
         if answer in ready:
             one.process.join(DYING_S)
         died = one.process.exitcode
@@ -220,8 +245,14 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
         one.process.join()
         answer.close()
         del running[answer]
-        broken = findings(log, limits) if log is not None else (_without_log(died),)
-        yield FlownTrial(one.order.trial, broken, log, seconds)
+        trial = one.order.trial
+        match sent:
+            case LicenceLog():
+                yield FlownTrial(trial, findings(sent, limits), sent, seconds)
+            case SimulatorFailure():
+                yield FlownTrial(trial, (), None, seconds, sent)
+            case None:
+                yield FlownTrial(trial, (_without_log(died),), None, seconds)
 
 
 def _without_log(status: int | None) -> BrokenRule:

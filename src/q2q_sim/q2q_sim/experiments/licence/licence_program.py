@@ -42,6 +42,8 @@ def judge(args: Namespace) -> int:
         _write(args.junit, junit_xml(found))
     if args.out:
         print(f"page: {write_licence_page(found, args.out)}")
+    if not found.judged:
+        return 2
     return 0 if found.passed else 1
 
 
@@ -51,11 +53,13 @@ def score(args: Namespace) -> int:
     for program in scored_programs(args.score, tuple(args.only)):
         one = scored(program, args.jobs, args.seed)
         found.append(one)
-        print(f"{'right' if one.right else 'WRONG'}  {program.name}: {one.verdict}", flush=True)
+        print(f"{one.word}  {program.name}: {one.verdict}", flush=True)
     document = licence_score_json(found)
     if args.json:
         _write(args.json, _text(document))
-    print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly")
+    errors = sum(not one.judged for one in found)
+    told = f"; not judged, as the simulator failed: {errors}" if errors else ""
+    print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly{told}")
     return 0 if all(one.right for one in found) else 1
 
 

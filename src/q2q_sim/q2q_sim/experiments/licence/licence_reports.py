@@ -24,6 +24,10 @@ def verdict_words(found: Licence) -> str:
             f"FAIL {name}: {len(found.failed)} of {count} flights; {first.trial.words}: "
             f"{first.failures[0].sentence}"
         )
+    if found.errors:
+        first = found.errors[0]
+        flights = f"{len(found.errors)} of {count} flights"
+        return f"ERROR {name}: {flights}; {first.trial.words}: {first.sentences[0]}"
     if found.left_out:
         return f"FAIL {name}: no time for {len(found.left_out)} of {count + len(found.left_out)} flights"
     grounded = "" if found.flew else "; no vehicle flew"
@@ -36,8 +40,9 @@ def report_text(found: Licence) -> str:
     """Return a line for each flight, then the verdict."""
     lines = []
     for one in found.flights:
-        lines.append(f"{'pass' if one.passed else 'FAIL'}  {one.trial.words}")
-        lines += [f"      {finding.sentence}" for finding in one.findings]
+        lines.append(f"{one.verdict}  {one.trial.words}")
+        told = one.error.told.splitlines() if one.error is not None else ()
+        lines += [f"      {line}" for line in (*one.sentences, *told)]
     lines += [f"not flown  {trial.words}" for trial in found.left_out]
     return "\n".join([*lines, verdict_words(found)])
 
@@ -55,6 +60,7 @@ def licence_json(found: Licence) -> Json:
                 "trial": one.trial.words,
                 "kind": str(one.trial.kind),
                 "passed": one.passed,
+                "error": "" if one.error is None else one.error.told,
                 "findings": [
                     {
                         "rule": each.rule,
@@ -78,13 +84,11 @@ def junit_xml(found: Licence) -> str:
     suite = ET.SubElement(suites, "testsuite", name="licence", time=f"{found.seconds:.3f}")
     suite.set("tests", str(len(found.flights) + len(found.left_out)))
     suite.set("failures", str(len(found.failed)))
+    suite.set("errors", str(len(found.errors)))
     suite.set("skipped", str(len(found.left_out)))
     for one in found.flights:
         case = _case(suite, found, one.trial.words, one.seconds)
-        if not one.passed:
-            first = one.failures[0]
-            failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)
-            failure.text = "\n".join(each.sentence for each in one.failures)
+        _add_outcome(case, one)
         remarks = [each.sentence for each in one.findings if each.remark]
         output = "\n".join([*remarks, one.log.output if one.log is not None else ""]).strip()
         if output:
@@ -101,6 +105,17 @@ def _case(suite: ET.Element, found: Licence, name: str, seconds: float) -> ET.El
     )
 
 
+def _add_outcome(case: ET.Element, flight: FlownTrial) -> None:
+    """Add to a test case which rules were broken, or how the simulator failed."""
+    if flight.error is not None:
+        message = _printable(flight.error.sentence)
+        ET.SubElement(case, "error", type="simulator", message=message).text = _printable(flight.error.told)
+    elif flight.failures:
+        first = flight.failures[0]
+        failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)
+        failure.text = "\n".join(each.sentence for each in flight.failures)
+
+
 def _printable(text: str) -> str:
     """Return a text without the characters that XML 1.0 forbids."""
     return "".join(one for one in text if one in "\n\t" or one >= " ")
@@ -109,14 +124,8 @@ def _printable(text: str) -> str:
 def write_licence_page(found: Licence, folder: Path) -> Path:
     """Write the page of a licence into a folder; return its path."""
     folder.mkdir(parents=True, exist_ok=True)
-    rows = [
-        (
-            one.trial.words,
-            "pass" if one.passed else "FAIL",
-            "; ".join(each.sentence for each in one.findings) or "-",
-        )
-        for one in found.flights
-    ] + [(trial.words, "not flown", "no time left") for trial in found.left_out]
+    rows = [(one.trial.words, one.verdict, "; ".join(one.sentences) or "-") for one in found.flights]
+    rows += [(trial.words, "not flown", "no time left") for trial in found.left_out]
     parts: list[Part] = [PageVerdict(verdict_words(found), ok=found.passed), Grid(HEAD, rows)]
     shown = [found.flights[0], *(one for one in found.failed[:1] if one is not found.flights[0])]
     runs = [_run(one, one.log) for one in shown if one.log is not None]
@@ -134,6 +143,8 @@ def _lead(found: Licence) -> str:
     if found.passed and not found.flew:
         return "The program ran unmodified with emulated vehicles, of which none left the floor."
     flew = "The program flew emulated vehicles unmodified"
+    if len(found.flights) == 1 and found.errors:
+        return f"{flew}, without faults. The simulator failed, so it did not fly with faults."
     if len(found.flights) == 1 and not found.flights[0].passed:
         return f"{flew}, without faults. It failed, so it did not fly with faults."
     return f"{flew}, first without faults, then with one fault each."

@@ -55,11 +55,25 @@ class LicenceScore:
     verdict: str
     flights: int
     seconds: float
+    judged: bool = True
+    """False if no flight failed, but the simulator did in one."""
 
     @property
     def right(self) -> bool:
         """Return whether a sound program passed, or one with a bug did not."""
-        return self.passed == self.program.sound
+        return self.judged and self.passed == self.program.sound
+
+    @property
+    def failed(self) -> bool:
+        """Return whether the program was judged, and did not pass."""
+        return self.judged and not self.passed
+
+    @property
+    def word(self) -> str:
+        """Return in one word whether the verdict is right."""
+        if not self.judged:
+            return "ERROR"
+        return "right" if self.right else "WRONG"
 
 
 def scored_programs(folder: Path, only: Sequence[str] = ()) -> Iterator[ScoredProgram]:
@@ -87,7 +101,9 @@ def scored(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
         seed=seed,
     )
     found = licence(Program(program.file, (), program.file.parent), options)
-    return LicenceScore(program, found.passed, verdict_words(found), len(found.flights), found.seconds)
+    return LicenceScore(
+        program, found.passed, verdict_words(found), len(found.flights), found.seconds, found.judged
+    )
 
 
 def licence_score_json(found: Sequence[LicenceScore]) -> Json:
@@ -96,9 +112,10 @@ def licence_score_json(found: Sequence[LicenceScore]) -> Json:
     buggy = [one for one in found if not one.program.sound]
     return {
         "sound": len(sound),
-        "alarms": sum(not one.passed for one in sound),
+        "alarms": sum(one.failed for one in sound),
         "seeded_bugs": len(buggy),
-        "seeded_found": sum(not one.passed for one in buggy),
+        "seeded_found": sum(one.failed for one in buggy),
+        "not_judged": sum(not one.judged for one in found),
         "flights": sum(one.flights for one in found),
         "seconds": sum(one.seconds for one in found),
         "programs": [

@@ -31,7 +31,7 @@ from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.link_host import LinkHost
 from q2q_sim.experiments.licence.program.program_turns import Turns
-from q2q_sim.experiments.licence.program.simulator_errors import SimulatorError, end_by, is_of_room
+from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure, end_by, is_of_room
 from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.loop.room import TICK_S
@@ -277,16 +277,10 @@ def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
         end_by(error, answer)
 
 
-def received(answer: Connection) -> LicenceLog | None:
-    """Return the log that a process has sent; None if it ended without.
-
-    Raises:
-        SimulatorError: the simulator failed in it.
-    """
+def received(answer: Connection) -> LicenceLog | SimulatorFailure | None:
+    """Return the log that a process has sent, or why the simulator failed in it; None if it ended without."""
     try:
         sent = answer.recv()
     except EOFError:
         return None
-    if isinstance(sent, SimulatorError):
-        raise sent
-    return sent if isinstance(sent, LicenceLog) else None
+    return sent if isinstance(sent, LicenceLog | SimulatorFailure) else None

@@ -1,7 +1,8 @@
-"""Errors of the simulator itself in a tick: they end the licence and are never told as the program's."""
+"""Errors of the simulator itself in a tick: they end the flight and are never told as the program's."""
 
 import os
 import traceback
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import NoReturn
 
@@ -11,8 +12,17 @@ ROOM = LicenceRoom.fly.__code__.co_filename
 """File of the room, which takes nothing but packets from a program."""
 
 
-class SimulatorError(ChildProcessError):
-    """Error of the simulator itself in a flight, with its traceback."""
+@dataclass(frozen=True, slots=True)
+class SimulatorFailure:
+    """Error of the simulator itself in a flight."""
+
+    told: str
+    """Traceback."""
+
+    @property
+    def sentence(self) -> str:
+        """Return what failed, and the last line of the traceback."""
+        return f"the simulator failed, not the program: {self.told.splitlines()[-1]}"
 
 
 def is_of_room(error: BaseException) -> bool:
@@ -23,6 +33,5 @@ def is_of_room(error: BaseException) -> bool:
 
 def end_by(error: BaseException, answer: Connection) -> NoReturn:
     """Send an error of the simulator and end this process."""
-    told = "".join(traceback.format_exception(error)).strip()
-    answer.send(SimulatorError(f"the simulator failed, not the program:\n{told}"))
+    answer.send(SimulatorFailure("".join(traceback.format_exception(error)).strip()))
     os._exit(1)

@@ -1,0 +1,32 @@
+"""Notice of the compilation that delays the first start of a program on a machine.
+
+Machine code is stored beside the modules (or in NUMBA_CACHE_DIR), so that later processes load it.
+"""
+
+import sys
+
+from numba.core import event
+
+
+class CompilationNotice(event.Listener):  # type: ignore[misc]  # numba has no types
+    """Listener that prints one line at the first compilation of this process."""
+
+    def __init__(self, program: str) -> None:
+        """Start without a compilation; `program` begins the line."""
+        self._program = program
+        self._printed = False
+
+    def on_start(self, event: event.Event) -> None:  # noqa: ARG002  numba's interface
+        """Print the notice once."""
+        if not self._printed:
+            told = "compiling its numerical code for this processor, once: it takes minutes"
+            print(f"{self._program}: {told}; later starts load it", file=sys.stderr, flush=True)
+        self._printed = True
+
+    def on_end(self, event: event.Event) -> None:
+        """Do nothing."""
+
+
+def give_notice_of_compilation(program: str) -> None:
+    """Print a notice in the name of a program at the first compilation of this process."""
+    event.register("numba:compile", CompilationNotice(program))

@@ -1,0 +1,116 @@
+"""A node that hears predictions of its own vehicle from another node says so, and hears itself in silence."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from room_node import RoomNode
+
+from q2q_control.mpc.prediction.neighbours import PredictedPaths
+from q2q_control.ros.prediction_exchange import PredictionExchange
+from q2q_control.ros.prediction_message import encode_prediction
+from q2q_model.node.health import Health
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.signals.values import Names, SwarmState
+
+PERIOD = 0.1
+TOLD = "predictions: another node flies cf1, too; stop one (mpc_a, mpc_b write it)"
+
+
+@dataclass
+class Writer:
+    """Publisher, as ROS describes it."""
+
+    node_name: str
+
+
+class Room(RoomNode):
+    """Node that knows who writes a topic."""
+
+    def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
+        """Return the writers of predictions."""
+        return [Writer("mpc_b"), Writer("mpc_a")] if topic == "/predictions" else []
+
+
+@dataclass
+class Solved:
+    """MPC of cf1 that has solved a tick."""
+
+    prediction: PredictedPaths | None = None
+    heard: list[PredictedPaths] = field(default_factory=list)
+
+    def has_heard(self, _: str, __: float) -> bool:
+        """Return True: it waits for nobody."""
+        return True
+
+    def hear(self, prediction: PredictedPaths) -> None:
+        """Keep a prediction."""
+        self.heard.append(prediction)
+
+    def silent_neighbours(self, _: float) -> Names:
+        """Return none."""
+        return ()
+
+
+@dataclass
+class Wiring:
+    """Wiring that calls what follows a command, and asks for facts."""
+
+    health: Health = field(default_factory=Health)
+    follow: Callable[[int, object], None] = print
+    facts: Callable[[], Mapping[str, str]] = dict[str, str]
+
+    def after_publish(self, follow: Callable[[int, object], None]) -> None:
+        """Keep what follows a command."""
+        self.follow = follow
+
+    def add_facts(self, facts: Callable[[], Mapping[str, str]]) -> None:
+        """Keep who tells facts."""
+        self.facts = facts
+
+    def resume(self) -> None:
+        """Hold no tick."""
+
+
+def paths(t: float, name: str) -> PredictedPaths:
+    """Return a prediction of a vehicle at rest."""
+    return PredictedPaths(t, (name,), t, 0.05, np.zeros((1, 3, 3), np.float32))
+
+
+def doubts(wiring: Wiring) -> list[str]:
+    """Return what is doubtful in this second."""
+    wiring.facts()
+    return [doubt for doubt in wiring.health.doubts.values() if doubt]
+
+
+def test_a_second_node_of_the_same_vehicle_is_told_once_and_doubted_until_it_is_gone() -> None:
+    node, mpc, wiring = Room("mpc_a", {}, {}), Solved(), Wiring()
+    exchange = PredictionExchange(node, mpc, ("cf1",), PERIOD)
+    exchange.wire(wiring, live=True)
+    state = rehearsal(SwarmState, 0.0, ("cf1", "cf2"))
+    found = []
+    for k, twice in enumerate((False, True, True, False, True)):
+        t = PERIOD * k
+        mpc.prediction = paths(t, "cf1")
+        exchange.begin(replace(state, t=t))
+        wiring.follow(0, None)
+        for message in (*node.published["predictions"], *[encode_prediction(paths(t, "cf1"))] * twice):
+            node.takers["predictions"](message)
+        assert len(node.published["predictions"]) == 1
+        node.published["predictions"].clear()
+        found.append(doubts(wiring))
+    assert found == [[], [TOLD], [TOLD], [], [TOLD]]
+    assert node.lines == [TOLD]
+    assert mpc.heard == []
+
+
+def test_a_neighbour_s_prediction_is_heard_and_not_doubted() -> None:
+    node, mpc, wiring = Room("mpc_a", {}, {}), Solved(), Wiring()
+    PredictionExchange(node, mpc, ("cf1",), PERIOD).wire(wiring, live=True)
+    node.takers["predictions"](encode_prediction(paths(0.0, "cf2")))
+    assert (doubts(wiring), node.lines) == ([], [])
+    assert [one.names for one in mpc.heard] == [("cf2",)]
