@@ -30,6 +30,8 @@ GATES = PositionGates(
     reach=np.array([0.5]),
     deviation=np.array([0.25]),
     lost=np.array([False]),
+    varies=np.array([False]),
+    frozen=np.array([False]),
     pos_max=8.0,
 )
 FRESH, REPEATED = np.array([False]), np.array([True])
@@ -79,7 +81,7 @@ def test_beyond_the_ends_of_the_line_the_distance_from_them_counts(
 @pytest.mark.parametrize("period", [0.01, 0.1])
 def test_a_vehicle_that_falls_to_the_ground_is_followed_at_any_rate(period: float, rebound: float):
     """From 1 m at 1.5 m/s, stopped or thrown back within a tick and falling again, as at a hard landing."""
-    made = PositionTracks(TrackParams(8.0, 4.0, 0.04, 1e-3, 8.0, 0.35, 0.06), 1)
+    made = PositionTracks(TrackParams(8.0, 4.0, 0.04, 1e-3, 8.0, 0.35, 0.06, 4.0), 1)
     for k in range(round(1.5 / period)):
         t = k * period
         since = t - 1.0 / 1.5
@@ -110,7 +112,11 @@ def test_a_repeated_pose_is_stale_if_the_vehicle_moves_or_the_pose_is_rejected(
 ):
     before, now = (np.array([[0.0, part * REPEAT_STEP, 0.0]]) for part in (moved, step - moved))
     ahead = GATES._replace(moved=before, expected=GATES.last + now)
-    samples, believed = screen(GATES.last, REPEATED, ahead)
+    samples, believed, frozen = screen(GATES.last, REPEATED, ahead)
+    assert not frozen.any()
+    noisy = screen(GATES.last, REPEATED, ahead._replace(varies=np.array([True])))
+    assert np.isnan(noisy[0]).all()
+    assert noisy[2].tolist() == [True]
     assert np.isnan(samples).all() == moves
     assert believed.tolist() == [not moves]
     far = GATES.last + np.array([0.3, 0.0, 0.0])
@@ -183,7 +189,7 @@ def test_a_sample_without_noise_is_the_position_to_the_last_bit():
 
 def settling(samples: int, period: float = 0.01) -> tuple[PositionTracks, list[Array]]:
     """Return a track at rest after so many samples, and the covariance after each."""
-    made = PositionTracks(TrackParams(8.0, 2.0, 0.25, 1e-3, 8.0, 0.35, 0.06), 1)
+    made = PositionTracks(TrackParams(8.0, 2.0, 0.25, 1e-3, 8.0, 0.35, 0.06, 4.0), 1)
     covs = []
     for k in range(samples):
         made.update(k * period, np.zeros((1, 3)))

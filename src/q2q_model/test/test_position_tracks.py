@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation import white_jerk
+from q2q_model.estimation.position_gates import VARIED
 from q2q_model.estimation.position_steps import THAW_STEP
 from q2q_model.estimation.positions import BORROWED_MOST, PositionTracks, TrackUpdate
 from q2q_model.estimation.track_columns import TrackParams
@@ -13,7 +14,7 @@ from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array
 
 DT = 1.0 / 64.0
-NOISE, JERK, COAST, REACQUIRE = 0.01, 8.0, 0.25, 0.125
+NOISE, JERK, COAST, REACQUIRE, FROZEN = 0.01, 8.0, 0.25, 0.125, 2.0
 NEAR = 1e-6
 """On this side or that of a bound [m]."""
 PLACES = np.array([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0]])
@@ -23,7 +24,7 @@ NONE = np.full(3, np.nan)
 
 
 def tracks(speed_max: float = 2.0, count: int = 2) -> PositionTracks:
-    return PositionTracks(TrackParams(8.0, speed_max, 0.25, NOISE, JERK, COAST, REACQUIRE), count)
+    return PositionTracks(TrackParams(8.0, speed_max, 0.25, NOISE, JERK, COAST, REACQUIRE, FROZEN), count)
 
 
 def flown(ticks: int, speed_max: float = 2.0, vel: Array | None = None) -> PositionTracks:
@@ -111,6 +112,90 @@ def test_a_pose_is_old_once_its_vehicle_should_have_moved_since_it_first_came(sp
     taken = [bool(one.accepted[0]) for one in verdicts]
     assert taken == [True] + [False] * 9
     assert 0.6 * speed < verdicts[-1].vel[0, 1] < speed
+
+
+EVERYBODY = np.ones(2, dtype=bool)
+
+
+def last_taken(made: PositionTracks, again: Array, first: int, count: int) -> list[int]:
+    """Return the ticks, from `first` on, in which the first track takes a pose that repeats."""
+    ticks = range(first, first + count)
+    return [k - first for k in ticks if made.update(k * DT, again, EVERYBODY).accepted[0]]
+
+
+def hovering(made: PositionTracks, first: int, count: int, noise: float = 2e-4) -> Array:
+    """Let vehicles hover with noise [m] for `count` ticks from `first` on; return the last poses."""
+    rng = np.random.default_rng(first)
+    for k in range(first, first + count):
+        seen = PLACES + noise * rng.uniform(0.5, 1.0, (2, 3))
+        made.update(k * DT, seen, NOBODY)
+    return seen
+
+
+def leaving(made: PositionTracks, first: int, count: int) -> Array:
+    """Let the first vehicle leave at 0.5 m/s, with noise; return the last poses."""
+    rng = np.random.default_rng(first)
+    for k in range(count):
+        seen = PLACES + [[0.5 * k * DT, 0.0, 0.0], [0.0, 0.0, 0.0]] + rng.uniform(1e-4, 2e-4, (2, 3))
+        made.update((first + k) * DT, seen, NOBODY)
+    return seen
+
+
+def test_a_pose_that_froze_in_spite_of_noise_is_not_believed_until_a_vehicle_may_have_landed() -> None:
+    made = tracks()
+    hovering(made, 0, 30)
+    again = leaving(made, 30, 30)
+    believed = round((FROZEN + COAST) / DT)  # the patience for a pose that repeats
+    taken = last_taken(made, again, 60, believed + 10)
+    assert taken[0] == pytest.approx(believed, abs=2)
+    assert taken == list(range(taken[0], believed + 10))
+
+
+def test_another_pose_ends_a_frozen_stream_at_once() -> None:
+    made = tracks()
+    hovering(made, 0, 30)
+    again = leaving(made, 30, 30)
+    assert last_taken(made, again, 60, 80) == []
+    vel = np.array([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    there = [made.update(k * DT, PLACES + (k - 30) * DT * vel, NOBODY) for k in range(140, 160)]
+    assert [bool(one.trusted[0]) for one in there] == [False] * 8 + [True] * 12  # REACQUIRE
+    np.testing.assert_allclose(there[-1].vel[0], vel[0], atol=0.01)
+
+
+@pytest.mark.parametrize(("samples", "taken"), [(VARIED - 1, True), (VARIED, False)])
+def test_a_pose_that_repeats_in_a_hover_is_old_where_noise_keeps_poses_apart(
+    samples: int, *, taken: bool
+) -> None:
+    made = tracks()
+    again = hovering(made, 0, samples)
+    assert bool(last_taken(made, again, samples, 10)) == taken
+
+
+def test_a_pose_may_repeat_where_poses_have_done_so_are_rounded_or_without_noise() -> None:
+    made = tracks()
+    again = hovering(made, 0, VARIED - 5)
+    assert len(last_taken(made, again, VARIED - 5, 10)) == 10
+    again = hovering(made, VARIED + 5, VARIED - 5)
+    assert len(last_taken(made, again, 2 * VARIED, 10)) == 10
+    smooth = tracks()
+    hovering(smooth, 0, 50)
+    again = hovering(smooth, 50, 60, 1e-7)
+    assert len(last_taken(smooth, again, 110, 10)) == 10
+    rounded = tracks()
+    for k in range(50):
+        again = np.round(PLACES + (k % 3) * 1e-4, 4)
+        rounded.update(k * DT, again, NOBODY)
+    assert len(last_taken(rounded, again, 50, 10)) == 10
+
+
+def test_a_vehicle_that_stands_where_it_is_found_after_a_gap_is_found() -> None:
+    """Its pose repeats since it is seen again, and has not while it flew."""
+    vel = np.array([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    made = flown(60, vel=vel)
+    for k in range(60, 90):
+        made.update(k * DT, np.stack([NONE, PLACES[1]]), NOBODY)
+    made.update(90 * DT, PLACES, NOBODY)
+    assert last_taken(made, PLACES, 91, 40)[0] == round(COAST / DT) - 1
 
 
 def test_positions_rounded_to_millimetres_are_samples_at_any_speed() -> None:

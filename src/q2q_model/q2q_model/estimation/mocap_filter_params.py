@@ -44,6 +44,14 @@ class MocapFilterParams:
         low=0.0,
         high=10.0,
     )
+    # a vehicle that nobody sees lands 1 s after its last sample, at up to 1.1 m/s, and is cut after 5 s
+    frozen_s: float = tunable(
+        4.0,
+        "time after which a pose that repeats in spite of noise is believed again",
+        unit="s",
+        low=0.0,
+        high=60.0,
+    )
     turn_max: float = tunable(
         0.35, "believable turn in addition to turn_rate_max", unit="rad", low=0.01, high=3.2
     )

@@ -9,15 +9,18 @@ passes every gate:
 | velocity | abs(r - p) <= jump_max + speed_max tau |
 | position | abs(r - c) <= jump_max + GATE_SIGMAS sqrt(S), c: nearest to r on the line from 2 p - p- to p- |
 | lost | tau <= coast_s |
-| repeat | the pose differs from all recent ones, unless the vehicle is at rest |
+| repeat | the pose differs from all recent ones, unless the vehicle is at rest and there is no noise |
 
 The position gate spans a line, because a vehicle that hits the ground is stopped on its way or thrown back,
 with no more speed than it came with: a tenth of a second after the last sample, it may be 2 v tau short of
 its prediction. At 100 Hz that is 2 cm at 1 m/s.
 
 A pose that equals a recent one bit for bit, though the vehicle should have moved by more than REPEAT_STEP
-since it first came, or though it fails another gate, is an old frame with a new stamp: it counts as no sample
-until the track is lost. Poses rounded to millimetres repeat, too, but not three times above 0.05 m/s.
+since it first came, though it fails another gate, or though noise has kept VARIED poses apart, is an old one
+with a new stamp, as of a server that holds the last pose of a body that it has lost. It counts as no sample
+until the track is lost, and where there is noise, until another pose comes or frozen_s have passed. Poses
+rounded to millimetres repeat, too, but not three times above 0.05 m/s; those of simulators without noise do
+where a vehicle stands.
 """
 
 from typing import NamedTuple
@@ -37,6 +40,19 @@ REPEATS_S = 0.02
 two ticks; each of its samples slows the track."""
 
 
+SLOW = 0.2
+"""Speed below which a pose may repeat [m/s]: REPEAT_STEP in a tick of 100 Hz."""
+SMOOTH = 1e-5
+"""Distance of a sample from its prediction below which no noise has moved it [m]: that of VICON is 0.15 mm at
+rest; 0.1 m/s^2 move a vehicle by 5 um within a tick."""
+GRID = 1e-4
+"""Steps in which samples are rounded that may repeat in spite of noise [m]."""
+ON_GRID = 0.01
+"""Part of a step by which a rounded sample may be off: 1 um, the resolution of float32 at 8 m."""
+VARIED = 20
+"""Noisy samples in a row after which a pose should not repeat: 0.2 s at 100 Hz."""
+
+
 class PositionGates(NamedTuple):
     """Gates of every vehicle at one tick."""
 
@@ -52,13 +68,17 @@ class PositionGates(NamedTuple):
     """Largest believable distance from the line of the position gate [m], (n,)."""
     lost: Mask
     """Tracks without a sample for longer than coast_s, (n,)."""
+    varies: Mask
+    """Vehicles whose poses do not repeat, as noise keeps them apart, (n,)."""
+    frozen: Mask
+    """Tracks whose poses repeat, and are not believed again, (n,)."""
     pos_max: float
     """[m]"""
 
 
 @compiled
-def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array, Mask]:
-    """Return the samples, (n, 3), and which of them pass, (n,).
+def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array, Mask, Mask]:
+    """Return the samples, (n, 3), which of them pass, (n,), and which tracks are frozen, (n,).
 
     Samples outside the room or of old frames are NaN.
 
@@ -67,12 +87,15 @@ def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array
         repeated: Poses that equal a recent one bit for bit, (n,).
         gates: Gates of this tick.
     """
-    samples, passed = measured.copy(), np.empty(len(measured), np.bool_)
+    samples, passed, frozen = measured.copy(), np.empty(len(measured), np.bool_), gates.frozen.copy()
     for i in range(len(measured)):
         passed[i] = _passes(measured[i], i, gates)
-        if _outside(measured[i], gates.pos_max) or (repeated[i] and _stale(passed[i], i, gates)):
+        stale = repeated[i] and _stale(passed[i], i, gates)
+        if not np.isnan(measured[i]).any():
+            frozen[i] = stale and gates.varies[i]
+        if stale or _outside(measured[i], gates.pos_max):
             samples[i], passed[i] = np.nan, False
-    return samples, passed
+    return samples, passed, frozen
 
 
 @compiled
@@ -91,12 +114,24 @@ def _outside(sample: Array, pos_max: float) -> bool:
 
 @compiled
 def _stale(passed: bool, i: int, gates: PositionGates) -> bool:
-    """Return whether a repeated pose is an old frame with a new stamp."""
+    """Return whether a repeated pose is an old one with a new stamp."""
+    if gates.lost[i]:
+        return bool(gates.frozen[i])
     moves = False
     for k in range(3):
         step = gates.moved[i, k] + gates.expected[i, k] - gates.last[i, k]
         moves = moves or abs(step) > REPEAT_STEP
-    return bool(not gates.lost[i] and (moves or not passed))
+    return bool(moves or gates.varies[i] or not passed)
+
+
+@compiled
+def is_rounded(sample: Array) -> bool:
+    """Return whether all coordinates (3,) [m] are multiples of GRID."""
+    for k in range(3):
+        steps = sample[k] / GRID
+        if abs(steps - round(steps)) > ON_GRID:
+            return False
+    return True
 
 
 @compiled

@@ -4,8 +4,8 @@ A tick is nominal if every track is confirmed and the sample of its own name pas
 doubt. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
 is q2q_model.estimation.positions.
 
-A pose that repeats bit for bit is taken as a sample while the vehicle is slow (position_gates): it may be at
-rest. If the next one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the
+A pose that repeats bit for bit is taken as a sample while the vehicle is slow, unless noise keeps its poses
+apart (position_gates): it may be at rest. If the next one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the
 track restarts there with the mean velocity since the pose first came (a thaw), else the step would count as a
 movement within one tick.
 
@@ -20,7 +20,16 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
-from q2q_model.estimation.position_gates import GATE_SIGMAS, REPEATS_S, PositionGates, screen
+from q2q_model.estimation.position_gates import (
+    GATE_SIGMAS,
+    REPEATS_S,
+    SLOW,
+    SMOOTH,
+    VARIED,
+    PositionGates,
+    is_rounded,
+    screen,
+)
 from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
 from q2q_model.estimation.track_columns import TrackColumns, TrackParams, columns_of
 from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
@@ -54,6 +63,8 @@ class Prediction(NamedTuple):
     """Tracks without a sample for longer than coast_s, (n,)."""
     repeated: Mask
     """Poses that equal a recent one bit for bit, (n,)."""
+    frozen: Mask
+    """Tracks whose poses repeat, and should not, (n,)."""
     thawed: Mask
     """Tracks whose own sample shows that the repeated ones before it were old, (n,)."""
     doubtful: Mask
@@ -123,9 +134,11 @@ def look_ahead(
         reach=params.jump_max + params.speed_max * elapsed,
         deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
         lost=elapsed > params.coast_s + SAME_INSTANT,
+        varies=tracks.varied >= VARIED,
+        frozen=tracks.frozen & (elapsed <= params.frozen_s + SAME_INSTANT),
         pos_max=params.pos_max,
     )
-    samples, passed = screen(measured, repeated, gates)
+    samples, passed, frozen = screen(measured, repeated, gates)
     own, reach = passed & tracks.seen, np.minimum(gates.deviation, gates.reach)
     thawed = _thawed(samples, ahead.state, own & ~repeated, tracks)
     doubtful = own & _further(samples, ahead.state, params.jump_max)
@@ -133,7 +146,7 @@ def look_ahead(
     K = gain(ahead, noise_var)
     state, cov = ahead
     return Prediction(
-        elapsed, state, cov, K, samples, own, reach, gates.lost, repeated, thawed, doubtful, nominal
+        elapsed, state, cov, K, samples, own, reach, gates.lost, repeated, frozen, thawed, doubtful, nominal
     )
 
 
@@ -163,6 +176,7 @@ def accept(
     tracks = columns_of(table)
     better = correct(MotionEstimate(at.state, at.cov), at.samples[assigned.source], at.K, noise_var)
     pos, vel = np.empty_like(at.samples), np.zeros_like(at.samples)
+    tracks.frozen[:] = at.frozen
     for i, source in enumerate(assigned.source):
         if source < 0:
             pos[i] = at.state[i, 0]
@@ -182,8 +196,27 @@ def accept(
                 tracks.borrowed[i], tracks.confirmed[i] = 0, tracks.own[i] > 1
             else:
                 tracks.borrowed[i] += 1
+        _count_varied(tracks, i, at, source)
         pos[i], vel[i] = tracks.state[i, 0], tracks.state[i, 1]
     return pos, vel
+
+
+@compiled
+def _count_varied(tracks: TrackColumns, i: int, at: Prediction, source: int) -> None:
+    """Count a sample that noise moved off its prediction while the vehicle was slow.
+
+    The count begins anew where a pose repeats, and where it is rounded, or as predicted, while it is slow.
+    """
+    off_squared = speed_squared = 0.0
+    for k in range(3):
+        off_squared += (at.samples[source, k] - at.state[i, 0, k]) ** 2
+        speed_squared += tracks.state[i, 1, k] ** 2
+    slow = speed_squared < SLOW * SLOW
+    smooth = off_squared < SMOOTH * SMOOTH or is_rounded(at.samples[source])
+    if at.repeated[source] or (slow and smooth):
+        tracks.varied[i] = 0
+    elif slow:
+        tracks.varied[i] += 1
 
 
 @compiled
@@ -256,10 +289,11 @@ def _take_own(
         if not at.repeated[i]:
             tracks.since[i] = t
         tracks.own[i] += 1
-        tracks.borrowed[i] = 0
+        tracks.borrowed[i], tracks.frozen[i] = 0, False
         tracks.state[i] = better.state[i]
         if not steady:
             tracks.cov[i] = better.cov[i]
+        _count_varied(tracks, i, at, i)
         pos[i], vel[i] = better.state[i, 0], better.state[i, 1]
         memory.candidates["samples"][i] = 0
         memory.candidates["ambiguous"][i] = False

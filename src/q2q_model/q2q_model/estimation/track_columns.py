@@ -25,6 +25,7 @@ class TrackParams(NamedTuple):
     """[m/s^2.5]"""
     coast_s: float
     reacquire_s: float
+    frozen_s: float
 
 
 class TrackColumns(NamedTuple):
@@ -38,6 +39,10 @@ class TrackColumns(NamedTuple):
     """Time of the last accepted sample [s], (n,)."""
     since: Array
     """Time of the first sample of those that equal the last one bit for bit [s], (n,)."""
+    frozen: Mask
+    """Tracks whose last poses repeated though there is noise, (n,)."""
+    varied: NDArray[np.int64]
+    """Noisy samples of the slow vehicle since the last one that repeated, was rounded or as predicted, (n,)."""
     own: NDArray[np.int64]
     """Accepted samples of the track's own name, (n,); without the first if it refuted another."""
     borrowed: NDArray[np.int64]
@@ -54,6 +59,8 @@ TRACK = np.dtype(
         ("confirmed", np.bool_),
         ("time", np.float64),
         ("since", np.float64),
+        ("frozen", np.bool_),
+        ("varied", np.int64),
         ("own", np.int64),
         ("borrowed", np.int64),
         ("state", np.float64, (3, 3)),
@@ -73,6 +80,8 @@ def columns_of(table: Table) -> TrackColumns:
         table["confirmed"],
         table["time"],
         table["since"],
+        table["frozen"],
+        table["varied"],
         table["own"],
         table["borrowed"],
         table["state"],
