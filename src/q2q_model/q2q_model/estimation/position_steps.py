@@ -5,9 +5,9 @@ doubt. A tick is usual if that holds for the samples that there are. The associa
 is q2q_model.estimation.positions.
 
 A pose that repeats bit for bit is taken as a sample while the vehicle is slow, unless noise keeps its poses
-apart (position_gates): it may be at rest. If the next one is further than THAW_STEP from the prediction, it was an old frame under new stamps: the
-track restarts there with the mean velocity since the pose first came (a thaw), else the step would count as a
-movement within one tick.
+apart (position_gates): it may be at rest. If the next one is further than THAW_STEP from the prediction, it
+was an old frame under new stamps: the track restarts there with the mean velocity since the pose first came
+(a thaw), else the step would count as a movement within one tick.
 
 After a gap the gates let samples pass that are further than jump_max from the prediction. Such a sample is
 doubtful: the track takes it, but is not trusted until a next one agrees.

@@ -42,7 +42,7 @@ class TrackColumns(NamedTuple):
     frozen: Mask
     """Tracks whose last poses repeated though there is noise, (n,)."""
     varied: NDArray[np.int64]
-    """Noisy samples of the slow vehicle since the last one that repeated, was rounded or as predicted, (n,)."""
+    """Noisy samples of the slow vehicle since one that repeated, was rounded or as predicted, (n,)."""
     own: NDArray[np.int64]
     """Accepted samples of the track's own name, (n,); without the first if it refuted another."""
     borrowed: NDArray[np.int64]
