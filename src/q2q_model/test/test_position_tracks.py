@@ -8,7 +8,7 @@ import pytest
 from q2q_model.estimation import white_jerk
 from q2q_model.estimation.position_gates import VARIED
 from q2q_model.estimation.position_steps import THAW_STEP
-from q2q_model.estimation.positions import BORROWED_MOST, PositionTracks, TrackUpdate
+from q2q_model.estimation.positions import BORROWED_MOST, SETTLED, PositionTracks, TrackUpdate
 from q2q_model.estimation.track_columns import TrackParams
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array
@@ -136,7 +136,8 @@ def leaving(made: PositionTracks, first: int, count: int) -> Array:
     """Let the first vehicle leave at 0.5 m/s, with noise; return the last poses."""
     rng = np.random.default_rng(first)
     for k in range(count):
-        seen = PLACES + [[0.5 * k * DT, 0.0, 0.0], [0.0, 0.0, 0.0]] + rng.uniform(1e-4, 2e-4, (2, 3))
+        way = np.array([[0.5 * k * DT, 0.0, 0.0], [0.0, 0.0, 0.0]])
+        seen = PLACES + way + rng.uniform(1e-4, 2e-4, (2, 3))
         made.update((first + k) * DT, seen, NOBODY)
     return seen
 
@@ -245,6 +246,15 @@ def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_con
         if verdict.lent.all():
             np.testing.assert_allclose(verdict.pos, PLACES, atol=1e-9)
     assert seen == ["lent"] * most + ["none"] * 8 + ["new"] + ["own"] * 3
+
+
+def test_a_settled_track_goes_on_by_its_motion_whatever_its_samples_are_called() -> None:
+    made = flown(SETTLED)
+    for k in range(SETTLED, 4 * SETTLED):
+        verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
+        assert verdict.lent.all()
+        np.testing.assert_allclose(verdict.pos, PLACES, atol=1e-9)
+    assert made.update(4 * SETTLED * DT, PLACES, NOBODY).source.tolist() == [0, 1]
 
 
 def test_a_jump_that_lasts_is_believed_with_the_velocity_it_has() -> None:

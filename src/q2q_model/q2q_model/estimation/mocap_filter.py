@@ -31,6 +31,7 @@ from q2q_model.estimation.attitudes import AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
+from q2q_model.estimation.mocap_troubles import MocapLies
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
 from q2q_model.estimation.usual_tick import (
@@ -44,6 +45,7 @@ from q2q_model.estimation.usual_tick import (
 )
 from q2q_model.signals.values import (
     Array,
+    Mask,
     MocapFrame,
     Names,
     Rows,
@@ -74,6 +76,14 @@ class MocapFilter:
         """Return the counts so far."""
         return FilterReport(**self._counts)
 
+    @property
+    def lies(self) -> MocapLies:
+        """Return the vehicles of which the last frame was wrong."""
+        return MocapLies(self._named(self._lent), self._named(self._positions.frozen))
+
+    def _named(self, which: Mask) -> Names:
+        return tuple(self._names[row] for row in np.flatnonzero(which)) if which.any() else ()
+
     def reset(self) -> None:
         """Forget every track, and adopted names."""
         self._names: Names = self._given
@@ -87,6 +97,7 @@ class MocapFilter:
         self._track_of_row: Rows = np.zeros(0, dtype=np.intp)
         self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
         self._recent = no_poses(count)
+        self._lent = np.zeros(count, np.bool_)
         self._find_memory()
 
     def update(self, frame: MocapFrame) -> SwarmState:
@@ -138,6 +149,7 @@ class MocapFilter:
         """Find the tracks' memory, which moves when they grow."""
         self._memory = (*self._positions.memory, self._attitudes.table)
         self._all_tracked = np.full(len(self._names), _TRACKED)
+        self._nobody = np.zeros(len(self._names), np.bool_)
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         poses, t = self._by_track(frame), frame.t
@@ -149,6 +161,7 @@ class MocapFilter:
         out = pos, vel, quat, ang_vel_body
         outcome, turned = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
+            self._lent = self._nobody
             self._count_nominal()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
@@ -166,6 +179,7 @@ class MocapFilter:
             old = repeated_poses(poses, self._recent)[0]
             quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
+        self._lent = tracked.lent
         self._count(poses[:, :QUAT_AT], tracked)
         age, status = self._age_and_status(t, tracked)
         moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body

@@ -8,9 +8,10 @@ rejects, in this order:
    there, and is not trusted until two more pass, unless that fits the first sample of another vehicle whose
    next one fails too: names are exchanged in one of the two frames, and those that last for as long as a
    vehicle may coast are right.
-2. The sample may belong to another vehicle (marker_swaps of q2q_model.estimation.association). A track
-   accepts samples of other names at most as often as it has accepted samples of its own name, or
-   BORROWED_MOST times, so a wrong start is corrected.
+2. The sample may belong to another vehicle (marker_swaps of q2q_model.estimation.association). A track that
+   has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
+   BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
+   are exchanged for good are exchanged by the server.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
    does at a thaw (q2q_model.estimation.position_steps); later if they may be of another vehicle
    (suspected_swaps).
@@ -45,6 +46,8 @@ from q2q_model.signals.values import Array, Mask, Rows
 BORROWED_MOST = 35
 """Samples of other names that a track accepts though it has had fewer of its own: 0.35 s at 100 Hz, the time
 for which a vehicle may coast, by which swaps have ended."""
+SETTLED = 100
+"""Samples of its own name after which a track is that vehicle's, whatever later ones are called: 1 s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +110,11 @@ class PositionTracks:
     def memory(self) -> TrackMemory:
         """Return the tracks in tables, which stay the same until the tracks grow."""
         return TrackMemory(self._table, self._reacquisition.candidates, self._clock)
+
+    @property
+    def frozen(self) -> Mask:
+        """Return the tracks whose last poses repeated though there is noise, (n,)."""
+        return self._tracks.frozen
 
     def set_back(self, by: float) -> None:
         """Set the times of all samples back by `by` [s], as the clock was."""
@@ -221,7 +229,7 @@ class PositionTracks:
 
 def _may_borrow(tracks: TrackColumns) -> Mask:
     """Return the tracks that may accept samples of other names, (n,)."""
-    return np.asarray(tracks.borrowed < np.maximum(tracks.own, BORROWED_MOST))
+    return np.asarray((tracks.own >= SETTLED) | (tracks.borrowed < np.maximum(tracks.own, BORROWED_MOST)))
 
 
 def _present(samples: Array) -> Mask:

@@ -1,11 +1,14 @@
 """Mocap filter node: `mocap` in, `state` out, with `<name>/pose` and `<name>/odom` for other software."""
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 from rclpy.node import Node
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.estimation.mocap_troubles import MocapTroubles
+from q2q_model.node.health import Health
 from q2q_model.ros.node.input_warnings import StandingStamps, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
@@ -44,11 +47,24 @@ def build(node: Node) -> TickWiring[SwarmState]:
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
     wiring.add_facts(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
+    wiring.after_publish(_tell(node, wiring.health, block))
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
     wiring.listen("mocap", StandingStamps(node, "mocap").look)
     wiring.start(block.update)
     return wiring
+
+
+def _tell(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
+    """Return a listener that logs, and keeps in `health`, what motion capture gets wrong for long."""
+    troubles = MocapTroubles()
+
+    def tell(_: int, state: SwarmState) -> None:
+        if line := troubles.take(state.t, block.lies):
+            node.get_logger().warning(line)
+        health.doubts["mocap lies"] = troubles.text
+
+    return tell
 
 
 def main() -> None:

@@ -1,0 +1,53 @@
+"""What a motion-capture server gets wrong for longer than a moment, for the log and for diagnostics.
+
+The filter goes on without what is wrong (q2q_model.estimation.positions, position_gates), but somebody should
+land and look at the markers.
+"""
+
+from typing import NamedTuple
+
+from q2q_model.signals.values import Names
+
+LASTING = 0.35
+"""Time after which trouble is told [s]: rooms exchange names, and repeat frames, for less."""
+
+_EXCHANGED = "names exchanged by motion capture: {}; followed by their motion: land, and check their markers"
+_FROZEN = "poses that repeat are not believed: {}; does the server see them?"
+
+
+class MocapLies(NamedTuple):
+    """Vehicles of which a frame was wrong."""
+
+    exchanged: Names
+    """They were found under the names of others."""
+    frozen: Names
+    """Their poses repeat in spite of noise."""
+
+
+class MocapTroubles:
+    """Lasting trouble of the frames so far, and what of it was told."""
+
+    def __init__(self) -> None:
+        self.text = ""
+        """Lasting trouble of the last frame; empty if there is none."""
+        self._since: dict[tuple[str, str], float] = {}  # kind and vehicle: stamp of the first such frame [s]
+
+    def take(self, t: float, lies: MocapLies) -> str:
+        """Return what to log of a frame at t [s]; empty if nothing has changed."""
+        if not (any(lies) or self._since):
+            return ""
+        now = {(kind, name) for kind, names in lies._asdict().items() for name in names}
+        kept = {one: since for one, since in self._since.items() if since <= t}  # the clock may be set back
+        self._since = {one: kept.get(one, t) for one in sorted(now)}
+        before, self.text = self.text, self._lasting(t)
+        if self.text == before:
+            return ""
+        return self.text or "motion capture has named and moved all vehicles again"
+
+    def _lasting(self, t: float) -> str:
+        """Return the trouble that lasts, with the vehicles."""
+        lasting = [one for one, since in self._since.items() if t - since > LASTING]
+        exchanged = [name for kind, name in lasting if kind == "exchanged"]
+        frozen = [name for kind, name in lasting if kind == "frozen"]
+        told = [_EXCHANGED.format(", ".join(exchanged))] if exchanged else []
+        return "; ".join([*told, _FROZEN.format(", ".join(frozen))] if frozen else told)

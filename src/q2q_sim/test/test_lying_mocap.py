@@ -1,0 +1,17 @@
+"""Motion capture that lies for seconds: frozen under new stamps, or with two names exchanged for good."""
+
+import pytest
+
+from q2q_sim.experiments.campaign.campaign_flight import flown_pure
+from q2q_sim.experiments.campaign.random_run import Run, drawn, fault_document
+from q2q_sim.faults.faults import Fault
+
+
+@pytest.mark.parametrize("seed", [660023, 660103])
+@pytest.mark.parametrize(
+    "lie", [Fault("stale", 2.2, 1.5), Fault("swap", 2.2, 9.0, ("cf1", "cf2"))], ids=lambda lie: lie.kind
+)
+def test_no_policy_is_violated(seed: int, lie: Fault) -> None:
+    run = drawn(seed)
+    document = {**run.document, "faults": [fault_document(lie)]}
+    assert flown_pure(Run(seed, document, run.options)).violations == ()
