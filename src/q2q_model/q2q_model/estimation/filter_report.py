@@ -1,6 +1,18 @@
-"""Counts of what the mocap filter did with frames and samples."""
+"""What the mocap filter found in frames, and counts of what it did with them."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
+
+from q2q_model.signals.values import Names
+
+
+class MocapLies(NamedTuple):
+    """Vehicles of which a frame was wrong."""
+
+    exchanged: Names
+    """They were found under the names of others."""
+    frozen: Names
+    """Their poses repeat in spite of noise."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,9 +29,8 @@ import numpy as np
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
 from q2q_model.estimation.attitudes import AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
-from q2q_model.estimation.filter_report import FilterReport
+from q2q_model.estimation.filter_report import FilterReport, MocapLies
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
-from q2q_model.estimation.mocap_troubles import MocapLies
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
 from q2q_model.estimation.usual_tick import (

@@ -4,24 +4,13 @@ The filter goes on without what is wrong (q2q_model.estimation.positions, positi
 land and look at the markers.
 """
 
-from typing import NamedTuple
-
-from q2q_model.signals.values import Names
+from q2q_model.estimation.filter_report import MocapLies
 
 LASTING = 0.35
 """Time after which trouble is told [s]: rooms exchange names, and repeat frames, for less."""
 
 _EXCHANGED = "names exchanged by motion capture: {}; followed by their motion: land, and check their markers"
 _FROZEN = "poses that repeat are not believed: {}; does the server see them?"
-
-
-class MocapLies(NamedTuple):
-    """Vehicles of which a frame was wrong."""
-
-    exchanged: Names
-    """They were found under the names of others."""
-    frozen: Names
-    """Their poses repeat in spite of noise."""
 
 
 class MocapTroubles:
