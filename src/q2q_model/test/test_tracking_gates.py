@@ -142,7 +142,9 @@ def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_i
     assert (at.tolist(), within.tolist()) == ([-1, -1, 0], [-1, -1, -1])
 
 
-PARAMS = AttitudeGateParams(turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, coast_s=0.25)
+PARAMS = AttitudeGateParams(
+    turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, upside_down_s=2.0, coast_s=0.25
+)
 
 
 def yawed(angle: float, length: float = 1.0) -> Array:

@@ -1,4 +1,4 @@
-"""Motion capture that lies for seconds: frozen under new stamps, or with two names exchanged for good."""
+"""Motion capture that lies for seconds: frozen, with two names exchanged for good, with a body upside down."""
 
 import pytest
 
@@ -9,7 +9,13 @@ from q2q_sim.faults.faults import Fault
 
 @pytest.mark.parametrize("seed", [660023, 660103])
 @pytest.mark.parametrize(
-    "lie", [Fault("stale", 2.2, 1.5), Fault("swap", 2.2, 9.0, ("cf1", "cf2"))], ids=lambda lie: lie.kind
+    "lie",
+    [
+        Fault("stale", 2.2, 1.5),
+        Fault("swap", 2.2, 9.0, ("cf1", "cf2")),
+        Fault("flip", 2.2, 2.5, ("cf1",)),
+    ],
+    ids=lambda lie: lie.kind,
 )
 def test_no_policy_is_violated(seed: int, lie: Fault) -> None:
     run = drawn(seed)

@@ -1,14 +1,14 @@
 """Attitudes and body rates, robust to reflections that flip a rigid body.
 
-A quaternion q, tau after the last accepted one q0, is accepted if its angle to q0 is at most
-turn_max + turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts
-for `reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
+A quaternion q, tau after the last accepted one q0, is accepted if its angle to q0 is at most turn_max +
+turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts for
+`reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
 flight is not upside down, a reflected rigid body may be, and a controller that believed it would stop the
 motors. For the same reason a turn by more than a right angle to upside down is rejected after any gap, also
-after one by a jump of the clock, and a turn from upside down to upright is accepted at once. q and -q are one
-attitude: the sign nearest the last is kept. The body rate
-is the constant rate between successive attitudes behind a first-order low-pass filter, so it lags by half a
-sample and the filter's time constant T:
+after one by a jump of the clock, until it has lasted for `upside_down_s`, and a turn from upside down to
+upright is accepted at once: a vehicle that tumbles is seen to turn. q and -q are one attitude: the sign
+nearest the last is kept. The body rate is the constant rate between successive attitudes behind a first-order
+low-pass filter, so it lags by half a sample and the filter's time constant T:
 
     w_raw = log(q0* q) / tau,   w = w + tau / (tau + T) (w_raw - w)
 
@@ -49,6 +49,7 @@ class AttitudeGateParams(NamedTuple):
     """[rad/s]"""
     rate_filter_s: float
     reacquire_s: float
+    upside_down_s: float
     coast_s: float
 
 
@@ -156,11 +157,13 @@ class AttitudeTracks:
         tracks, params = self._tracks, self._params
         turn = quat_between(tracks.quat, quat)
         present = ~np.isnan(turn[:, 3])
-        near = tracks.seen & self._plausible(t, turn) & ~_reflections(quat, turn)
+        reflected = _reflections(quat, turn)
+        near = tracks.seen & self._plausible(t, turn) & ~reflected
         righted = ~(tracks.seen & _is_upright(tracks.quat)) & _is_upright(quat)
         rejected = present & ~near & ~righted
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
-        lasting = t - tracks.rejected_since >= params.reacquire_s - SAME_INSTANT
+        patience = np.where(tracks.seen & reflected, params.upside_down_s, params.reacquire_s)
+        lasting = t - tracks.rejected_since >= patience - SAME_INSTANT
         accepted = present & (near | righted | lasting)
         followed = near & (t - tracks.time <= params.coast_s + SAME_INSTANT)
         rate = self._rate(turn, np.where(followed, t - tracks.time, 1.0))

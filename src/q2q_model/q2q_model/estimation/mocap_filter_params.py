@@ -63,6 +63,14 @@ class MocapFilterParams:
     attitude_reacquire_s: float = tunable(
         0.3, "time for which a rejected attitude must last to be accepted", unit="s", low=0.0, high=10.0
     )
+    # by then a vehicle that lies upside down has been cut by its firmware
+    upside_down_s: float = tunable(
+        4.0,
+        "time for which a sudden turn to upside down must last to be accepted",
+        unit="s",
+        low=0.0,
+        high=60.0,
+    )
     clock_jump_s: float = tunable(
         1.0, "a stamp older by more than this resets the filter", unit="s", low=0.0, high=1e6
     )
@@ -84,4 +92,5 @@ def track_params(params: MocapFilterParams) -> TrackParams:
 def attitude_params(params: MocapFilterParams) -> AttitudeGateParams:
     """Return the parameters of the attitude tracks."""
     turn = params.turn_max, params.turn_rate_max
-    return AttitudeGateParams(*turn, params.rate_filter_s, params.attitude_reacquire_s, params.coast_s)
+    patience = params.attitude_reacquire_s, params.upside_down_s
+    return AttitudeGateParams(*turn, params.rate_filter_s, *patience, params.coast_s)
