@@ -1,4 +1,4 @@
-"""Motion capture that lies for seconds: frozen, with two names exchanged for good, with a body upside down."""
+"""Motion capture that lies for seconds: it is frozen, exchanges names for good, or turns a body over."""
 
 import pytest
 

@@ -28,6 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
+from q2q_model.estimation.track_columns import TrackColumns
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array, Mask
 
@@ -125,7 +126,31 @@ def _stale(passed: bool, i: int, gates: PositionGates) -> bool:
 
 
 @compiled
-def is_rounded(sample: Array) -> bool:
+def count_varied(tracks: TrackColumns, i: int, sample: tuple[Array, Array], repeated: bool) -> None:
+    """Count a sample that noise moved off its prediction while the vehicle was slow.
+
+    The count begins anew where a pose repeats, and where it is rounded, or as predicted, while it is slow.
+
+    Args:
+        tracks: Of all vehicles.
+        i: The vehicle.
+        sample: Position and its prediction [m], (3,) each.
+        repeated: Whether the pose equals a recent one bit for bit.
+    """
+    off_squared = speed_squared = 0.0
+    for k in range(3):
+        off_squared += (sample[0][k] - sample[1][k]) ** 2
+        speed_squared += tracks.state[i, 1, k] ** 2
+    slow = speed_squared < SLOW * SLOW
+    smooth = off_squared < SMOOTH * SMOOTH or _is_rounded(sample[0])
+    if repeated or (slow and smooth):
+        tracks.varied[i] = 0
+    elif slow:
+        tracks.varied[i] += 1
+
+
+@compiled
+def _is_rounded(sample: Array) -> bool:
     """Return whether all coordinates (3,) [m] are multiples of GRID."""
     for k in range(3):
         steps = sample[k] / GRID

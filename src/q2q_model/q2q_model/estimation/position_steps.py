@@ -23,11 +23,9 @@ from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
 from q2q_model.estimation.position_gates import (
     GATE_SIGMAS,
     REPEATS_S,
-    SLOW,
-    SMOOTH,
     VARIED,
     PositionGates,
-    is_rounded,
+    count_varied,
     screen,
 )
 from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
@@ -196,27 +194,9 @@ def accept(
                 tracks.borrowed[i], tracks.confirmed[i] = 0, tracks.own[i] > 1
             else:
                 tracks.borrowed[i] += 1
-        _count_varied(tracks, i, at, source)
+        count_varied(tracks, i, (at.samples[source], at.state[i, 0]), at.repeated[source])
         pos[i], vel[i] = tracks.state[i, 0], tracks.state[i, 1]
     return pos, vel
-
-
-@compiled
-def _count_varied(tracks: TrackColumns, i: int, at: Prediction, source: int) -> None:
-    """Count a sample that noise moved off its prediction while the vehicle was slow.
-
-    The count begins anew where a pose repeats, and where it is rounded, or as predicted, while it is slow.
-    """
-    off_squared = speed_squared = 0.0
-    for k in range(3):
-        off_squared += (at.samples[source, k] - at.state[i, 0, k]) ** 2
-        speed_squared += tracks.state[i, 1, k] ** 2
-    slow = speed_squared < SLOW * SLOW
-    smooth = off_squared < SMOOTH * SMOOTH or is_rounded(at.samples[source])
-    if at.repeated[source] or (slow and smooth):
-        tracks.varied[i] = 0
-    elif slow:
-        tracks.varied[i] += 1
 
 
 @compiled
@@ -293,7 +273,7 @@ def _take_own(
         tracks.state[i] = better.state[i]
         if not steady:
             tracks.cov[i] = better.cov[i]
-        _count_varied(tracks, i, at, i)
+        count_varied(tracks, i, (at.samples[i], at.state[i, 0]), at.repeated[i])
         pos[i], vel[i] = better.state[i, 0], better.state[i, 1]
         memory.candidates["samples"][i] = 0
         memory.candidates["ambiguous"][i] = False
