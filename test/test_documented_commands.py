@@ -23,6 +23,7 @@ ELSEWHERE: Mapping[str, str] = {
     "scripts/demo     #": "flown with docs/tutorials/first_flight.md",
     "scripts/demo --real": "fits and flies for half a minute; test_demo_pages, test_held_out_flights",
     "scripts/fly table6 --controller mpc --stack --live": "needs a quiet machine; see test_kernels",
+    "scripts/fly out/mine.yaml --live": "needs a quiet machine; test_killed_nodes flies live",
     "scripts/test": "the tests themselves; test_inner_loop asks how they are chosen",
     "python test/mutation.py": "takes half an hour",
     "python test/flight_digests.py": "takes minutes, and compares with a checkout before a change",
