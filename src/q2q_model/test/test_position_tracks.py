@@ -123,6 +123,15 @@ def last_taken(made: PositionTracks, again: Array, first: int, count: int) -> li
     return [k - first for k in ticks if made.update(k * DT, again, EVERYBODY).accepted[0]]
 
 
+def test_a_single_new_pose_in_a_frozen_stream_is_no_vehicle_that_was_found() -> None:
+    made = tracks()
+    hovering(made, 0, 30)
+    again = leaving(made, 30, 30)
+    assert last_taken(made, again, 60, 60) == []
+    made.update(120 * DT, again + 0.1, NOBODY)
+    assert last_taken(made, again + 0.1, 121, 60) == []
+
+
 def hovering(made: PositionTracks, first: int, count: int, noise: float = 2e-4) -> Array:
     """Let vehicles hover with noise [m] for `count` ticks from `first` on; return the last poses."""
     rng = np.random.default_rng(first)

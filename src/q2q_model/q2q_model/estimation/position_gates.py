@@ -18,7 +18,7 @@ its prediction. At 100 Hz that is 2 cm at 1 m/s.
 A pose that equals a recent one bit for bit, though the vehicle should have moved by more than REPEAT_STEP
 since it first came, though it fails another gate, or though noise has kept VARIED poses apart, is an old one
 with a new stamp, as of a server that holds the last pose of a body that it has lost. It counts as no sample
-until the track is lost, and where there is noise, until another pose comes or frozen_s have passed. Poses
+until the track is lost, and where there is noise, for frozen_s after the last sample. Poses
 rounded to millimetres repeat, too, but not three times above 0.05 m/s; those of simulators without noise do
 where a vehicle stands.
 """
@@ -70,9 +70,9 @@ class PositionGates(NamedTuple):
     lost: Mask
     """Tracks without a sample for longer than coast_s, (n,)."""
     varies: Mask
-    """Vehicles whose poses do not repeat, as noise keeps them apart, (n,)."""
+    """Vehicles whose poses do not repeat, as noise keeps them apart, (n,); none after frozen_s."""
     frozen: Mask
-    """Tracks whose poses repeat, and are not believed again, (n,)."""
+    """Tracks whose last poses repeated though they vary, (n,)."""
     pos_max: float
     """[m]"""
 
@@ -117,7 +117,7 @@ def _outside(sample: Array, pos_max: float) -> bool:
 def _stale(passed: bool, i: int, gates: PositionGates) -> bool:
     """Return whether a repeated pose is an old one with a new stamp."""
     if gates.lost[i]:
-        return bool(gates.frozen[i])
+        return bool(gates.varies[i])
     moves = False
     for k in range(3):
         step = gates.moved[i, k] + gates.expected[i, k] - gates.last[i, k]

@@ -132,8 +132,8 @@ def look_ahead(
         reach=params.jump_max + params.speed_max * elapsed,
         deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
         lost=elapsed > params.coast_s + SAME_INSTANT,
-        varies=tracks.varied >= VARIED,
-        frozen=tracks.frozen & (elapsed <= params.frozen_s + SAME_INSTANT),
+        varies=(tracks.varied >= VARIED) & (elapsed <= params.frozen_s + SAME_INSTANT),
+        frozen=tracks.frozen,
         pos_max=params.pos_max,
     )
     samples, passed, frozen = screen(measured, repeated, gates)
