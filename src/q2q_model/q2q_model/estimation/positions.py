@@ -114,7 +114,7 @@ class PositionTracks:
     @property
     def frozen(self) -> Mask:
         """Return the tracks whose last poses repeated though there is noise, (n,)."""
-        return self._tracks.frozen
+        return np.asarray(self._table["frozen"])
 
     def set_back(self, by: float) -> None:
         """Set the times of all samples back by `by` [s], as the clock was."""
