@@ -14,9 +14,10 @@ from q2q_model.downwash.interaction_model import (
 )
 from q2q_model.signals.array_answer import array_answer
 from q2q_model.signals.values import Array, Mask
+from q2q_sim.air import checked_wake
 
-LARGEST = 1e3
-"""Largest downwash [m/s^2], a hundred g, as in q2q_sim.air.checked_wake."""
+LARGEST = float(checked_wake.LARGEST.acc)
+"""Largest downwash [m/s^2], that of an air."""
 NEEDED = {
     "delay": "finite numbers of 0 s or more are needed",
     "acceleration": f"finite numbers of at most {LARGEST:g} m/s^2 are needed",

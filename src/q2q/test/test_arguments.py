@@ -5,18 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hovering_stack import STACK
 
 import q2q
 from q2q_sim.air.air_names import shipped_airs
 
-STACK = {
-    "vehicle": "crazyflie_2_0",
-    "duration": 0.1,
-    "vehicles": {
-        "cf1": [{"t": 0.0, "pos": [0.0, 0.0, 1.0]}, {"t": 2.0, "pos": [0.0, 0.0, 1.0]}],
-        "cf2": [{"t": 0.0, "pos": [0.0, 0.0, 1.5]}, {"t": 2.0, "pos": [0.0, 0.0, 1.5]}],
-    },
-}
 BAG = Path(__file__).parents[3] / "bags" / "table2_1"
 AIR = r"a shipped name, the path of a .air file or module:Class is expected$"
 BEYOND = r"a finite number above 0 m/s\^2 is expected$"

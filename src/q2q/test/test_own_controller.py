@@ -5,21 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hovering_stack import STACK
 
 import q2q
 from q2q.checked_controller import CheckedController, ControllerAnswerError
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
-STACK = {
-    "vehicle": "crazyflie_2_0",
-    "duration": 0.1,
-    "vehicles": {
-        "cf1": [{"t": 0.0, "pos": [0.0, 0.0, 1.0]}, {"t": 2.0, "pos": [0.0, 0.0, 1.0]}],
-        "cf2": [{"t": 0.0, "pos": [0.0, 0.0, 1.5]}, {"t": 2.0, "pos": [0.0, 0.0, 1.5]}],
-    },
-}
-"""Two vehicles that hover above each other, without downwash."""
 HOVER = CRAZYFLIE_2_0.hover_thrust
 
 Change = Callable[[SwarmCommand], object]

@@ -4,22 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hovering_stack import STACK
 
 import q2q
 from q2q.checked_model import CheckedModel
 from q2q_model.downwash.interaction_model import ModelAnswerError, PairMotion, Reach
 from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array
-
-STACK = {
-    "vehicle": "crazyflie_2_0",
-    "duration": 0.1,
-    "vehicles": {
-        "cf1": [{"t": 0.0, "pos": [0.0, 0.0, 1.0]}, {"t": 2.0, "pos": [0.0, 0.0, 1.0]}],
-        "cf2": [{"t": 0.0, "pos": [0.0, 0.0, 1.5]}, {"t": 2.0, "pos": [0.0, 0.0, 1.5]}],
-    },
-}
-"""Two vehicles that hover above each other, 0.5 m apart."""
 
 
 class Steady:

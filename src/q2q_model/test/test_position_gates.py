@@ -31,7 +31,6 @@ GATES = PositionGates(
     deviation=np.array([0.25]),
     lost=np.array([False]),
     varies=np.array([False]),
-    frozen=np.array([False]),
     pos_max=8.0,
 )
 FRESH, REPEATED = np.array([False]), np.array([True])

@@ -71,15 +71,13 @@ class PositionGates(NamedTuple):
     """Tracks without a sample for longer than coast_s, (n,)."""
     varies: Mask
     """Vehicles whose poses do not repeat, as noise keeps them apart, (n,); none after frozen_s."""
-    frozen: Mask
-    """Tracks whose last poses repeated though they vary, (n,)."""
     pos_max: float
     """[m]"""
 
 
 @compiled
 def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array, Mask, Mask]:
-    """Return the samples, (n, 3), which of them pass, (n,), and which tracks are frozen, (n,).
+    """Return the samples, (n, 3), which of them pass, (n,), and which vehicles' poses are frozen, (n,).
 
     Samples outside the room or of old frames are NaN.
 
@@ -88,12 +86,11 @@ def screen(measured: Array, repeated: Mask, gates: PositionGates) -> tuple[Array
         repeated: Poses that equal a recent one bit for bit, (n,).
         gates: Gates of this tick.
     """
-    samples, passed, frozen = measured.copy(), np.empty(len(measured), np.bool_), gates.frozen.copy()
+    samples, (passed, frozen) = measured.copy(), np.empty((2, len(measured)), np.bool_)
     for i in range(len(measured)):
         passed[i] = _passes(measured[i], i, gates)
         stale = repeated[i] and _stale(passed[i], i, gates)
-        if not np.isnan(measured[i]).any():
-            frozen[i] = stale and gates.varies[i]
+        frozen[i] = stale and gates.varies[i]
         if stale or _outside(measured[i], gates.pos_max):
             samples[i], passed[i] = np.nan, False
     return samples, passed, frozen

@@ -62,7 +62,7 @@ class Prediction(NamedTuple):
     repeated: Mask
     """Poses that equal a recent one bit for bit, (n,)."""
     frozen: Mask
-    """Tracks whose poses repeat, and should not, (n,)."""
+    """Vehicles whose poses repeat though there is noise, (n,)."""
     thawed: Mask
     """Tracks whose own sample shows that the repeated ones before it were old, (n,)."""
     doubtful: Mask
@@ -133,7 +133,6 @@ def look_ahead(
         deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
         lost=elapsed > params.coast_s + SAME_INSTANT,
         varies=(tracks.varied >= VARIED) & (elapsed <= params.frozen_s + SAME_INSTANT),
-        frozen=tracks.frozen,
         pos_max=params.pos_max,
     )
     samples, passed, frozen = screen(measured, repeated, gates)
@@ -174,7 +173,6 @@ def accept(
     tracks = columns_of(table)
     better = correct(MotionEstimate(at.state, at.cov), at.samples[assigned.source], at.K, noise_var)
     pos, vel = np.empty_like(at.samples), np.zeros_like(at.samples)
-    tracks.frozen[:] = at.frozen
     for i, source in enumerate(assigned.source):
         if source < 0:
             pos[i] = at.state[i, 0]
@@ -269,7 +267,7 @@ def _take_own(
         if not at.repeated[i]:
             tracks.since[i] = t
         tracks.own[i] += 1
-        tracks.borrowed[i], tracks.frozen[i] = 0, False
+        tracks.borrowed[i] = 0
         tracks.state[i] = better.state[i]
         if not steady:
             tracks.cov[i] = better.cov[i]

@@ -64,6 +64,8 @@ class TrackUpdate:
     """Tracks restarted at a true jump or a thaw, (n,)."""
     trusted: Mask
     """Tracks with an accepted sample that is not doubtful, and confirmed, (n,)."""
+    frozen: Mask
+    """Vehicles whose poses repeat though there is noise, (n,)."""
     nominal: bool
     """Every track is confirmed, and accepted the sample of its own name."""
 
@@ -111,11 +113,6 @@ class PositionTracks:
         """Return the tracks in tables, which stay the same until the tracks grow."""
         return TrackMemory(self._table, self._reacquisition.candidates, self._clock)
 
-    @property
-    def frozen(self) -> Mask:
-        """Return the tracks whose last poses repeated though there is noise, (n,)."""
-        return np.asarray(self._table["frozen"])
-
     def set_back(self, by: float) -> None:
         """Set the times of all samples back by `by` [s], as the clock was."""
         self._tracks.time[:] -= by
@@ -146,15 +143,15 @@ class PositionTracks:
         pos, vel = accept(t, at, assigned, self._noise_var, self._table)
         self._clock[PERIOD] = np.nan
         trusted = (assigned.source >= 0) & self._tracks.confirmed & (~at.doubtful | assigned.jumped)
-        return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, nominal=False)
+        return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, at.frozen, nominal=False)
 
     def usual(self, outcome: int, measured: Array, pos: Array, vel: Array) -> TrackUpdate:
         """Return the result of a tick that `follow` took, (n, 3) each."""
         if outcome == WHOLE:
-            return TrackUpdate(pos, vel, self._rows, self._none, self._all, nominal=True)
+            return TrackUpdate(pos, vel, self._rows, self._none, self._all, self._none, nominal=True)
         present = _present(measured)
         source = np.where(present, self._rows, -1)
-        return TrackUpdate(pos, vel, source, self._none, present, nominal=False)
+        return TrackUpdate(pos, vel, source, self._none, present, self._none, nominal=False)
 
     def _associate(self, t: float, at: Prediction) -> Association:
         """Assign samples to tracks."""

@@ -39,8 +39,6 @@ class TrackColumns(NamedTuple):
     """Time of the last accepted sample [s], (n,)."""
     since: Array
     """Time of the first sample of those that equal the last one bit for bit [s], (n,)."""
-    frozen: Mask
-    """Tracks whose last poses repeated though there is noise, (n,)."""
     varied: NDArray[np.int64]
     """Noisy samples of the slow vehicle since one that repeated, was rounded or as predicted, (n,)."""
     own: NDArray[np.int64]
@@ -59,7 +57,6 @@ TRACK = np.dtype(
         ("confirmed", np.bool_),
         ("time", np.float64),
         ("since", np.float64),
-        ("frozen", np.bool_),
         ("varied", np.int64),
         ("own", np.int64),
         ("borrowed", np.int64),
@@ -80,7 +77,6 @@ def columns_of(table: Table) -> TrackColumns:
         table["confirmed"],
         table["time"],
         table["since"],
-        table["frozen"],
         table["varied"],
         table["own"],
         table["borrowed"],
