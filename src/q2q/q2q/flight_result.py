@@ -114,10 +114,10 @@ def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", veh
         vehicle: name of the vehicle; empty takes the first.
 
     Raises:
+        TypeError: what is given is not flights by their labels.
         ValueError: an unknown kind, no flight, or a vehicle that is not in all flights.
     """
-    if not flights:
-        raise ValueError("no flights to plot: give one or more")
+    _check_labelled(flights)
     if kind not in KINDS:
         raise ValueError(f"unknown kind {kind!r}: choose one of {', '.join(KINDS)}")
     name = vehicle or next(iter(flights.values())).names[0]
@@ -135,9 +135,26 @@ def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "")
         flights: the flights by their labels.
         path: file to write (.html), in a folder that need not exist.
         title: heading; empty takes the labels.
+
+    Raises:
+        TypeError: what is given is not flights by their labels.
+        ValueError: no flight.
     """
+    _check_labelled(flights)
     runs = [replay_run(one.arrays, one.vehicle, label) for label, one in flights.items()]
     html, file = replay_html(runs, title or ", ".join(flights)), Path(path)
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(html, encoding="utf-8")
     return file
+
+
+def _check_labelled(flights: object) -> None:
+    """Raise TypeError unless these are flights by their labels, ValueError if there are none."""
+    expected = 'a mapping of labels to flights is expected, as {"aware": flight}'
+    if not isinstance(flights, Mapping):
+        raise TypeError(f"flights is {type(flights).__name__}: {expected}")
+    for label, flight in flights.items():
+        if not (isinstance(label, str) and isinstance(flight, FlightResult)):
+            raise TypeError(f"flights has {type(label).__name__}: {type(flight).__name__}; {expected}")
+    if not flights:
+        raise ValueError("flights is empty: give one or more")

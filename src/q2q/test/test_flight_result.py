@@ -95,6 +95,17 @@ def test_a_figure_of_an_unknown_vehicle_or_kind_is_refused(flight: q2q.FlightRes
         flight.plot("speed")  # type: ignore[arg-type]
 
 
+def test_flights_without_labels_are_refused_by_figures_and_pages(flight: q2q.FlightResult, tmp_path: Path):
+    with pytest.raises(TypeError, match=r"flights is int: a mapping of labels to flights"):
+        q2q.plot(3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"flights is list"):
+        q2q.page([flight], tmp_path / "page.html")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"flights has str: int"):
+        q2q.plot({"first": flight, "second": 2})  # type: ignore[dict-item]
+    with pytest.raises(ValueError, match=r"flights is empty"):
+        q2q.page({}, tmp_path / "page.html")
+
+
 def test_a_page_replays_the_flights_under_their_labels(flight: q2q.FlightResult, tmp_path: Path):
     text = q2q.page({"first": flight, "second": flight}, tmp_path / "new" / "page.html", "Two").read_text()
     assert text.count('<script type="application/json">') == 2

@@ -15,9 +15,9 @@ from q2q_model.commands.command_line import (
     nearest,
     output_file,
     output_folder,
+    outside_ros,
     require_apart,
     run_command,
-    without_ros,
 )
 
 
@@ -126,8 +126,10 @@ def test_help_shows_the_example(capsys: pytest.CaptureFixture[str]):
 
 
 def test_what_is_meant_for_ros_is_left_to_ros():
-    assert without_ros(["a", "--seed", "1", "--ros-args", "-r", "x:=y"]) == ["a", "--seed", "1"]
-    assert without_ros(["a"]) == ["a"]
+    own = ["a", "--seed", "1"]
+    assert outside_ros([*own, "--ros-args", "-r", "x:=y"]) == own
+    assert outside_ros(["a", "--ros-args", "-r", "x:=y", "--", "--seed", "1"]) == own
+    assert outside_ros(["a"]) == ["a"]
 
 
 def test_nothing_is_near_to_a_word_unlike_all():

@@ -48,7 +48,7 @@ class FlightView:
 
     def store_command(self, command: SwarmCommand) -> None:
         """Store which motors a command has cut."""
-        cut = {name for name, status in zip(command.names, command.status, strict=True) if status == _CUT}
+        cut = {command.names[row] for row in np.flatnonzero(command.status == _CUT)}
         self._cut = tuple(name for name in self._names if name in cut)
 
     def observe(self, vehicles: tuple[VehicleReport, ...], t: float) -> Observation:

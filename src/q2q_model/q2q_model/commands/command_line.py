@@ -83,11 +83,11 @@ def run_command(
         line: parser.
         prepare: checks the parsed arguments (raises UsageError, ValueError, OSError), imports, and returns
             the work. The namespace also contains the unparsed arguments as `argv`.
-        argv: arguments (None: sys.argv); those from `--ros-args` on are ignored.
+        argv: arguments (None: sys.argv); those for ROS are ignored.
         interrupted: message after Ctrl-C; the status is 130.
         refused: exit status after a ValueError or OSError.
     """
-    own = without_ros(argv)
+    own = outside_ros(argv)
     args = line.parse_args(own, Namespace(argv=own))
     try:
         with warnings_in_one_line(line.prog):
@@ -225,10 +225,17 @@ def _below_folders(path: Path) -> Path:
     return path
 
 
-def without_ros(arguments: Sequence[str] | None) -> list[str]:
-    """Return the arguments of a program (None: sys.argv) up to those for ROS."""
-    argv = sys.argv[1:] if arguments is None else list(arguments)
-    return argv[: argv.index(ROS_ARGS)] if ROS_ARGS in argv else argv
+def outside_ros(arguments: Sequence[str] | None) -> list[str]:
+    """Return the words (None: those of sys.argv) before `--ros-args`, and after a `--` that ends these."""
+    own, of_ros = list[str](), False
+    for word in sys.argv[1:] if arguments is None else arguments:
+        if of_ros:
+            of_ros = word != "--"
+        elif word == ROS_ARGS:
+            of_ros = True
+        else:
+            own.append(word)
+    return own
 
 
 def unknown_arguments(message: str) -> list[str]:

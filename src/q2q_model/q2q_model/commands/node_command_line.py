@@ -6,7 +6,7 @@ ROS itself ignores a word that it does not know, so a misspelt `--dry-run` would
 from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
-from q2q_model.commands.command_line import ROS_ARGS, CommandLine
+from q2q_model.commands.command_line import ROS_ARGS, CommandLine, outside_ros
 
 HOW = f"parameters follow {ROS_ARGS}: {ROS_ARGS} -p name:=value"
 
@@ -41,16 +41,3 @@ class NodeCommandLine(CommandLine):
         given = vars(self.parse_args(outside_ros(argv)))
         set_true = [f"{name}:=true" for name in self._flags if given[name]]
         return [*argv, *(word for one in set_true for word in (ROS_ARGS, "-p", one))]
-
-
-def outside_ros(argv: Sequence[str]) -> list[str]:
-    """Return the words that are not for ROS: before `--ros-args`, and after a `--` that ends these."""
-    own, of_ros = list[str](), False
-    for word in argv:
-        if of_ros:
-            of_ros = word != "--"
-        elif word == ROS_ARGS:
-            of_ros = True
-        else:
-            own.append(word)
-    return own
