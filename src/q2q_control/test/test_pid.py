@@ -51,7 +51,7 @@ def commands_by_numpy(acc: Array, quat: Array, limits: ThrustLimits) -> tuple[Ar
     vertical = GRAVITY + acc[:, 2]
     upright = 1.0 - 2.0 * (quat[:, 0] ** 2 + quat[:, 1] ** 2)
     desired = limits.mass * vertical / np.maximum(upright, UPRIGHT_MIN)
-    thrust = np.clip(desired, 0.0, limits.thrust_max)
+    thrust = np.clip(desired, 0.05 * limits.mass * GRAVITY, limits.thrust_max)
     yaw = yaw_from_quat(quat)
     forward = acc[:, 0] * np.cos(yaw) + acc[:, 1] * np.sin(yaw)
     left = acc[:, 1] * np.cos(yaw) - acc[:, 0] * np.sin(yaw)
@@ -154,7 +154,7 @@ def test_rows_are_joined_by_name_not_by_order():
     assert np.array_equal(crossed.thrust, straight.thrust)
 
 
-def test_thrust_keeps_the_papers_limit_and_the_rotors_limits():
+def test_thrust_keeps_the_papers_limit_and_the_rotors_limits_and_stops_no_motors():
     state, setpoint, eta = swarm(("cf1",))
     pull = replace(eta, acc=np.array([[0.0, 0.0, -50.0]]))
     limited = Pid(PidParams(thrust_limited=True), TEXTBOOK_065).update(state, setpoint, pull)
@@ -162,7 +162,9 @@ def test_thrust_keeps_the_papers_limit_and_the_rotors_limits():
     assert limited.status[0] == CommandStatus.SATURATED
     assert Pid(PidParams(), TEXTBOOK_065).update(state, setpoint, pull).thrust[0] == TEXTBOOK_065.thrust_max
     push = replace(eta, acc=np.array([[0.0, 0.0, 50.0]]))
-    assert Pid(PidParams(), TEXTBOOK_065).update(state, setpoint, push).thrust[0] == 0.0
+    least = Pid(PidParams(), TEXTBOOK_065).update(state, setpoint, push)
+    assert least.thrust[0] == pytest.approx(0.05 * 0.65 * GRAVITY, rel=1e-12)
+    assert least.status[0] == CommandStatus.SATURATED
 
 
 def test_a_bound_that_does_not_carry_the_vehicle_is_refused_and_changes_nothing():

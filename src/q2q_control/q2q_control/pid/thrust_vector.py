@@ -14,8 +14,8 @@ instead of small angles: the body's z axis along (a_x, a_y, g + a_z), in the fra
     theta_d = atan2(a_1, g + a_z),  phi_d = atan2(-a_2, hypot(a_1, g + a_z))
     a_1 = a_x cos psi + a_y sin psi,  a_2 = a_y cos psi - a_x sin psi
 
-Limits: 0 <= U1 <= thrust_max (rotors do not pull down); the angle between thrust and vertical at most
-tilt_max, the direction of the tilt kept.
+Limits: f m g <= U1 <= thrust_max (rotors do not pull down, and motors that stop hold no attitude); the angle
+between thrust and vertical at most tilt_max, the direction of the tilt kept.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -25,6 +25,7 @@ tilt_max, the direction of the tilt kept.
 | phi_d theta_d | roll pitch | [rad] |
 | r_d | yaw_rate | [rad/s] |
 | k_psi | k_yaw | [1/s] |
+| f | THRUST_LEAST | least thrust over weight [-] (q2q_control.inputs.controller) |
 """
 
 import math
@@ -33,6 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
+from q2q_control.inputs.controller import THRUST_LEAST
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -112,7 +114,7 @@ def write_command(acc: Array, row: Array, limits: ThrustLimits, values: Array) -
     """Write thrust, roll, pitch, yaw rate (4,) of one row of a table; return the excess beyond the limits."""
     upright = 1.0 - 2.0 * (row[QUAT_AT] * row[QUAT_AT] + row[QUAT_AT + 1] * row[QUAT_AT + 1])
     desired = limits.mass * (GRAVITY + acc[2]) / max(upright, UPRIGHT_MIN)
-    thrust = min(max(desired, 0.0), limits.thrust_max)
+    thrust = min(max(desired, THRUST_LEAST * limits.mass * GRAVITY), limits.thrust_max)
     yaw = _yaw_of(row)
     tilt = _tilt(acc, yaw, thrust, limits)
     wrapped = (row[YAW] - yaw + math.pi) % (2.0 * math.pi) - math.pi

@@ -9,12 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.inputs.controller import THRUST_LEAST
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
-FALL = 0.95
-"""Largest downward acceleration over gravity [-]: some thrust is left to tilt."""
+FALL = 1.0 - THRUST_LEAST
+"""Largest downward acceleration over gravity [-]."""
 
 
 class AccelerationLimits(NamedTuple):
