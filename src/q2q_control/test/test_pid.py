@@ -67,15 +67,24 @@ def commands_by_numpy(acc: Array, quat: Array, limits: ThrustLimits) -> tuple[Ar
     return np.concatenate([thrust[None], angles]), (side > most) | (desired != thrust)
 
 
+def error_by_numpy(error: Array, most: tuple[float, float]) -> Array:
+    """Return the errors of position that count, (n, 3)."""
+    side = np.linalg.norm(error[:, :2], axis=1, keepdims=True)
+    return np.hstack(
+        [error[:, :2] * np.minimum(1.0, most[0] / side), np.clip(error[:, 2:], -most[1], most[1])]
+    )
+
+
 @settings(deadline=None)  # the first call compiles
 @given(seed=st.integers(0, 10_000), exact=st.booleans(), limited=st.booleans())
 def test_compiled_rows_equal_the_numpy_equations(seed: int, exact: bool, limited: bool):
-    params = PidParams(exact_inverse=exact, thrust_limited=limited)
+    params = PidParams(exact_inverse=exact, thrust_limited=limited, speed_max=1.0)
     tick = table_of(*random_swarm(seed))
     integral = np.random.default_rng(seed).normal(size=(3, 3))
     limits, gains = pid_limits(params, TEXTBOOK_065), pid_gains(params)
     table = tick.table
-    acc = table[:, REF_ACC] + gains.k_p * (table[:, REF_POS] - table[:, POS]) + integral - table[:, ETA]
+    counted = error_by_numpy(table[:, REF_POS] - table[:, POS], gains.error_max)
+    acc = table[:, REF_ACC] + gains.k_p * counted + integral - table[:, ETA]
     acc += gains.k_d * (table[:, REF_VEL] - table[:, VEL])
     expected, cut = commands_by_numpy(acc, table[:, QUAT], limits)
     values, saturated = pid_rows(table, integral.copy(), gains, limits, DT)

@@ -11,7 +11,7 @@ TILT_MAX = 0.35
 """Largest angle of thrust to vertical that a controller commands unless told otherwise [rad]."""
 
 THRUST_LEAST = 0.05
-"""Least thrust over weight of a controller's command [-]: with none, or with less than MIN_THRUST, 1000 of 65535
+"""Least thrust over weight of a controller's command [-]: with none, or less than MIN_THRUST, 1000 of 65535
 (2 to 3 % of the weight), a Crazyflie's motors stop, and nothing holds its attitude."""
 
 

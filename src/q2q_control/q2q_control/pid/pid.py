@@ -1,16 +1,20 @@
 """PID of section 5.1, with or without downwash compensation: eqs (22)-(25).
 
-    a     = r''_ref + K_p (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta       on x, y, z
+    a     = r''_ref + K_p s (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta     on x, y, z
     xi'   = r_ref - r                                                          (23)
+    s     = min(1, e / |r_ref - r|),  K_p e = K_d v_max                        horizontally, and vertically
     U1, phi_d, theta_d, r_d from a by q2q_control.pid.thrust_vector
+
+s is ours: from further than e a vehicle returns at v_max relative to its setpoint. By the linear law one that
+is carried 4 m up falls at 6 m/s, which no thrust stops above the floor.
 
 eta is 0 without an Interference: the controller ignores the downwash. Every vehicle uses its own row only
 (its neighbours enter through its downwash), so one node may control all vehicles or one each.
 
-The state is K_i xi [m/s^2], so that a gain change causes no jump. Anti-windup: no integration while a limit
-is active in the direction of the error (conditional integration; Astrom, Hagglund, Advanced PID Control,
-2006, section 3.5), and |K_i xi| <= integral_max. A repeated stamp returns the same command; a stamp that goes
-back resets all memory.
+The state is K_i xi [m/s^2], so that a gain change causes no jump. Anti-windup: no integration while s < 1, or
+while a limit is active in the direction of the error (conditional integration; Astrom, Hagglund, Advanced PID
+Control, 2006, section 3.5), and |K_i xi| <= integral_max. A repeated stamp returns the same command; a stamp
+that goes back resets all memory.
 
 Gains: those of the altitude are the loop identified from flights (the paper's figure 5). The paper gives none
 for the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's frequency.
@@ -19,9 +23,11 @@ for the position: 2 rad/s at a damping of 0.9, a seventh of the attitude loop's 
 |---|---|---|
 | K_p K_d K_i | k_p k_d k_i | [1/s^2], [1/s], [1/s^3] |
 | K_i xi | integral | [m/s^2], (n, 3) |
+| v_max, e | speed_max, error_max | [m/s], [m] |
 | eta | eta | downwash acceleration [m/s^2], (n, 3) |
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +67,9 @@ class PidParams:
     k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     integral_max: float = tunable(
         2.0, "largest integral action on each axis", unit="m/s^2", low=0.0, high=9.81
+    )
+    speed_max: float = tunable(
+        2.0, "largest speed, relative to the setpoint's, of the return to it", unit="m/s", low=0.1, high=20.0
     )
     thrust_limited: bool = tunable(default=False, description="keep |U1| within thrust_max (section 5.1)")
     thrust_max: float = tunable(
@@ -152,7 +161,16 @@ def pid_gains(params: PidParams) -> PidGains:
         k_d=np.array([params.k_d_xy, params.k_d_xy, params.k_d_z]),
         k_i=np.array([params.k_i_xy, params.k_i_xy, params.k_i_z]),
         integral_max=np.full(3, params.integral_max),
+        error_max=(
+            _error_max(params.k_p_xy, params.k_d_xy, params.speed_max),
+            _error_max(params.k_p_z, params.k_d_z, params.speed_max),
+        ),
     )
+
+
+def _error_max(k_p: float, k_d: float, speed: float) -> float:
+    """Return the error [m] at which a loop without acceleration moves at `speed` [m/s]; inf without k_d."""
+    return k_d * speed / k_p if k_p > 0.0 and k_d > 0.0 else math.inf
 
 
 def pid_limits(params: PidParams, vehicle: Vehicle) -> ThrustLimits:

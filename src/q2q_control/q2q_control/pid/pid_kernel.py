@@ -4,6 +4,7 @@ On two vehicles, numpy's calls would cost ten times the arithmetic. `table` is t
 q2q_control.inputs.alignment.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -26,11 +27,15 @@ class PidGains(NamedTuple):
     """[1/s^3]"""
     integral_max: Array
     """[m/s^2]"""
+    error_max: tuple[float, float]
+    """Largest error of position that counts, horizontal and vertical [m]."""
 
 
 PidTick = tuple[float, float, Array, Mask]
 """Time, and time since the last tick [s], table, and which of its rows are usable, (n,)."""
-Law = tuple[tuple[Array, Array, Array, Array], tuple[float, float, float, bool, float, float]]
+Law = tuple[
+    tuple[Array, Array, Array, Array, tuple[float, float]], tuple[float, float, float, bool, float, float]
+]
 """PidGains and ThrustLimits."""
 
 
@@ -46,14 +51,24 @@ def pid_rows(
         row = table[i]
         for k in range(3):
             error[k] = row[REF_POS_AT + k] - row[POS_AT + k]
-            acc[k] = row[REF_ACC_AT + k] + gains.k_p[k] * error[k]
+        share = _shares(error, gains.error_max)
+        for k in range(3):
+            acc[k] = row[REF_ACC_AT + k] + gains.k_p[k] * share[k // 2] * error[k]
             acc[k] += gains.k_d[k] * (row[REF_VEL_AT + k] - row[VEL_AT + k])
             acc[k] += integral[i, k] - row[ETA_AT + k]
         excess = write_command(acc, row, limits, values[i])
         saturated[i] = excess.tilt or excess.thrust != 0.0
         outward = acc[0] * gains.k_i[0] * error[0] + acc[1] * gains.k_i[1] * error[1]
-        _integrate(integral[i], error, gains, Excess(excess.thrust, excess.tilt and outward > 0.0), dt)
+        held = Excess(excess.thrust, excess.tilt and outward > 0.0)
+        _integrate(integral[i], error, gains, (held, share), dt)
     return values, saturated
+
+
+@compiled
+def _shares(error: Array, most: tuple[float, float]) -> tuple[float, float]:
+    """Return the shares of the horizontal and of the vertical error that count [-]."""
+    side = math.sqrt(error[0] * error[0] + error[1] * error[1])
+    return 1.0 if side <= most[0] else most[0] / side, min(1.0, most[1] / max(abs(error[2]), most[1]))
 
 
 @compiled
@@ -79,10 +94,16 @@ def pid_commands(
 
 
 @compiled
-def _integrate(integral: Array, error: Array, gains: PidGains, excess: Excess, dt: float) -> None:
-    """Advance the integral, except in the direction of an excess: x and y by tilt, z by thrust."""
+def _integrate(
+    integral: Array, error: Array, gains: PidGains, limited: tuple[Excess, tuple[float, float]], dt: float
+) -> None:
+    """Advance the integral, but not of an error of which a share counts, nor in the direction of an excess.
+
+    The excess is x and y's by tilt, z's by thrust.
+    """
+    excess, share = limited
     for k in range(3):
         step = gains.k_i[k] * error[k] * dt
-        if (k < 2 and excess.tilt) or (k == 2 and step * excess.thrust > 0.0):
+        if share[k // 2] < 1.0 or (k < 2 and excess.tilt) or (k == 2 and step * excess.thrust > 0.0):
             continue
         integral[k] = min(max(integral[k] + step, -gains.integral_max[k]), gains.integral_max[k])
