@@ -45,3 +45,8 @@ def test_a_verdict_that_is_bad_looks_different() -> None:
 def test_large_numbers_and_our_own_markup_stand_in_their_order() -> None:
     html = page("t", "l", [Markup("<canvas></canvas>"), [KeyNumber("34 cm", "down"), KeyNumber("<1", "up")]])
     assert html.index("<canvas>") < html.index("34 cm") < html.index("&lt;1")
+
+
+def test_an_option_of_a_command_line_is_not_broken_after_its_hyphens() -> None:
+    html = page("t", "l", ["run scripts/demo --real. A well-known - or -- dash"])
+    assert 'run scripts/demo <span class="option">--real</span>. A well-known - or -- dash' in html

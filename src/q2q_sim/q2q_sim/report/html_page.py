@@ -30,6 +30,7 @@ th { background: #f4f5f7; font-weight: 600; white-space: pre-line; vertical-alig
 .pictures { grid-template-columns: repeat(auto-fill, minmax(min(420px, 100%), 1fr)); }
 @media (max-width: 600px) { th, td { padding: .25rem .4rem; } body { padding: 0 .8rem; } }
 @media (max-width: 600px) { td.text { white-space: normal; } td.words { min-width: 6rem; } }
+.option { white-space: nowrap; }
 pre { overflow-x: auto; background: #f4f5f7; padding: .6rem .8rem; font-size: .88rem; }
 figure { margin: 0; } img { width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
 """
@@ -39,6 +40,8 @@ WORDS = 24
 NUMBER = re.compile(r"[+-]?[\d.]+(?: · 10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?%?|-|")
 """Cell of a column that is right-aligned, where one has a digit."""
 DIGIT = re.compile(r"\d")
+OPTION = re.compile(r"(?<!\S)--\w[\w-]*")
+"""Option of a command line; browsers break lines after its hyphens."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,14 +108,14 @@ def page(title: str, lead: str, parts: Sequence[Part]) -> str:
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<style>{COLOURS}{CSS}</style></head>\n"
-        f"<body><h1>{escape(title)}</h1><p>{escape(lead)}</p>\n{body}\n</body></html>\n"
+        f"<body><h1>{escape(title)}</h1><p>{_sentences(lead)}</p>\n{body}\n</body></html>\n"
     )
 
 
 def _part(part: Part) -> str:
     match part:
         case str():
-            return f"<p>{escape(part)}</p>"
+            return f"<p>{_sentences(part)}</p>"
         case Markup():
             return part.html
         case Heading() | ProgramOutput():
@@ -124,6 +127,11 @@ def _part(part: Part) -> str:
             return _table(part)
         case _:
             return _row_of(part)
+
+
+def _sentences(text: str) -> str:
+    """Return the HTML of sentences, with options of command lines unbroken."""
+    return OPTION.sub(lambda found: f'<span class="option">{found[0]}</span>', escape(text))
 
 
 def _row_of(parts: Sequence[Picture] | Sequence[KeyNumber]) -> str:
