@@ -13,6 +13,7 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile, decode
 from q2q_model.files.model_names import ModelFileError
+from q2q_model.node.health import Health
 from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
@@ -50,7 +51,7 @@ def build(node: Node) -> TickWiring[Interference]:
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
     wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
-    node.create_subscription(String, "model", model_receiver(node, predictor, age), LATCHED)
+    node.create_subscription(String, "model", model_receiver(node, predictor, age, wiring.health), LATCHED)
     block = predictor if params.correct_vehicle == "none" else corrected(node, predictor, params, found)
     wiring.rehearse(block.update, block.reset)
     wiring.start(block.update)
@@ -67,8 +68,10 @@ def corrected(
     return block
 
 
-def model_receiver(node: Node, predictor: InteractionPredictor, age: Stopwatch) -> Callable[[String], None]:
-    """Return a callback that loads a model file's text; an invalid one is logged and ignored."""
+def model_receiver(
+    node: Node, predictor: InteractionPredictor, age: Stopwatch, health: Health
+) -> Callable[[String], None]:
+    """Return a callback that loads a model file's text; an invalid one is refused, the last one kept."""
 
     def receive(message: String) -> None:
         try:
@@ -76,7 +79,7 @@ def model_receiver(node: Node, predictor: InteractionPredictor, age: Stopwatch) 
             age.restart()
             node.get_logger().info("model loaded")
         except ModelFileError as refusal:
-            node.get_logger().error(f"model rejected: {refusal}")
+            health.refuse(f"model, the last one is kept: {refusal}")
 
     return receive
 

@@ -1,0 +1,40 @@
+"""What the node `interference` says of models that come in flight, and which one it flies with."""
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from room_node import RoomNode
+from std_msgs.msg import String
+
+from q2q_model.files.find_model import find_model
+from q2q_model.files.model_file import encode
+from q2q_model.node.health import Health, Level, report
+from q2q_model.ros import interference_node
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.signals.values import Interference
+
+
+def flying() -> tuple[RoomNode, TickWiring[Interference]]:
+    """Return a node with the paper's law, and its wiring."""
+    node = RoomNode("interference", {"model": "paper_law"}, {})
+    return node, interference_node.build(node)
+
+
+def test_a_refused_model_is_an_error_of_health_and_floods_no_log() -> None:
+    node, wiring = flying()
+    for _ in range(500):
+        node.takers["model"](String(data="garbage"))
+    graded = report(Health(), wiring.health)
+    assert graded.level is Level.ERROR
+    assert graded.trouble  # which the log has once a text
+    assert graded.summary.startswith("refused: model, the last one is kept: not complete JSON")
+    assert node.lines == []
+
+
+def test_a_model_after_refused_ones_is_loaded() -> None:
+    node, wiring = flying()
+    node.takers["model"](String(data="[1, 2]"))
+    node.takers["model"](String(data=encode(find_model("measured_law"))))
+    assert node.lines == ["model loaded"]
+    assert wiring.health.refused == 1
