@@ -7,8 +7,9 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from room_node import RoomNode
 from std_msgs.msg import String
 
+from q2q_model.downwash.jet import Jet
 from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import encode
+from q2q_model.files.model_file import ModelFile, encode
 from q2q_model.node.health import Health, Level, report
 from q2q_model.ros import interference_node
 from q2q_model.ros.node.tick import TickWiring
@@ -30,6 +31,13 @@ def test_a_refused_model_is_an_error_of_health_and_floods_no_log() -> None:
     assert graded.trouble  # which the log has once a text
     assert graded.summary.startswith("refused: model, the last one is kept: not complete JSON")
     assert node.lines == []
+
+
+def test_a_model_that_would_throw_vehicles_to_the_ceiling_is_refused() -> None:
+    node, wiring = flying()
+    rising = Jet(strength=20.0, decay="exponential", decay_rate=-5.0, range=10.0)
+    node.takers["model"](String(data=encode(ModelFile(rising))))
+    assert "at most 19.6, two g, are allowed" in wiring.health.last_refusal
 
 
 def test_a_model_after_refused_ones_is_loaded() -> None:

@@ -20,6 +20,7 @@ from q2q_model.documents.plain_values import Plain, PlainValueError, from_plain,
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.largest_push import check_push
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.residual_process import ResidualProcess
@@ -124,6 +125,7 @@ def decode(text: str) -> ModelFile:
         body = unsealed(text, FORMAT)
         residual = body.get("residual")
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
+        check_push(model)
         return ModelFile(
             interaction=model,
             zone=_read_zone(body["zone"], model),

@@ -1,0 +1,49 @@
+"""Largest downwash that a model may predict.
+
+    |eta| <= 2 g    at rest and climbing, from CONTACT to the model's reach, above and below the source
+
+A hovering source gives its air the momentum m g in a second. A vehicle of its mass that stops all of this air
+feels g, one that turns it back 2 g. Controllers follow what a model predicts, up to full thrust, so one that
+predicts more is not flown with.
+"""
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import UP, InteractionModel, PairMotion
+from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import GRAVITY
+
+LARGEST = 2.0 * GRAVITY
+"""[m/s^2]"""
+CONTACT = 0.14
+"""Distance of two vehicles in contact [m]."""
+CLIMB = 0.5
+"""Climb rate of a vehicle that meets the air of one above [m/s]."""
+ASIDE = (0.0, 0.05, 0.1, 0.2)
+"""Horizontal distances that are looked at [m]; a jet is strongest on its axis, a network anywhere."""
+GAPS = 100
+"""Height differences that are looked at, each way."""
+
+
+def check_push(model: InteractionModel) -> None:
+    """Raise ValueError if a model predicts more than LARGEST."""
+    rel_pos = _places(model.reach.vertical)
+    if not rel_pos.size:
+        return
+    still = np.zeros_like(rel_pos)
+    for vel in (still, still + CLIMB * UP):
+        push = np.abs(model.acceleration(rel_pos, PairMotion(still, still + UP, vel))).max(axis=1)
+        worst = int(np.argmax(np.where(np.isnan(push), np.inf, push)))
+        if not push[worst] <= LARGEST:
+            side = "above" if rel_pos[worst, 2] > 0.0 else "below"
+            raise ValueError(
+                f"model: a source {abs(rel_pos[worst, 2]):.2f} m {side} a vehicle accelerates it by "
+                f"{push[worst]:.3g} m/s^2; at most {LARGEST:.1f}, two g, are allowed: identify it again"
+            )
+
+
+def _places(reach: float) -> Array:
+    """Return the relative positions of sources that are looked at [m], (p, 3)."""
+    up = np.linspace(CONTACT, reach, GAPS) if reach > CONTACT else np.zeros(0)
+    aside, gap = np.meshgrid(ASIDE, np.concatenate((up, -up)))
+    return np.stack((aside.ravel(), np.zeros(aside.size), gap.ravel()), axis=1)
