@@ -1,4 +1,4 @@
-"""Models that predict more than any vehicle's air can do are refused, known ones and those at the bound not."""
+"""Models that predict more than a vehicle's air can do are refused, known ones and those at the bound not."""
 
 import math
 from dataclasses import replace
@@ -8,9 +8,9 @@ import pytest
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
-from q2q_model.downwash.largest_push import CLIMB, CONTACT, LARGEST, check_push
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.roles import BLEND
+from q2q_model.files.largest_push import CLIMB, CONTACT, LARGEST, check_push
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.files.model_names import ModelFileError
 

@@ -1,4 +1,4 @@
-"""Largest downwash that a model may predict.
+"""Largest downwash that a model of a file or a topic may predict.
 
     |eta| <= 2 g    at rest and climbing, from CONTACT to the model's reach, above and below the source
 
