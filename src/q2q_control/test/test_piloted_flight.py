@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+import pytest
 
 from q2q_control.flight_procedure.observation import PlanOutline, VehicleReport
 from q2q_control.flight_procedure.piloted_flight import PilotedFlight
@@ -82,11 +83,21 @@ def state_at(height: float) -> SwarmState:
     return SwarmState(0.0, ("cf1",), pos, zero, level, zero, np.zeros(1), np.zeros(1, dtype=np.uint8))
 
 
-def test_a_refused_call_reaches_no_executor() -> None:
+@pytest.mark.parametrize("call", [Call.START, Call.TAKE_OFF, Call.FLY])
+def test_a_refused_flight_reaches_no_executor(call: Call) -> None:
     piloted, vehicles = flight()
-    piloted.refusal = lambda call: f"no {call.value} here"
-    assert piloted.call(Call.EMERGENCY, 0.0) == Reply(granted=False, reason="no emergency here")
+    piloted.refusal = lambda: "another radio node runs: radio_2"
+    assert piloted.call(call, 0.0) == Reply(granted=False, reason="another radio node runs: radio_2")
     assert vehicles.begun == []
+
+
+def test_what_refuses_flights_refuses_no_landing_and_no_emergency() -> None:
+    piloted, vehicles, _ = in_hover()
+    piloted.refusal = lambda: "another radio node runs: radio_2"
+    assert piloted.call(Call.LAND, 1.1) is None
+    assert vehicles.begun[-1] is Act.STOP_STREAM
+    assert piloted.call(Call.EMERGENCY, 1.2) is None
+    assert vehicles.begun[-1] is Act.CUT
 
 
 def test_a_single_act_is_answered_with_its_outcome() -> None:

@@ -13,7 +13,7 @@ from q2q_control.flight_procedure.flight_view import FlightView
 from q2q_control.flight_procedure.observation import Observation, PlanOutline, VehicleReport
 from q2q_control.flight_procedure.procedure import FlightProcedure
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_control.flight_procedure.steps import ON_GROUND, Act, Call, Order, Step
+from q2q_control.flight_procedure.steps import BEGINS_FLIGHT, ON_GROUND, Act, Call, Order, Step
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmCommand, SwarmSetpoint, SwarmState
 
@@ -73,8 +73,8 @@ class PilotedFlight:
         self._single_at = -math.inf
         self._replies: list[tuple[Call | Act, Reply]] = []
         self._reported: ProcedureStatus | None = None
-        self.refusal: Callable[[Call], str] = lambda _: ""
-        """Returns why a call is refused beside the procedure's own reasons; empty if it is not."""
+        self.refusal: Callable[[], str] = lambda: ""
+        """Returns why no flight may begin beside the procedure's own reasons; empty if it may."""
 
     def store_state(self, state: SwarmState, t: float) -> None:
         """Store a state received at time t [s]."""
@@ -94,7 +94,7 @@ class PilotedFlight:
 
     def call(self, call: Call, t: float) -> Reply | None:
         """Make a call at time t [s]; return its reply, or None if that comes later (`replies`)."""
-        refusal = self.refusal(call)
+        refusal = self.refusal() if call in BEGINS_FLIGHT else ""
         if refusal:
             return Reply(granted=False, reason=refusal)
         reply = self._procedure.call(call, self._observed(t), t)

@@ -41,6 +41,10 @@ class Call(Enum):
     EMERGENCY = "emergency"
 
 
+BEGINS_FLIGHT = frozenset({Call.START, Call.TAKE_OFF, Call.FLY})
+"""Calls after which vehicles fly setpoints or climb; the others end a flight, and are never worse than none."""
+
+
 class Act(Enum):
     """Action that the procedure orders."""
 

@@ -48,8 +48,8 @@ class ProcedureServices:
         node.create_subscription(Plan, "next_plan", self._take_plan, LATCHED)
         steady_timer(node, PERIOD_S, self._update)
 
-    def refuse_calls(self, refusal: Callable[[Call], str]) -> None:
-        """Refuse the calls for which `refusal` returns a reason."""
+    def refuse_flights(self, refusal: Callable[[], str]) -> None:
+        """Refuse the calls that begin a flight while `refusal` returns a reason."""
         self._flight.refusal = refusal
 
     def store_state(self, state: SwarmState) -> None:

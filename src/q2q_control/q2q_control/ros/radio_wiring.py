@@ -6,7 +6,6 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_control.flight_procedure.steps import Call
 from q2q_control.radio.node_params import RadioNodeParams
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_vehicles import WATCH_S, RadioVehicles
@@ -43,7 +42,7 @@ class RadioNode:
             self._vehicles.executor,
             (declare(node, FlightProcedureParams()), landing),
         )
-        self._services.refuse_calls(self._other_radios)
+        self._services.refuse_flights(self._other_radios)
         self._vehicles.ticks.procedure = self._services
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)
         node.create_service(Trigger, "~/stop", self._on_stop)
@@ -67,8 +66,8 @@ class RadioNode:
             self._topics.publish(name, link.health(), link.pose)
         self._health.extra |= self._vehicles.phases()
 
-    def _other_radios(self, call: Call) -> str:
-        others = "" if call is Call.EMERGENCY else self._topics.other_radios()
+    def _other_radios(self) -> str:
+        others = self._topics.other_radios()
         return f"another radio node runs: {others}" if others else ""
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
