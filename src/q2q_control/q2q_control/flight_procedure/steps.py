@@ -42,7 +42,7 @@ class Call(Enum):
 
 
 BEGINS_FLIGHT = frozenset({Call.START, Call.TAKE_OFF, Call.FLY})
-"""Calls after which vehicles fly setpoints or climb; the others end a flight, and are never worse than none."""
+"""Calls after which vehicles climb or follow setpoints; the others end that."""
 
 
 class Act(Enum):

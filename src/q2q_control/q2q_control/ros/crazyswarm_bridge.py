@@ -19,6 +19,7 @@ from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_
 from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.ros.topics.messages import MESSAGES, header_at
@@ -50,6 +51,7 @@ class Crazyswarm:
         self._names = vehicle_names(self._settings)
         self._health = Health()
         self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
+        self._writers = InputWriters(node, self._ticks.topics, self._health)
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._version = poses_version(self._settings)
@@ -61,7 +63,7 @@ class Crazyswarm:
         if off:
             node.get_logger().warning(off)
         subscribe_signals(node, self._ticks.topics, self._take, self._health)
-        publish_health(node, self._health)
+        publish_health(node, self._health, self._facts)
 
     def _wire_poses(self) -> None:
         if not (self._settings.poses_in or self._settings.poses_out):
@@ -77,8 +79,9 @@ class Crazyswarm:
 
     def _wire_flight(self) -> None:
         """Wire the procedure, without which nothing is flown, then what it lets through."""
-        self._wire_procedure()
+        services = self._wire_procedure()
         self._wire_commands()
+        services.refuse_flights(lambda: self._commands.rivals() or self._writers.look())
 
     def _wire_commands(self) -> None:
         vehicle = vehicle_by_name(self._settings.vehicle, self._settings.firmware)
@@ -90,7 +93,7 @@ class Crazyswarm:
             full_state=self._settings.mode == "setpoint",
         )
 
-    def _wire_procedure(self) -> None:
+    def _wire_procedure(self) -> ProcedureServices:
         executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))
         self._ticks.procedure = services = ProcedureServices(self._node, self._names, executor, self._params)
         for name, act in (
@@ -99,6 +102,11 @@ class Crazyswarm:
             ("notify_setpoints_stop", Act.STOP_STREAM),
         ):
             services.offer(name, act)
+        return services
+
+    def _facts(self) -> dict[str, str]:
+        self._writers.look()
+        return {}
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
         if isinstance(value, SwarmState) and self._settings.poses_out:

@@ -5,14 +5,18 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from q2q_control.crazyswarm.message_conversion import legacy_twists
+from q2q_control.radio.radio_vehicles import other_publishers
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_model.ros.node.input_warnings import writers_of
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
 
 QUEUE = 1
 """Depth of a queue: a setpoint not sent in time is replaced by the next."""
+FULL_STATE, LEGACY = "cmd_full_state", "cmd_vel_legacy"
+"""Topics below a vehicle's name; Crazyswarm2's server sends what comes on either."""
 
 
 class CrazyswarmCommands:
@@ -26,12 +30,20 @@ class CrazyswarmCommands:
         Raises:
             ImportError: `full_state`, and the package of its message is missing.
         """
-        self._legacy = legacy
+        self._node, self._legacy = node, legacy
         self._full_state = find(CRAZYFLIE_PACKAGE, ("FullState",))[0] if full_state else Twist
-        topic = "cmd_full_state" if full_state else "cmd_vel_legacy"
+        topic = FULL_STATE if full_state else LEGACY
         self._writers = {
             name: node.create_publisher(self._full_state, f"{name}/{topic}", QUEUE) for name in names
         }
+
+    def rivals(self) -> str:
+        """Return which other nodes publish setpoints of these vehicles, and what to do; empty if none do."""
+        topics = [f"{name}/{topic}" for name in self._writers for topic in (FULL_STATE, LEGACY)]
+        writers = [writers_of(self._node, topic) for topic in topics]
+        others = other_publishers(self._node.get_name(), writers)
+        advice = "stop them, or set legacy_hz:=0 on a controller"
+        return f"other nodes publish setpoints of these vehicles ({others}): {advice}" if others else ""
 
     def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, downwash: Interference | None) -> None:
         """Publish every known vehicle's full state."""

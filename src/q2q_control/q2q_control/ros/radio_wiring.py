@@ -14,6 +14,7 @@ from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_control.ros.radio_topics import RadioTopics
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.listening import subscribe_signals
@@ -34,7 +35,6 @@ class RadioNode:
         params, health = declare(node, RadioNodeParams()), Health()
         limits, landing = declare(node, RadioPilotParams()), declare(node, LandingParams())
         self._vehicles = RadioVehicles(params, limits, landing, health)
-        self._health = health
         self._topics = RadioTopics(node, self._vehicles.names, params.pose_hz)
         self._services = ProcedureServices(
             node,
@@ -42,14 +42,15 @@ class RadioNode:
             self._vehicles.executor,
             (declare(node, FlightProcedureParams()), landing),
         )
-        self._services.refuse_flights(self._other_radios)
+        self._writers = InputWriters(node, self._vehicles.ticks.topics, health)
+        self._services.refuse_flights(self._rivals)
         self._vehicles.ticks.procedure = self._services
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)
         node.create_service(Trigger, "~/stop", self._on_stop)
         steady_timer(node, WATCH_S, self._watch)
         if params.mode == "setpoint":
             node.create_service(Empty, EMERGENCY, self._on_emergency)
-        publish_health(node, health)
+        publish_health(node, health, self._facts)
 
     def close(self) -> None:
         """Land flying vehicles, then close the links."""
@@ -64,11 +65,14 @@ class RadioNode:
             self._node.get_logger().info(line)
         for name, link in self._vehicles.links.items():
             self._topics.publish(name, link.health(), link.pose)
-        self._health.extra |= self._vehicles.phases()
 
-    def _other_radios(self) -> str:
+    def _facts(self) -> dict[str, str]:
+        self._writers.look()
+        return self._vehicles.phases()
+
+    def _rivals(self) -> str:
         others = self._topics.other_radios()
-        return f"another radio node runs: {others}" if others else ""
+        return f"another radio node runs: {others}" if others else self._writers.look()
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         self._services.emergency()

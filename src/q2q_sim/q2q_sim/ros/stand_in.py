@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.qos import QoSProfile
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from q2q_model.ros.node.node_parameters import UNBOUNDED
 from q2q_model.tunable import ParameterValue
@@ -131,6 +132,14 @@ class StandInNode:
     def resolve_topic_name(self, topic: str) -> str:
         """Return the name of a topic in the root namespace."""
         return f"/{topic}"
+
+    def get_publishers_info_by_topic(self, _: str) -> list[TopicEndpointInfo]:
+        """Return no publishers: no other node is known."""
+        return []
+
+    def count_publishers(self, topic: str) -> int:
+        """Return how many publish a topic."""
+        return len(self.get_publishers_info_by_topic(topic))
 
     def declare_parameter(self, name: str, default: object, descriptor: ParameterDescriptor) -> Valued:
         """Record a parameter; return the user's value, else its default."""

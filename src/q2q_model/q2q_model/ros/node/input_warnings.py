@@ -1,9 +1,10 @@
 """Warnings of input that is of no use to a node: unknown names, standing stamps, several writers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from rclpy.node import Node
 
+from q2q_model.node.health import Health
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names
 
@@ -91,3 +92,17 @@ class SeveralWriters:
             self._told.add(told)
             self._node.get_logger().warning(told)
         return told
+
+
+class InputWriters:
+    """Writers of the inputs of a node, each of which has one."""
+
+    def __init__(self, node: Node, topics: Iterable[str], health: Health) -> None:
+        """Watch the writers of some topics; `health` has what is wrong with them."""
+        self._writers, self._health = [SeveralWriters(node, topic) for topic in topics], health
+
+    def look(self) -> str:
+        """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
+        found = {writers.topic: writers.look() for writers in self._writers}
+        self._health.doubts |= found
+        return "; ".join(filter(None, found.values()))

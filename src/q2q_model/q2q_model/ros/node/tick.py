@@ -14,7 +14,7 @@ from q2q_model.node.rehearsal import rehearse
 from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import SeveralWriters
+from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
@@ -48,7 +48,7 @@ class TickWiring(Generic[Made]):
         self._compiled = 0
         self._watch = Stopwatch(perf_counter)
         self._more: list[Callable[[], Mapping[str, str]]] = []
-        self._writers = [SeveralWriters(node, topic) for topic in inputs]
+        self._writers = InputWriters(node, inputs, self.health)
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
@@ -87,8 +87,7 @@ class TickWiring(Generic[Made]):
 
     def _facts(self) -> Mapping[str, str]:
         self.health.awaited = self._join.lacking()
-        for writers in self._writers:
-            self.health.doubts[writers.topic] = writers.look()
+        self._writers.look()
         found: dict[str, str] = {}
         if self._last is not None:
             found |= {**facts(self._last), **self._watch.take_lap_report()}

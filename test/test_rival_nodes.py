@@ -1,0 +1,87 @@
+"""No flight begins while other nodes command the same vehicles, or write what this one reads; landings do."""
+
+import sys
+from dataclasses import dataclass
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from room_node import RoomNode
+
+from q2q_control.ros.crazyswarm_bridge import Crazyswarm
+from q2q_model.node.health import Health
+from q2q_model.ros.node.input_warnings import InputWriters
+from q2q_sim.ros.absent_packages import interface_packages
+
+NAMES = ("cf1", "cf2")
+TWO = "command: 2 nodes write it (pid, pid_2); 1 may: stop the others"
+
+
+@dataclass(frozen=True)
+class Writer:
+    """Publisher, as ROS describes it."""
+
+    node_name: str
+
+
+class SharedRoom(RoomNode):
+    """Node in a room where other nodes write topics."""
+
+    def __init__(self, **given: object) -> None:
+        super().__init__("crazyswarm", {"vehicles": NAMES, **given}, {})
+        self.writers: dict[str, tuple[str, ...]] = {}
+
+    def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
+        """Return who writes a topic."""
+        return [Writer(name) for name in self.writers.get(topic.removeprefix("/"), ())]
+
+
+@pytest.fixture
+def packages(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, module in interface_packages().items():
+        monkeypatch.setitem(sys.modules, name, module)
+
+
+def answer(node: SharedRoom, call: str) -> str:
+    """Return the answer to a call of the procedure."""
+    node.services[call].call()
+    return node.services[call].sent[-1].reason
+
+
+@pytest.mark.usefixtures("packages")
+@pytest.mark.parametrize("call", ["take_off", "fly", "start"])
+@pytest.mark.parametrize("topic", ["cf2/cmd_vel_legacy", "cf2/cmd_full_state"])
+def test_the_bridge_begins_no_flight_beside_other_setpoints(call: str, topic: str) -> None:
+    node = SharedRoom()
+    Crazyswarm(node)
+    node.writers = {"cf2/cmd_full_state": ("crazyswarm",), topic: ("crazyswarm", "pid")}
+    assert answer(node, call) == (
+        "other nodes publish setpoints of these vehicles (pid): "
+        "stop them, or set legacy_hz:=0 on a controller"
+    )
+    node.writers = {"cf2/cmd_full_state": ("crazyswarm",)}
+    assert "setpoints of these vehicles" not in answer(node, call)
+
+
+@pytest.mark.usefixtures("packages")
+def test_the_bridge_begins_no_flight_by_two_controllers_but_would_land() -> None:
+    node = SharedRoom(mode="command")
+    Crazyswarm(node)
+    node.writers = {"command": ("pid", "pid_2")}
+    assert answer(node, "take_off") == TWO
+    assert node.lines[-1] == TWO
+    assert "the step is offline" in answer(node, "land")
+
+
+def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> None:
+    node, health = SharedRoom(), Health()
+    inputs = InputWriters(node, ("command", "state"), health)
+    assert inputs.look() == ""
+    node.writers = {"command": ("pid_2", "pid"), "state": ("mocap_filter",)}
+    assert inputs.look() == inputs.look() == TWO
+    assert health.doubts == {"command": TWO, "state": ""}
+    assert node.lines == [TWO]
+    node.writers = {"command": ("pid",)}
+    assert inputs.look() == ""
+    assert health.doubts == {"command": "", "state": ""}
