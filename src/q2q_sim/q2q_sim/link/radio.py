@@ -61,6 +61,11 @@ class Radio:
         never = np.zeros(n), 0.0, np.zeros(n), 0.0
         put((*self._flying, 0), nothing, sent, never, (0, 0, 0))  # loads the kernel before the first tick
 
+    @property
+    def locked(self) -> Mask:
+        """Return which vehicles keep their motors off until a packet without thrust, (n,)."""
+        return self._onboard[1].copy()
+
     def send(self, now_ns: int, rows: Rows, values: Array, jammed: Mask) -> None:
         """Send the commands of the tick at now_ns, `command_values` (4, k); column k is for vehicle rows[k].
 

@@ -106,6 +106,11 @@ class Room:
         """Return the effects on each vehicle in the last captured frame: vicon.Injected, (n,)."""
         return self._vicon.injected
 
+    @property
+    def locked(self) -> Names:
+        """Return the vehicles whose thrust is locked."""
+        return tuple(name for name, locked in zip(self.names, self._radio.locked, strict=True) if locked)
+
     def capture(self) -> Tick:
         """Return frame and truth now; repeated calls in a tick return the same."""
         if self._seen is None:

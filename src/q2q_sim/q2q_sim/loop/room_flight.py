@@ -105,6 +105,13 @@ class RoomFlight:
         return "already flying" if self.is_flying else ""
 
     @property
+    def locked(self) -> str:
+        """Return which vehicles keep their motors off, why, and what to do; empty if none does."""
+        names = self._room.locked if self.is_flying and self._firmware is None else ()
+        why = "by 2 s without a command, or from the start, until one has no thrust"
+        return f"{', '.join(names)}: motors locked {why}: start the simulator last" if names else ""
+
+    @property
     def period_s(self) -> float:
         """Return the period of timer events [s]."""
         return STALL_CHECK_S if self._lockstep else TICK_S

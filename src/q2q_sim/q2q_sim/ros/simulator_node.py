@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND = "command"
+COMMAND, LOCKED = "command", "locked"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -146,7 +146,10 @@ class Simulator:
             self._node.get_logger().info(f"flight over: {output.timing}")
 
     def _diagnostics(self) -> Mapping[str, str]:
-        self._flight.health.doubts[COMMAND] = self._controllers.look()
+        doubts, locked = self._flight.health.doubts, self._flight.locked
+        if locked and locked != doubts.get(LOCKED):
+            self._node.get_logger().warning(locked)
+        doubts |= {COMMAND: self._controllers.look(), LOCKED: locked}
         return {**self._flight.clock.recent(), **(self._crtp.diagnostics() if self._crtp else {})}
 
 
