@@ -14,6 +14,7 @@ from rclpy.node import Node
 from q2q_model.ros.node.input_warnings import (
     FRAMES,
     StandingStamps,
+    UnmeasuredNames,
     warn_of_missing_names,
     warn_of_unknown_names,
 )
@@ -87,6 +88,17 @@ def test_vehicles_that_a_topic_lacks_are_told_once(node: Node) -> None:
     for names in (("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2")):
         look(0, frame(*names))
     assert warnings(node) == ["state: CF1 missing: it has cf1, cf2"]
+
+
+def test_setpoints_of_vehicles_that_no_state_has_are_told_once_and_only_after_a_state(node: Node) -> None:
+    names = UnmeasuredNames(node, "reference_safe")
+    names.look(0, frame("cf7", "cf1"))
+    assert warnings(node) == []
+    for measured in (("cf1", "cf2"), ("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2", "cf7")):
+        names.take_state(0, frame(*measured))
+        names.look(0, frame("cf7", "cf1"))
+    told = "reference_safe: cf7 not in state, which has cf1, cf2: is the plan for these vehicles?"
+    assert warnings(node) == [told]
 
 
 def test_stamps_that_stand_still_are_told_once_and_moving_ones_never(node: Node) -> None:

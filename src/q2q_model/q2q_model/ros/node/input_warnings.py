@@ -49,6 +49,33 @@ def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Ca
     return look
 
 
+class UnmeasuredNames:
+    """Warning, once for the same names, of a topic's vehicles that no state has."""
+
+    def __init__(self, node: Node, topic: str) -> None:
+        """Compare a topic with the states."""
+        self._node, self._topic = node, topic
+        self._measured: Names = ()
+        self._compared: tuple[Names, Names] = (), ()
+        self._told: set[Names] = {()}
+
+    def take_state(self, _: int, state: Signal) -> None:
+        """Take the names of a state."""
+        self._measured = state.names
+
+    def look(self, _: int, signal: Signal) -> None:
+        """Take a message of the topic."""
+        pair = signal.names, self._measured
+        if pair == self._compared or not self._measured:
+            return
+        self._compared = pair
+        unmeasured = tuple(sorted(set(signal.names) - set(self._measured)))
+        if unmeasured not in self._told:
+            self._told.add(unmeasured)
+            told = f"{', '.join(unmeasured)} not in state, which has {', '.join(self._measured)}"
+            self._node.get_logger().warning(f"{self._topic}: {told}: is the plan for these vehicles?")
+
+
 class StandingStamps:
     """Warning, once, that frames come with one and the same stamp."""
 
