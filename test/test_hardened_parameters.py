@@ -28,9 +28,11 @@ from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import stamp_from_time, stamp_parts
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.trajectory import plan_file
 from q2q_model.vehicle.constants import TEXTBOOK_065
+from q2q_planner.ros.trajectory_node import TrajectoryParams
 from q2q_sim.loop import assembly
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.scenarios import library
@@ -208,6 +210,14 @@ def test_a_value_of_the_wrong_type_is_refused_with_an_example(name: str, value: 
     message = f"parameter {name} = {value!r}: a value of another type is expected, such as {example}"
     with pytest.raises(ValueError, match=re.escape(message)):
         declare(node, PidParams() if name == "k_p_z" else ControllerNodeParams())
+
+
+@pytest.mark.parametrize("start", [np.inf, np.nan, 2.0**31, 1e30])
+def test_a_plan_that_starts_beyond_the_last_stamp_of_a_message_is_refused(start: float) -> None:
+    with pytest.raises(ValueError, match=r"start = .*: allowed is 2147483647\.0 or less s"):
+        TrajectoryParams(start=start)
+    last = TrajectoryParams(start=2.0**31 - 1.0).start
+    assert stamp_parts(stamp_from_time(last)) == (2**31 - 1, 0)
 
 
 @pytest.mark.parametrize("name", NODES)

@@ -29,6 +29,9 @@ from q2q_planner.offline.certified_file import load_plan
 from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer, Played
 
+LAST_STAMP = 2147483647.0
+"""Last second of a message's stamp [s]: its seconds are an int32 (builtin_interfaces/Time)."""
+
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryParams:
@@ -36,7 +39,11 @@ class TrajectoryParams:
 
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
-        -1.0, "stamp at which the plan starts; negative: the first tick", unit="s", read_only=True
+        -1.0,
+        "stamp at which the plan starts; negative: the first tick",
+        unit="s",
+        high=LAST_STAMP,
+        read_only=True,
     )
     wait: bool = tunable(default=False, description="wait for calls before playing the plan", read_only=True)
 
