@@ -96,10 +96,12 @@ class PlanPlayer:
         here = self._rest()
         if isinstance(here, Reply):
             return here
+        if self.played is None:
+            return Reply(granted=False, reason="the reference follows the measured vehicles: glide first")
         off = here - self._first()
         far, turned = np.linalg.norm(off[:, :3], axis=1), np.abs(wrapped(off[:, 3]))
         row = int(np.maximum(far, turned).argmax())
-        if self.played is None or max(far[row], turned[row]) > AT_FIRST:
+        if max(far[row], turned[row]) > AT_FIRST:
             state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m and {turned[row]:.2f} rad"
             return Reply(granted=False, reason=f"{state} from its first point: glide first")
         self.played = Played(self._plan, self._now())
