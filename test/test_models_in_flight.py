@@ -37,7 +37,7 @@ def test_a_model_that_would_throw_vehicles_to_the_ceiling_is_refused() -> None:
     node, wiring = flying()
     rising = Jet(strength=20.0, decay="exponential", decay_rate=-5.0, range=10.0)
     node.takers["model"](String(data=encode(ModelFile(rising))))
-    assert "at most 19.6, two g, are allowed" in wiring.health.last_refusal
+    assert "at most 49.1, five g, are allowed" in wiring.health.last_refusal
 
 
 def test_a_model_after_refused_ones_is_loaded() -> None:

@@ -25,17 +25,17 @@ def test_known_laws_are_allowed(law: NoInteraction | Jet) -> None:
 
 @pytest.mark.parametrize(("share", "allowed"), [(0.999, True), (1.001, False)])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_bound_is_two_g_at_contact(share: float, allowed: bool, sign: float) -> None:
+def test_the_bound_is_five_g_at_contact(share: float, allowed: bool, sign: float) -> None:
     upper_part = Jet().upper_ratio * 0.5 * (1.0 - math.tanh(CONTACT / BLEND))  # of a vehicle seen as upper
     gap = CONTACT * math.tanh(CONTACT / BLEND)
     lower_part = 0.5 * (1.0 + math.tanh(CONTACT / BLEND))
-    own = (lower_part - upper_part) * math.exp(-2.0 * (gap - CONTACT))
+    own = (lower_part - upper_part) * math.exp(-2.0 * (gap - 0.64))
     strength = sign * share * LARGEST / own
-    strong = Jet(strength=strength, decay="exponential", decay_rate=2.0, reference_gap=CONTACT)
+    strong = Jet(strength=strength, decay="exponential", decay_rate=2.0, reference_gap=0.64)
     if allowed:
         check_push(strong)
     else:
-        with pytest.raises(ValueError, match=r"0\.14 m above a vehicle .* 19\.6 m/s\^2; at most 19\.6"):
+        with pytest.raises(ValueError, match=r"0\.14 m above a vehicle .* 49\.1 m/s\^2; at most 49\.1"):
             check_push(strong)
 
 
@@ -54,14 +54,14 @@ def test_a_network_is_looked_at_beside_its_axis() -> None:
 
 
 def test_a_file_of_such_a_model_is_refused_with_what_is_allowed() -> None:
-    with pytest.raises(ModelFileError, match=r"10\.00 m above .* 1\.04e\+23 m/s\^2; at most 19\.6, two g"):
+    with pytest.raises(ModelFileError, match=r"10\.00 m above .* 1\.04e\+23 m/s\^2; at most 49\.1, five g"):
         decode(encode(ModelFile(RISING)))
 
 
 def test_a_source_below_that_lifts_too_much_is_named_as_below() -> None:
-    lifting = Jet(strength=1.0, decay="exponential", decay_rate=-5.0, reference_gap=0.5, range=1.2)
-    with pytest.raises(ValueError, match=r"1\.20 m above .* 33\.1 m/s\^2"):
-        check_push(lifting)  # exp(5 * 0.7)
+    lifting = Jet(strength=2.0, decay="exponential", decay_rate=-5.0, reference_gap=0.5, range=1.2)
+    with pytest.raises(ValueError, match=r"1\.20 m above .* 66\.2 m/s\^2"):
+        check_push(lifting)  # 2 exp(5 * 0.7)
     swapped = EnvelopeNetwork(_constant(1.0), _constant(100.0))
     with pytest.raises(ValueError, match=r"0\.14 m below"):
         check_push(swapped)
