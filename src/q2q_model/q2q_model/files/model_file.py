@@ -23,7 +23,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.residual_process import ResidualProcess
-from q2q_model.files.largest_push import check_push
+from q2q_model.files.model_bounds import check_model
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.files.sealed_json import FileFormat, sealed, unsealed
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
@@ -125,7 +125,7 @@ def decode(text: str) -> ModelFile:
         body = unsealed(text, FORMAT)
         residual = body.get("residual")
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
-        check_push(model)
+        check_model(model)
         return ModelFile(
             interaction=model,
             zone=_read_zone(body["zone"], model),

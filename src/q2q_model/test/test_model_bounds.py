@@ -1,6 +1,7 @@
 """Models that predict more than a vehicle's air can do are refused, known ones and those at the bound not."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.roles import BLEND
-from q2q_model.files.largest_push import CLIMB, CONTACT, LARGEST, check_push
+from q2q_model.files.model_bounds import CLIMB, CONTACT, LARGEST, check_model
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.files.model_names import ModelFileError
 
@@ -20,7 +21,7 @@ RISING = Jet(strength=20.0, decay="exponential", decay_rate=-5.0, reference_gap=
 
 @pytest.mark.parametrize("law", [NoInteraction(), PAPER_LAW, MEASURED_LAW, MOVING_LAW])
 def test_known_laws_are_allowed(law: NoInteraction | Jet) -> None:
-    check_push(law)
+    check_model(law)
 
 
 @pytest.mark.parametrize(("share", "allowed"), [(0.999, True), (1.001, False)])
@@ -33,24 +34,24 @@ def test_the_bound_is_five_g_at_contact(share: float, allowed: bool, sign: float
     strength = sign * share * LARGEST / own
     strong = Jet(strength=strength, decay="exponential", decay_rate=2.0, reference_gap=0.64)
     if allowed:
-        check_push(strong)
+        check_model(strong)
     else:
         with pytest.raises(ValueError, match=r"0\.14 m above a vehicle .* 49\.1 m/s\^2; at most 49\.1"):
-            check_push(strong)
+            check_model(strong)
 
 
 def test_a_jet_so_slow_that_a_climb_multiplies_it_is_refused() -> None:
-    times = 51.0
-    slow = replace(MOVING_LAW, travel_speed=CLIMB / (times - 1.0), velocity_share=0.0)
+    times = 21.0
+    slow = replace(MOVING_LAW, travel_speed=CLIMB / (times - 1.0), velocity_share=0.0, range=0.2)
     at_rest = 2.88 * math.exp(-1.32 * (CONTACT * math.tanh(CONTACT / BLEND) - 0.4))
     with pytest.raises(ValueError, match=rf"0\.14 m above a vehicle .* {times * at_rest:.3g} m/s\^2"):
-        check_push(slow)
+        check_model(slow)
 
 
 def test_a_network_is_looked_at_beside_its_axis() -> None:
     beside = np.array([[100.0, 0.0]])  # zero on the axis, 1000 m/s^2 a few centimetres beside it
     with pytest.raises(ValueError, match="at most"):
-        check_push(EnvelopeNetwork(Network(beside, np.zeros(1), np.full(1, 1000.0), 0.0), _constant(0.1)))
+        check_model(EnvelopeNetwork(Network(beside, np.zeros(1), np.full(1, 1000.0), 0.0), _constant(0.1)))
 
 
 def test_a_file_of_such_a_model_is_refused_with_what_is_allowed() -> None:
@@ -61,10 +62,20 @@ def test_a_file_of_such_a_model_is_refused_with_what_is_allowed() -> None:
 def test_a_source_below_that_lifts_too_much_is_named_as_below() -> None:
     lifting = Jet(strength=2.0, decay="exponential", decay_rate=-5.0, reference_gap=0.5, range=1.2)
     with pytest.raises(ValueError, match=r"1\.20 m above .* 66\.2 m/s\^2"):
-        check_push(lifting)  # 2 exp(5 * 0.7)
+        check_model(lifting)  # 2 exp(5 * 0.7)
     swapped = EnvelopeNetwork(_constant(1.0), _constant(100.0))
     with pytest.raises(ValueError, match=r"0\.14 m below"):
-        check_push(swapped)
+        check_model(swapped)
+
+
+@pytest.mark.parametrize(("speed", "told"), [(0.2, ""), (0.19, "10.5 s later"), (1e-9, "2e+09 s later")])
+def test_air_that_arrives_after_more_than_10_s_is_refused(speed: float, told: str) -> None:
+    slow = Jet(range=2.0, travel_speed=speed)
+    if not told:
+        check_model(slow)
+        return
+    with pytest.raises(ValueError, match=re.escape(told)):
+        check_model(slow)
 
 
 def _constant(push: float) -> Network:

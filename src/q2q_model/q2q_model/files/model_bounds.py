@@ -1,11 +1,12 @@
-"""Largest downwash that a model of a file or a topic may predict.
+"""Bounds of what a model of a file or a topic may predict, whatever its numbers are.
 
     |eta| <= 5 g    at rest and climbing, from CONTACT to the model's reach, above and below the source
 
 A hovering source gives its air the momentum m g in a second. A vehicle of its mass that stops all of this air
 feels g, one that turns it back 2 g; a fit to flights 0.4 m below each other gives up to twice that at
 contact, by the square of the distance. Controllers follow what a model predicts, up to full thrust, so one
-that predicts more is not flown with.
+that predicts more is not flown with. Nor is one whose air arrives after more than LONGEST_S: as long are the
+positions of all vehicles remembered.
 """
 
 import numpy as np
@@ -16,6 +17,8 @@ from q2q_model.vehicle.constants import GRAVITY
 
 LARGEST = 5.0 * GRAVITY
 """[m/s^2]"""
+LONGEST_S = 10.0
+"""Longest transport delay [s]: over 10 m, the largest range of a jet, at 1 m/s."""
 CONTACT = 0.14
 """Distance of two vehicles in contact [m]."""
 CLIMB = 0.5
@@ -26,8 +29,16 @@ GAPS = 100
 """Height differences that are looked at, each way."""
 
 
-def check_push(model: InteractionModel) -> None:
-    """Raise ValueError if a model predicts more than LARGEST."""
+def check_model(model: InteractionModel) -> None:
+    """Raise ValueError if a model predicts more than LARGEST, or has a delay beyond LONGEST_S."""
+    if not model.max_delay <= LONGEST_S:
+        raise ValueError(
+            f"model: its air arrives {model.max_delay:.3g} s later; at most {LONGEST_S:g} s are allowed"
+        )
+    _check_push(model)
+
+
+def _check_push(model: InteractionModel) -> None:
     rel_pos = _places(model.reach.vertical)
     if not rel_pos.size:
         return
