@@ -130,6 +130,8 @@ def test_the_sentence_tells_loss_causes_rest_and_the_flight_without_the_first() 
     told = sentence(replace(FOUND, shares=helped))
     assert "-5.0 cm (-6.0 to -4.0 cm) by wind" in told
     assert "control" not in told  # less than a twentieth of the loss
+    sure = sentence(replace(FOUND, shares=(CauseShare("downwash", 0.1804, 0.1802, 0.1806),)))
+    assert ": 18 cm by downwash" in sure
 
 
 def test_first_causes_of_accidents_are_named_first() -> None:

@@ -26,5 +26,7 @@ def sentence(found: Explanation) -> str:
 
 
 def _words(one: CauseShare) -> str:
-    low = centimetres(one.low).removesuffix(" cm")
-    return f"{centimetres(one.share)} ({low} to {centimetres(one.high)}) by {one.cause}"
+    """Return a share and its interval; without this where both ends are told as the share is."""
+    low, share, high = (centimetres(value) for value in (one.low, one.share, one.high))
+    interval = "" if low == share == high else f" ({low.removesuffix(' cm')} to {high})"
+    return f"{share}{interval} by {one.cause}"
