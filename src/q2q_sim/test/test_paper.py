@@ -25,7 +25,15 @@ from q2q_sim.experiments.paper.experiment_outcome import (
     drawn,
 )
 from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
-from q2q_sim.experiments.paper.paper_page import CITATION, as_json, closeness, rows, write_page, write_pdf
+from q2q_sim.experiments.paper.paper_page import (
+    CITATION,
+    as_json,
+    closeness,
+    rows,
+    without_repeated_notes,
+    write_page,
+    write_pdf,
+)
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
 
@@ -133,6 +141,11 @@ def test_the_ratio_is_ours_over_the_papers():
     cells = rows(chosen(NUMBERS, "table6"), [ExperimentOutcome({"table6.q1_z_rmse_ignoring": 0.263})])
     row = next(cell for cell in cells if cell[0] == "table6.q1_z_rmse_ignoring")
     assert row[2:5] == ("0.1315", "0.263", "2")
+
+
+def test_a_page_repeats_no_note_of_the_row_above() -> None:
+    cells = [("a", "flown"), ("b", "flown"), ("c", "taken"), ("d", "flown")]
+    assert [row[-1] for row in without_repeated_notes(cells)] == ["flown", "as above", "taken", "flown"]
 
 
 def test_small_numbers_and_units_are_printed_with_powers():

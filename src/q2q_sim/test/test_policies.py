@@ -1,5 +1,6 @@
 """Policies of where vehicles fly: each sees its own breach, and a flight without one keeps them all."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import (
     POLICIES,
     Circumstances,
+    Violation,
     evidence_in_lockstep,
     evidence_of,
     judge,
@@ -165,7 +167,25 @@ def test_a_violation_tells_who_when_and_how_much() -> None:
     assert (found.policy, found.who, found.limit) == ("tilt", "cf3", 0.36)
     assert found.t == pytest.approx(3.0)
     assert found.value == pytest.approx(0.5, abs=0.1)
-    assert str(found).startswith("tilt: cf3 at 3.00 s: 0.5")
+    assert str(replace(found, value=0.5)) == "tilt: cf3 at 3.00 s: 0.5 rad, allowed is at most 0.36 rad"
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (
+            ("separation", "cf1 and cf2", 1.0, 0.11, 0.14),
+            "cf1 and cf2 at 1.00 s: 0.11 m, allowed is at least 0.14 m",
+        ),
+        (("thrust", "cf1", 1.0, -0.1, 0.6), "cf1 at 1.00 s: -0.1 N, allowed is 0 to 0.6 N"),
+        (("repeat", "cf1", 1.0, 3.0, 0.0), "cf1 at 1.00 s: 3, allowed is 0"),
+        (("numbers", "state", math.nan, math.nan, 0.0), "state"),
+    ],
+)
+def test_a_violation_tells_which_way_its_limit_bounds_and_in_which_unit(
+    given: tuple[str, str, float, float, float], told: str
+) -> None:
+    assert str(Violation(*given)) == f"{given[0]}: {told}"
 
 
 def test_no_ticks_are_no_flight() -> None:

@@ -75,6 +75,14 @@ def rows(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) 
     return [_row(one, finite(found.get(one.id))) for one in numbers]
 
 
+def without_repeated_notes(cells: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Return cells in which a note that is that of the row above is told as such."""
+    above = [None, *(row[-1] for row in cells)]
+    return [
+        (*row[:-1], "as above") if row[-1] == note else row for row, note in zip(cells, above, strict=False)
+    ]
+
+
 def closeness(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> str:
     """Return how many numbers are close to the paper's, of the results that it prints too."""
     found = values(outcomes)
@@ -94,7 +102,8 @@ def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutc
     """Write index.html into a folder."""
     out.mkdir(parents=True, exist_ok=True)
     pictures = [Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)]
-    parts: list[Part] = [closeness(numbers, outcomes), Grid(HEAD, rows(numbers, outcomes)), pictures]
+    cells = without_repeated_notes(rows(numbers, outcomes))
+    parts: list[Part] = [closeness(numbers, outcomes), Grid(HEAD, cells), pictures]
     (out / "index.html").write_text(page(TITLE, LEAD, parts), encoding="utf-8")
 
 

@@ -69,7 +69,7 @@ def rms(flight: Flight, reference: Array) -> Array:
 def _gaps(folder: Path, group: str, paths: dict[str, tuple[Array, Array]]) -> FigurePicture:
     """Draw the distances of pairs from the zone."""
     lines = [Line(label, t, ZONE.signed_distance(pos[:, 1] - pos[:, 0])) for label, (t, pos) in paths.items()]
-    title = f"{group}: distance of the pair from the interference zone, inside below 0"
+    title = f"{group}: distance of the pair from the zone, inside below 0"
     file = drawn(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)
     return FigurePicture(group, file, title)
 

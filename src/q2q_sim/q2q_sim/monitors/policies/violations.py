@@ -1,7 +1,8 @@
 """Limits and circumstances of the policies, and their violations."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,17 @@ class Circumstances:
     """Whether controllers are told the predicted downwash."""
 
 
+LEAST, MOST = "at least", "at most"
+BOUNDS: Mapping[str, tuple[str, str]] = {
+    "separation": (LEAST, "m"), "zone": (LEAST, "m"), "room": (MOST, "m"), "floor": (LEAST, "m"),
+    "thrust": ("0 to", "N"), "tilt": (MOST, "rad"), "age": (MOST, "s"), "action": (MOST, "s"),
+    "silence": (MOST, "s"), "belief": (MOST, "m"), "return": (MOST, "m"), "twin": (MOST, "m"),
+    "lost": (MOST, "m/s"), "swap": (MOST, "m"), "told": (MOST, "s"), "hold": (MOST, "s"),
+    "evasion": (LEAST, "m/s^2"), "promise": (LEAST, "m"), "stop": (LEAST, "m"), "off_path": (MOST, "m"),
+}  # fmt: skip
+"""What the limit of a policy or property bounds its values to, and their unit; others are numbers."""
+
+
 @dataclass(frozen=True, slots=True)
 class Violation:
     """Worst violation of one policy by one vehicle or pair."""
@@ -73,7 +85,12 @@ class Violation:
 
     def __str__(self) -> str:
         """Return one line."""
-        return f"{self.policy}: {self.who} at {self.t:.2f} s: {self.value:.4g}, allowed is {self.limit:.4g}"
+        where = f"{self.policy}: {self.who}" + (f" at {self.t:.2f} s" if isfinite(self.t) else "")
+        if not isfinite(self.value):
+            return where
+        bound, unit = BOUNDS.get(self.policy, ("", ""))
+        value, limit = (f"{number:.4g} {unit}".strip() for number in (self.value, self.limit))
+        return f"{where}: {value}, allowed is {bound} {limit}".replace("  ", " ")
 
 
 Policy = Callable[[Evidence, Circumstances], list[Violation]]
