@@ -4,6 +4,7 @@ Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, li
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
 """
 
+from collections.abc import Mapping
 from time import monotonic
 
 from rclpy.node import Node
@@ -15,6 +16,7 @@ from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_control.inputs.controller import Controller
+from q2q_control.inputs.far_setpoints import FarSetpointMonitor
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.layout import Signal
@@ -38,6 +40,8 @@ class GuardedCommands:
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
         self._watch = TickWatch(self._guard, params) if live else None
         self._state: SwarmState | None = None
+        self._flown: tuple[SwarmState, SwarmSetpoint] | None = None  # of the last tick
+        self._far = FarSetpointMonitor()
         self._changes = PhaseChanges()
 
     def update(
@@ -45,6 +49,7 @@ class GuardedCommands:
     ) -> SwarmCommand:
         """Return the command of the tick."""
         command = self._guard.update(state, setpoint, interference)
+        self._flown = state, setpoint
         if self._watch is not None:
             self._watch.answered(setpoint, monotonic())
         return command
@@ -54,6 +59,7 @@ class GuardedCommands:
         self._node, self._wiring = node, wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
+        wiring.add_facts(self._doubts)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, PERIOD_S, self._check)
@@ -61,9 +67,19 @@ class GuardedCommands:
     def reset(self) -> None:
         """Forget all ticks."""
         self._guard.reset()
+        self._flown, self._far = None, FarSetpointMonitor()
         if self._watch is not None:
             self._watch = TickWatch(self._guard, self._watch.params)
         self._stamp_delay = StampDelayMonitor()
+
+    def _doubts(self) -> Mapping[str, str]:
+        """Tell vehicles that are far from their setpoints; return no further facts."""
+        if self._flown is not None:
+            told, new = self._far.look(*self._flown)
+            self._wiring.health.doubts["setpoints"] = told
+            if new:
+                self._node.get_logger().warning(told)
+        return {}
 
     def _lateness(self, stamp: float) -> float:
         return self._stamp_delay.lateness(stamp, monotonic())

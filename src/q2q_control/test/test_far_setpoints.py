@@ -1,0 +1,41 @@
+"""Vehicles far from their setpoints are told, once for the same vehicles; lost and unplanned ones are not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pid_swarms import swarm
+
+from q2q_control.inputs.far_setpoints import FarSetpointMonitor, far_setpoints
+from q2q_model.signals.values import Array, SwarmState, TrackStatus
+
+NAMES = ("cf1", "cf2")
+
+
+def at(*pos: tuple[float, float, float], status: Array | None = None) -> SwarmState:
+    """Return the states of vehicles at positions [m]."""
+    state = swarm(NAMES)[0]
+    return replace(state, pos=np.array(pos), status=state.status if status is None else status)
+
+
+def test_who_is_a_metre_away_or_more_is_far_in_any_direction() -> None:
+    setpoint = swarm(NAMES)[1]
+    assert far_setpoints(at((0.0, 0.0, 0.999), (0.6, -0.8, 0.0)), setpoint) == {"cf2": pytest.approx(1.0)}
+    lost = np.array([TrackStatus.TRACKED, TrackStatus.LOST], dtype=np.uint8)
+    assert far_setpoints(at((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), status=lost), setpoint) == {}
+    other = replace(setpoint, names=("cf2", "cf7"))
+    assert far_setpoints(at((3.0, 0.0, 0.0), (0.0, 2.0, 0.0)), other) == {"cf2": pytest.approx(2.0)}
+
+
+def test_the_same_vehicles_are_new_once_until_they_are_back() -> None:
+    monitor, setpoint = FarSetpointMonitor(), swarm(NAMES)[1]
+    near, far = at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), at((0.0, 0.0, 2.34), (0.0, 0.0, 0.0))
+    told = "far from their setpoints: cf1 2.3 m: does the plan begin where they fly?"
+    assert [monitor.look(one, setpoint) for one in (near, far, far)] == [
+        ("", False),
+        (told, True),
+        (told, False),
+    ]
+    assert monitor.look(at((0.0, 0.0, 2.0), (5.0, 0.0, 0.0)), setpoint)[1]
+    assert not monitor.look(far, setpoint)[1]
+    assert [monitor.look(one, setpoint)[1] for one in (near, far)] == [False, True]

@@ -1,0 +1,50 @@
+"""A controller tells, once a second, who is far from its setpoint: of a plan that begins elsewhere."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from rclpy.clock import Clock
+from room_node import RoomNode
+
+from q2q_control.ros import pid_node
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.ros.node.diagnostics import PERIOD_S
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
+
+NAMES = ("cf1", "cf2")
+TOLD = "far from their setpoints: cf2 3.0 m: does the plan begin where they fly?"
+
+
+class ClockedNode(RoomNode):
+    """Node with the clock of the wall."""
+
+    def get_clock(self) -> Clock:
+        """Return it."""
+        return Clock()
+
+
+def fly(node: RoomNode, tick: int, aside: float) -> None:
+    """Give a tick in which cf2's setpoint is so far beside it [m]."""
+    state = rehearsal(SwarmState, 0.01 * tick, NAMES)
+    setpoint = rehearsal(SwarmSetpoint, 0.01 * tick, NAMES)
+    moved = replace(setpoint, pos=state.pos + np.array([[0.0, 0.0, 0.0], [aside, 0.0, 0.0]]))
+    node.takers["state"](encode(state, tick * 10_000_000))
+    node.takers["reference_safe"](encode(moved, tick * 10_000_000))
+
+
+def test_a_setpoint_that_is_far_is_a_doubt_while_it_is_and_one_line_of_the_log() -> None:
+    node = ClockedNode("pid", {"aware": False}, {})
+    wiring = pid_node.build(node)
+    (report,) = [act for period, act in node.timers if period == PERIOD_S]
+    doubts = []
+    for tick, aside in enumerate((0.0, 3.0, 3.0, 0.5)):
+        fly(node, tick, aside)
+        report()
+        doubts.append(wiring.health.doubts["setpoints"])
+    assert doubts == ["", TOLD, TOLD, ""]
+    assert node.lines.count(TOLD) == 1
