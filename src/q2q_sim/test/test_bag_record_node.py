@@ -10,12 +10,13 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 import rclpy
 from full_disk import full_after
 from q2q_msgs.msg import SwarmCommand
+from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 
 from q2q_model.bag import BagError, BagReader
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.run import make_executor
-from q2q_model.ros.topics.qos import TICK_WRITER
+from q2q_model.ros.topics.qos import OUTSIDE, TICK_WRITER
 from q2q_model.signals import values
 from q2q_model.signals.cdr import encode
 from q2q_sim.processes.domain import own_domain
@@ -60,6 +61,45 @@ def test_messages_that_are_read_late_are_all_in_the_bag(
             rclpy.try_shutdown()
     assert sum(1 for _ in BagReader(bag).raw()) == SENT
     assert capfd.readouterr().err == ""
+
+
+def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    options = ["--ros-args", "-p", f"bag:={bag}", "-p", "extra:=['poses:q2q_msgs/msg/SwarmCommand']"]
+    with own_domain():
+        rclpy.init(args=options)
+        node, writing = Node("bag_record"), Node("writing")
+        try:
+            recorder = Recorder(node)
+            executor = make_executor()
+            executor.add_node(node)
+            writer = writing.create_publisher(SwarmCommand, "poses", OUTSIDE)
+            deadline = monotonic() + PATIENCE_S
+            while recorder.health.ticks == 0 and monotonic() < deadline:
+                writer.publish(SwarmCommand())
+                executor.spin_once(timeout_sec=0.05)
+            recorder.close()
+        finally:
+            node.destroy_node()
+            writing.destroy_node()
+            rclpy.try_shutdown()
+    assert [one.topic for one in BagReader(bag).raw()][:1] == ["/poses"]
+
+
+@pytest.mark.parametrize("extra", ["/two words:std_msgs/msg/String", "/words:std_msgs/msg/Nope", "words"])
+def test_a_recorder_that_is_refused_leaves_no_folder(tmp_path: Path, extra: str) -> None:
+    bag = tmp_path / "bag"
+    options = ["--ros-args", "-p", f"bag:={bag}", "-p", f"extra:=['{extra}']"]
+    with own_domain():
+        rclpy.init(args=options)
+        node = Node("bag_record")
+        try:
+            with pytest.raises((ValueError, NameValidationException)):
+                Recorder(node)
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown()
+    assert not bag.exists()
 
 
 def test_a_recorder_whose_disk_is_full_says_so_once_and_goes_on_answering(

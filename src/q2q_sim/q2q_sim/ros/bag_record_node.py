@@ -12,8 +12,14 @@ from importlib import import_module
 from pathlib import Path
 from time import time_ns
 
-from rclpy.event_handler import QoSMessageLostInfo, SubscriptionEventCallbacks
+from rclpy.event_handler import (
+    QoSMessageLostInfo,
+    QoSRequestedIncompatibleQoSInfo,
+    SubscriptionEventCallbacks,
+)
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.validate_topic_name import validate_topic_name
 
 from q2q_model.bag import BagError, BagWriter, facts_from_text
 from q2q_model.node.health import Health
@@ -21,11 +27,12 @@ from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
-from q2q_model.ros.topics.qos import RECORD
+from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT
 from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.loop.recorded_topics import recorded_types, told_of_silence
 from q2q_sim.loop.topics import TYPE_NAMES
 
 
@@ -61,22 +68,43 @@ class Recorder:
         """Whether the disk has taken no more."""
         self._by_header = params.stamps == "header"
         facts = facts_from_text(params.facts)
+        types = recorded_types(params.topics, params.extra, by_header=self._by_header)
+        classes = {topic: _class_of(kind) for topic, kind in types.items()}
+        for topic in types:
+            validate_topic_name(topic)  # before the bag's folder is made: resolve_topic_name raises RCLError
+        asked = types if params.topics else types.keys() - TYPE_NAMES
+        self._asked = sorted(node.resolve_topic_name(topic) for topic in asked)
+        self._heard: set[str] = set()
         self._writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
         bus = bus_of(node)
-        for topic, kind in (_signal_types(params.topics) | _extra(params.extra)).items():
+        for topic, kind in types.items():
             whole = node.resolve_topic_name(topic)
             self._writer.add_topic(whole, kind)
             if bus.carries(topic):
                 bus.listen(topic, self._storing_signals(whole))
-                continue
-            counting = SubscriptionEventCallbacks(message_lost=self._counting(whole))
-            node.create_subscription(
-                _class_of(kind), topic, self._storing(whole), RECORD, raw=True, event_callbacks=counting
-            )
+            else:
+                self._subscribe(node, topic, classes[topic], RECORD)
         publish_health(node, self.health)
 
+    def _subscribe(self, node: Node, topic: str, kind: type, qos: QoSProfile) -> None:
+        """Record a topic; with `RECORD` until a publisher offers no more than best effort."""
+        whole = node.resolve_topic_name(topic)
+
+        def take_best_effort(_: QoSRequestedIncompatibleQoSInfo) -> None:
+            node.get_logger().info(f"{whole} is sent best effort, and recorded so")
+            node.destroy_subscription(subscription)
+            self._subscribe(node, topic, kind, RECORD_BEST_EFFORT)
+
+        events = SubscriptionEventCallbacks(
+            message_lost=self._counting(whole),
+            incompatible_qos=take_best_effort if qos is RECORD else None,
+        )
+        subscription = node.create_subscription(
+            kind, topic, self._storing(whole), qos, raw=True, event_callbacks=events
+        )
+
     def close(self) -> None:
-        """Close the bag; name the topics of which messages were lost.
+        """Close the bag; name the topics of which messages were lost, and those that never came.
 
         Raises:
             BagError: the disk took no more, before or now.
@@ -85,6 +113,8 @@ class Recorder:
             self._writer.close()
         except BagError as refusal:
             self._give_up(refusal)
+        if silence := told_of_silence(self._asked, self._heard):
+            print(f"bag_record: {silence}", file=sys.stderr)
         for topic, count in self._lost.items():
             print(f"bag_record: lost {count} messages of {topic}: this machine is too busy", file=sys.stderr)
         if self.is_full:
@@ -106,6 +136,7 @@ class Recorder:
         if self.is_full:
             self.health.missed += 1
             return
+        self._heard.add(topic)
         try:
             self._writer.write_raw(topic, stamp_ns, data)
         except BagError as refusal:
@@ -126,23 +157,6 @@ class Recorder:
             self.health.missed = sum(self._lost.values())
 
         return count
-
-
-def _signal_types(chosen: tuple[str, ...]) -> dict[str, str]:
-    unknown = [topic for topic in chosen if topic not in TYPE_NAMES]
-    if unknown:
-        raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")
-    return {topic: kind for topic, kind in TYPE_NAMES.items() if not chosen or topic in chosen}
-
-
-def _extra(words: tuple[str, ...]) -> dict[str, str]:
-    pairs = [word.partition(":") for word in words]
-    wrong = [
-        word for word, (_, colon, kind) in zip(words, pairs, strict=True) if not colon or kind.count("/") != 2
-    ]
-    if wrong:
-        raise ValueError(f"parameter extra: {', '.join(wrong)}; write topic:package/msg/Type")
-    return {topic: kind for topic, _, kind in pairs}
 
 
 def _class_of(kind: str) -> type:

@@ -24,6 +24,9 @@ EVERY_TICK = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 RECORD = QoSProfile(depth=100_000, reliability=ReliabilityPolicy.RELIABLE)
 """Queue of the recorder, beyond the 5000 messages that Fast DDS 2.14 keeps: it counts the others as lost."""
 
+RECORD_BEST_EFFORT = QoSProfile(depth=RECORD.depth, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""Queue of the recorder for a topic that some publisher sends best effort, as drivers of sensors do."""
+
 SENSOR = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Sensors' samples from any publisher, each of which counts: 1 s at 100 Hz."""
 

@@ -1,0 +1,56 @@
+"""Topics of a recording: what a user may ask for, and which of it never came."""
+
+from collections.abc import Collection
+
+from q2q_model.bag.storage.definitions import definition_of, jazzy_types
+from q2q_sim.loop.topics import TYPE_NAMES
+
+HEADER = "std_msgs/msg/Header"
+
+
+def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header: bool) -> dict[str, str]:
+    """Return the topics to record and their message types: `topics` of q2q, none are all, and `extra`.
+
+    Raises:
+        ValueError: an unknown topic or type, or a message without a header though its stamp is asked for
+            (`by_header`).
+    """
+    unknown = [topic for topic in topics if topic not in TYPE_NAMES]
+    if unknown:
+        raise ValueError(f"parameter topics: no {', '.join(unknown)}; there are {', '.join(TYPE_NAMES)}")
+    further = _further(extra)
+    for topic, kind in further.items():
+        definition_of(kind)
+        if by_header and not _has_header(kind):
+            raise ValueError(f"parameter extra: {topic}: {kind} has no header: give stamps:=receive")
+    return {topic: kind for topic, kind in TYPE_NAMES.items() if not topics or topic in topics} | further
+
+
+def told_of_silence(asked: Collection[str], heard: Collection[str]) -> str:
+    """Return what a user has to know of topics without a message; empty if there is nothing.
+
+    Args:
+        asked: topics that the user has named.
+        heard: topics with a message.
+    """
+    silent = [topic for topic in asked if topic not in heard]
+    if heard and not silent:
+        return ""
+    which = f"on {', '.join(silent)}" if silent else "on any topic"
+    return f"no message came {which}: do their nodes run, with these names and in this ROS_DOMAIN_ID?"
+
+
+def _further(extra: Collection[str]) -> dict[str, str]:
+    pairs = [word.partition(":") for word in extra]
+    wrong = [
+        word for word, (_, colon, kind) in zip(extra, pairs, strict=True) if not colon or kind.count("/") != 2
+    ]
+    if wrong:
+        raise ValueError(f"parameter extra: {', '.join(wrong)}; write topic:package/msg/Type")
+    return {topic: kind for topic, _, kind in pairs}
+
+
+def _has_header(kind: str) -> bool:
+    """Return whether the first field of a message is its header."""
+    fields = jazzy_types().fielddefs[kind][1]
+    return bool(fields) and fields[0][1][1] == HEADER

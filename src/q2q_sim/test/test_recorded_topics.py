@@ -1,0 +1,33 @@
+"""A recording names topics and types that cannot be recorded, and topics that never came."""
+
+import pytest
+
+from q2q_sim.loop.recorded_topics import recorded_types, told_of_silence
+
+POSE = "geometry_msgs/msg/PoseStamped"
+
+
+def test_topics_of_q2q_and_further_ones_are_recorded() -> None:
+    assert recorded_types(("mocap",), (f"/vicon/cf1/pose:{POSE}",), by_header=True) == {
+        "mocap": "q2q_msgs/msg/MocapFrame",
+        "/vicon/cf1/pose": POSE,
+    }
+
+
+def test_a_message_without_a_header_has_no_stamp_to_record_it_by() -> None:
+    words = ("/words:std_msgs/msg/String",)
+    assert "/words" in recorded_types((), words, by_header=False)
+    with pytest.raises(ValueError, match=r"/words: std_msgs/msg/String has no header: give stamps:=receive"):
+        recorded_types((), words, by_header=True)
+
+
+def test_types_that_do_not_exist_are_refused_before_a_bag_is_made() -> None:
+    with pytest.raises(ValueError, match="no definition of message type 'std_msgs/msg/Nope'"):
+        recorded_types((), ("/words:std_msgs/msg/Nope",), by_header=False)
+
+
+def test_silent_topics_are_told_if_they_were_asked_for_or_none_came() -> None:
+    assert told_of_silence((), ("/mocap",)) == ""
+    assert told_of_silence(("/mocap",), ("/mocap",)) == ""
+    assert told_of_silence(("/mocap", "/pose"), ("/mocap",)).startswith("no message came on /pose:")
+    assert told_of_silence((), ()).startswith("no message came on any topic:")
