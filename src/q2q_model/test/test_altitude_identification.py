@@ -130,11 +130,14 @@ def test_trajectories_alone_give_the_gains_of_a_loop_without_lag():
     assert found["k_d"].value == pytest.approx(0.43, rel=5e-3)
 
 
-def test_positions_in_millimetres_are_named():
+@pytest.mark.parametrize("filtered", [np.nan, 1e3])
+@pytest.mark.parametrize("on_the_ground", [0, 50])
+def test_positions_in_millimetres_are_named(filtered: float, on_the_ground: int):
     flight = made_flight(CALM)
-    nothing = np.full_like(flight.pos, np.nan)
+    mocap, pos = 1e3 * flight.mocap_pos, filtered * flight.pos
+    mocap[:on_the_ground], pos[:on_the_ground] = 0.0, 0.0 * filtered
     with pytest.raises(ValueError, match=r"no position of .* is believable; .* are they in metres\?"):
-        altitude_record(replace(flight, mocap_pos=1e3 * flight.mocap_pos, pos=nothing), CRAZYFLIE_2_0)
+        altitude_record(replace(flight, mocap_pos=mocap, pos=pos), CRAZYFLIE_2_0)
 
 
 def test_gains_that_a_flight_does_not_show_have_intervals_that_say_so():

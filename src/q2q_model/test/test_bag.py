@@ -203,6 +203,15 @@ def test_clocks_that_never_meet_are_refused_with_both_spans(tmp_path: Path):
         read_flight(tmp_path / "bag")
 
 
+def test_frames_that_all_have_one_stamp_are_no_flight(tmp_path: Path):
+    rng = np.random.default_rng(2)
+    with BagWriter(tmp_path / "bag") as bag:
+        for tick in range(100):
+            bag.write_signal("/mocap", tick * STEP_NS, random_signal(MocapFrame, 0, PAIR, rng))
+    with pytest.raises(BagError, match=r"all 100 messages on mocap are stamped 0 s: stamp each"):
+        read_flight(tmp_path / "bag")
+
+
 def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
     rng = np.random.default_rng(3)
     with BagWriter(tmp_path / "bag") as bag:

@@ -207,6 +207,20 @@ def test_a_bag_is_judged_as_its_signals_are(tmp_path: Path, capsys: pytest.Captu
     assert "no bag at" in capsys.readouterr().err
 
 
+def test_a_bag_recorded_in_a_namespace_is_judged_and_one_without_a_clock_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, stand in (("good", False), ("bad", True)):
+        with BagWriter(tmp_path / name) as writer:
+            for one in received():
+                signal = replace(one.signal, t=0.0) if stand else one.signal
+                writer.write_signal(f"/room/{one.topic}", round(one.at * 1e9), signal)
+    assert tool.main([str(tmp_path / "good")]) == 0
+    assert "keeps separation, zone" in capsys.readouterr().out
+    assert tool.main([str(tmp_path / "bad")]) == 2
+    assert "messages on truth are stamped 0 s: stamp each" in capsys.readouterr().err
+
+
 UNSEEN = "separation, zone, room, floor"
 UNCOMMANDED = "thrust, tilt, age, action, silence"
 

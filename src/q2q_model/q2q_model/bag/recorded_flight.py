@@ -19,7 +19,7 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
         BagError: no bag, a `required` topic missing or empty, two topics of one name, clocks without overlap.
     """
     bag = BagReader(path)
-    topics = _topics_by_name(bag)
+    topics = topics_by_name(bag)
     signals = {topics[topic]: rows for topic, rows in bag.rows(topics).items()}
     for name in required:
         if not signals.get(name):
@@ -34,8 +34,12 @@ def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Fli
     return joined.flight
 
 
-def _topics_by_name(bag: BagReader) -> dict[str, str]:
-    """Return the bag's topics that belong to a flight, each with its base name."""
+def topics_by_name(bag: BagReader) -> dict[str, str]:
+    """Return the bag's topics that belong to a flight, each with its base name.
+
+    Raises:
+        BagError: two topics of one name.
+    """
     found: dict[str, str] = {}
     for topic, type_name in bag.topics.items():
         name = topic.rsplit("/", 1)[-1]

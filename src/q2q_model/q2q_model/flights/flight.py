@@ -138,7 +138,8 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
             signals (mocap first) are the ticks.
 
     Raises:
-        ValueError: there is no signal, or no stamp of a topic is a tick: the clocks are mixed.
+        ValueError: there is no signal, no stamp of a topic is a tick (the clocks are mixed), or all ticks
+            have one stamp.
     """
     present = {topic: signals[topic] for topic in FLIGHT_FIELDS if signals.get(topic)}
     if not present:
@@ -147,7 +148,8 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
         dict.fromkeys(vehicle for topic in _NAME_SOURCES for vehicle in _names_in(present.get(topic, ())))
     )
     ticks_of = next(iter(present))
-    t = np.unique(_stamps(present[ticks_of]))
+    t = np.unique(stamps := _stamps(present[ticks_of]))
+    check_clock(ticks_of, stamps)
     arrays = {
         field: np.full((len(t), len(names), width)[: 2 if width == 1 else 3], np.nan)
         for field, width in _WIDTHS.items()
@@ -158,6 +160,19 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
         for rows in found:
             _fill(arrays, topic, rows, (t, names))
     return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
+
+
+STANDING = 100
+"""Messages with one stamp from which their clock stands; a lost one is sent again a few times."""
+
+
+def check_clock(topic: str, stamps: Array) -> None:
+    """Raise ValueError if STANDING messages or more have one and the same stamp: no flight is in them."""
+    if len(stamps) >= STANDING and stamps.min() == stamps.max():
+        raise ValueError(
+            f"all {len(stamps)} messages on {topic} are stamped {stamps[0]:g} s: stamp each with its time of "
+            "capture, or read poses by a topic map with `stamps: receive`"
+        )
 
 
 _NAME_SOURCES = ("truth", "reference", "state", "command", "reference_safe", "interference", "imu", "mocap")

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import BagReader, BagRepairWarning
+from q2q_model.bag.recorded_flight import topics_by_name
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
-from q2q_sim.loop.topics import TICK_TOPICS
 from q2q_sim.monitors.policies import (
     NEEDS,
     POLICIES,
@@ -111,10 +111,10 @@ def evidence_in(bag: Path) -> Evidence:
     reader = BagReader(bag)
     for repair in reader.repairs:
         warnings.warn(repair, BagRepairWarning, stacklevel=2)
-    known = {topic for topic in reader.topics if topic.lstrip("/") in TICK_TOPICS}
+    names = topics_by_name(reader)
     return evidence_of(
-        RecordedSignal(one.topic.lstrip("/"), time_from_stamp(one.stamp_ns), one.signal)
-        for one in reader.signals(known)
+        RecordedSignal(names[one.topic], time_from_stamp(one.stamp_ns), one.signal)
+        for one in reader.signals(names)
     )
 
 

@@ -203,14 +203,20 @@ def check_upright(flight: Flight) -> None:
 
 
 def _check_believable(flight: Flight, visible: Mask, bad: Mask) -> None:
-    """Raise ValueError if all positions of a vehicle are outliers, and no filtered ones are there."""
-    lost = visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~_finite_rows(flight.pos).any(axis=0)
-    for row in np.flatnonzero(lost):
-        largest = float(np.nanmax(np.abs(flight.mocap_pos[visible[:, row], row])))
-        raise ValueError(
-            f"flight {flight.name}: no position of {flight.names[row]} is believable; the largest coordinate "
-            f"is {largest:g} m, {OutlierThresholds().pos_max:g} m is the most: are they in metres?"
-        )
+    """Raise ValueError if all positions of a vehicle are outliers, and no filtered ones are there.
+
+    So are they, filtered or not, if half of them lie beyond the largest believable coordinate.
+    """
+    pos_max, filtered = OutlierThresholds().pos_max, _finite_rows(flight.pos)
+    lost = visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~filtered.any(axis=0)
+    for row, name in enumerate(flight.names):
+        known = np.where(filtered[:, row, None], flight.pos[:, row], flight.mocap_pos[:, row])
+        largest = np.abs(known[_finite_rows(known)]).max(axis=1)
+        if lost[row] or (largest.size and np.median(largest) > pos_max):
+            raise ValueError(
+                f"flight {flight.name}: no position of {name} is believable; the largest coordinate "
+                f"is {largest.max():g} m, {pos_max:g} m is the most: are they in metres?"
+            )
 
 
 def _altitude_reference(flight: Flight) -> Array:

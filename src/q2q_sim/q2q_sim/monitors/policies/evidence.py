@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.flights.flight import check_clock
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names
 from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
@@ -108,9 +109,10 @@ def _topics(signals: Mapping[str, Sequence[Signal]]) -> dict[str, Topic]:
 
 def _evidence(topics: Mapping[str, Topic], commanded_at: Array) -> Evidence:
     """Return the evidence from topics and the times of recording of the commands [s], (K,)."""
-    naming = next((topics[topic] for topic in NAMING if topics[topic].signals), None)
-    if naming is None:
+    ticks_of = next((topic for topic in NAMING if topics[topic].signals), None)
+    if ticks_of is None:
         raise ValueError(f"no ticks: a flight needs one of {', '.join(NAMING)}")
+    check_clock(ticks_of, (naming := topics[ticks_of]).stamps)
     names = tuple(dict.fromkeys(name for some in naming.by_names for name in some))
     grid = TickGrid(np.unique(naming.stamps), names)
     states, commands = Table(grid, topics["state"]), Table(grid, topics["command"])
