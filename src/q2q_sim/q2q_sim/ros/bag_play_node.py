@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.bag import BagReader, MappedBag, RawMessage, load_topic_map
+from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic_map
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
@@ -73,6 +73,8 @@ class Player:
         if not self._params.bag:
             raise ValueError("parameter bag is empty: give the folder to play, e.g. -p bag:=bags/table2_1")
         self._reader = _opened(self._params)
+        for repair in self._reader.repairs:
+            node.get_logger().warning(repair)
         wanted = self._wanted()
         check_start((one.stamp_ns for one in self._reader.raw(set(wanted))), self._params.start)
         check_answer(self._params.answer, wanted)
@@ -81,6 +83,7 @@ class Player:
         self._over = node.create_publisher(String, "playback_over", LATCHED)
         self._messages: Iterator[RawMessage] = iter(())
         self._next: RawMessage | None = None
+        self._damage: BagError | None = None
         self._tick: RawMessage | None = None
         self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
         self._health = Health()
@@ -109,7 +112,12 @@ class Player:
         }
 
     def _writer(self, topic: str, kind: str) -> Publisher:
-        return self._node.create_publisher(_class_of(kind), topic.strip("/"), TICK_WRITER)
+        try:
+            found = _class_of(kind)
+        except (ImportError, AttributeError) as missing:
+            told = f"{topic} holds {kind}, which is not installed here: name the topics to play, e.g. topics"
+            raise ValueError(f"{told}:=[mocap]; the bag has {', '.join(self._reader.topics)}") from missing
+        return self._node.create_publisher(found, topic.strip("/"), TICK_WRITER)
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._begin()
@@ -117,15 +125,26 @@ class Player:
         return response
 
     def _begin(self) -> None:
-        messages = self._reader.raw(set(self._writers))
-        first = next(messages, None)
-        begin_ns = first.stamp_ns + round(self._params.start * 1e9) if first else 0
-        while first is not None and first.stamp_ns < begin_ns:
-            first = next(messages, None)
-        self._messages, self._next = messages, first
+        self._messages = self._reader.raw(set(self._writers))
+        self._advance()
+        begin_ns = self._next.stamp_ns + round(self._params.start * 1e9) if self._next else 0
+        while self._next is not None and self._next.stamp_ns < begin_ns:
+            self._advance()
         self._playback = Playback(begin_ns, monotonic(), self._params.rate)
         if self._params.answer:
             self._play_tick()
+
+    def _advance(self) -> None:
+        """Read the next message; the bag ends where it is damaged."""
+        try:
+            self._next = next(self._messages, None)
+        except BagError as damage:
+            self._next, self._damage = None, damage
+
+    def close(self) -> None:
+        """Raise BagError if the bag is damaged, and has been played up to there only."""
+        if self._damage is not None:
+            raise self._damage
 
     def _on_beat(self) -> None:
         while self._next is not None and self._playback.due(self._next.stamp_ns) <= monotonic():
@@ -157,12 +176,12 @@ class Player:
         self._writers[message.topic].publish(message.data)
         if self._clock is not None:
             self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
-        self._next = next(self._messages, None)
+        self._advance()
         if self._next is None:
             self._end()
 
     def _end(self) -> None:
-        if self._params.loop:
+        if self._params.loop and self._damage is None:
             self._begin()
         else:
             self._over.publish(String(data=self._params.bag))
@@ -192,4 +211,4 @@ def _class_of(kind: str) -> type:
 
 def main() -> None:
     """Run the node `bag_play`."""
-    run("bag_play", Player)
+    run("bag_play", Player, Player.close)

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from q2q_model.bag.foreign.mapped_flight import mapped_channels, mapped_frames
 from q2q_model.bag.foreign.topic_map import TopicMap
-from q2q_model.bag.storage.fault import warn_of_repairs
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import LAYOUTS
@@ -29,9 +28,11 @@ class MappedBag:
             for one in source.read({of_bag}):
                 stamp_ns = header_stamp_ns(one.data) if topic_map.by_header else one.stamp_ns
                 messages.append(RawMessage(topic, stamp_ns, one.data, one.type_name))
+        self.repairs = source.repairs
+        """Repairs needed to read the bag, one sentence each."""
         if topic_map.vehicles or topic_map.poses:
             frames, repairs = mapped_frames(source, channels, topic_map)
-            warn_of_repairs(tuple(f"bag {path}: {repair}" for repair in repairs))
+            self.repairs += tuple(f"bag {path}: {repair}" for repair in repairs)
             for frame in frames:
                 kind = f"q2q_msgs/msg/{LAYOUTS[type(frame)].message}"
                 stamp_ns = stamp_from_time(frame.t)

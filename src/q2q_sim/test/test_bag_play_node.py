@@ -1,0 +1,75 @@
+"""The player says what of a bag it cannot play, and plays the rest."""
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+import rclpy
+from rclpy.node import Node
+from rosbags.rosbag2 import StoragePlugin, Writer
+
+from q2q_model.bag import BagError, BagWriter
+from q2q_model.node.rehearsal import rehearsal
+from q2q_model.signals.values import MocapFrame
+from q2q_sim.processes.domain import own_domain
+from q2q_sim.ros.bag_play_node import Player
+
+TICKS = 200
+"""Two chunks of a second each."""
+
+
+def recorded(bag: Path) -> Path:
+    """Write a bag of frames; return its file."""
+    with BagWriter(bag) as writer:
+        for tick in range(TICKS):
+            frame = rehearsal(MocapFrame, tick / 100.0, ("cf1",))
+            writer.write_signal("/mocap", tick * 10_000_000, frame)
+    return bag / f"{bag.name}_0.mcap"
+
+
+def played(bag: Path) -> Player:
+    """Play a bag to its end, as fast as it is read."""
+    with own_domain():
+        rclpy.init(args=["--ros-args", "-p", f"bag:={bag}", "-p", "autostart:=false"])
+        node = Node("bag_play")
+        try:
+            player = Player(node)
+            player._begin()
+            while player._next is not None:
+                player._play_one()
+            return player
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown()
+
+
+def test_a_bag_that_was_cut_off_is_played_and_told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    file = recorded(tmp_path / "bag")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    played(tmp_path / "bag").close()
+    assert "(it was not closed); recovered" in capfd.readouterr().err
+
+
+def test_a_bag_is_played_up_to_its_damage_which_is_told(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = recorded(tmp_path / "bag")
+    damaged = bytearray(file.read_bytes())
+    damaged[len(damaged) // 2] ^= 0xFF
+    file.write_bytes(damaged)
+    player = played(tmp_path / "bag")
+    assert "playback over" in capfd.readouterr().err
+    with pytest.raises(BagError, match=r"is damaged after \d+ messages"):
+        player.close()
+
+
+def test_a_type_that_is_not_installed_is_named_with_the_way_out(tmp_path: Path) -> None:
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        kind = "absent_msgs/msg/Level"
+        channel = writer.add_connection("/level", kind, msgdef="float64 level\n", rihs01="RIHS01_0")
+        writer.write(channel, 1, b"\x00\x01\x00\x00" + bytes(8))
+    with pytest.raises(ValueError, match=r"/level holds absent_msgs/msg/Level, which is not .*topics:=\["):
+        played(tmp_path / "bag")
