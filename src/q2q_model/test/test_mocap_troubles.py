@@ -22,7 +22,11 @@ def told(lies: MocapLies, ticks: int) -> list[str]:
 
 def test_trouble_is_told_once_it_lasts_with_its_vehicles() -> None:
     lasts = round(LASTING / DT) + 2
-    for lies, word in ((MocapLies(PAIR, ()), "exchanged"), (MocapLies((), PAIR), "repeat")):
+    for lies, word in (
+        (MocapLies(PAIR, ()), "exchanged"),
+        (MocapLies((), PAIR), "repeat"),
+        (MocapLies((), (), PAIR), "in metres"),
+    ):
         assert told(lies, lasts - 2) == []
         (line,) = told(lies, 10 * lasts)
         assert word in line
@@ -55,3 +59,10 @@ def test_a_filter_knows_whose_names_are_exchanged_and_whose_poses_repeat() -> No
     half = np.stack([places[0], PLACES[1] + noise.normal(0.0, 3e-4, 3)])
     assert seen_by(block, 51, half) == MocapLies((), ("cf1",))
     assert seen_by(block, 52, PLACES + noise.normal(0.0, 3e-4, (2, 3))) == NOTHING
+
+
+def test_a_filter_knows_whose_positions_are_in_millimetres() -> None:
+    block = MocapFilter(MocapFilterParams(), ())
+    assert seen_by(block, 0, 1e3 * PLACES) == MocapLies((), (), PAIR)
+    assert seen_by(block, 1, PLACES * [[1.0], [1e3]]) == MocapLies((), (), ("cf2",))
+    assert seen_by(block, 2, PLACES * [[1.0], [np.nan]]) == NOTHING

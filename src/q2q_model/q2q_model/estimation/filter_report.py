@@ -13,6 +13,8 @@ class MocapLies(NamedTuple):
     """They were found under the names of others."""
     frozen: Names
     """Their poses repeat in spite of noise."""
+    outside: Names = ()
+    """Their positions are further from the origin than any that is believed."""
 
 
 @dataclass(frozen=True, slots=True)

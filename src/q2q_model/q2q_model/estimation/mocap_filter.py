@@ -78,7 +78,7 @@ class MocapFilter:
     @property
     def lies(self) -> MocapLies:
         """Return the vehicles of which the last frame was wrong."""
-        return MocapLies(self._named(self._lent), self._named(self._frozen))
+        return MocapLies(*map(self._named, (self._lent, self._frozen, self._outside)))
 
     def _named(self, which: Mask) -> Names:
         return tuple(self._names[row] for row in np.flatnonzero(which)) if which.any() else ()
@@ -96,7 +96,7 @@ class MocapFilter:
         self._track_of_row: Rows = np.zeros(0, dtype=np.intp)
         self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
         self._recent = no_poses(count)
-        self._lent = self._frozen = np.zeros(count, np.bool_)
+        self._lent = self._frozen = self._outside = np.zeros(count, np.bool_)
         self._find_memory()
 
     def update(self, frame: MocapFrame) -> SwarmState:
@@ -160,7 +160,7 @@ class MocapFilter:
         out = pos, vel, quat, ang_vel_body
         outcome, turned = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
-            self._lent = self._frozen = self._nobody
+            self._lent = self._frozen = self._outside = self._nobody
             self._count_nominal()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
@@ -179,6 +179,7 @@ class MocapFilter:
             quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
         self._lent, self._frozen = tracked.lent, tracked.frozen
+        self._outside = (np.abs(poses[:, :QUAT_AT]) > self._params.pos_max).any(axis=1)
         self._count(poses[:, :QUAT_AT], tracked)
         age, status = self._age_and_status(t, tracked)
         moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body

@@ -11,6 +11,7 @@ LASTING = 0.35
 
 _EXCHANGED = "names exchanged by motion capture: {}; followed by their motion: land, and check their markers"
 _FROZEN = "poses that repeat are not believed: {}; does the server see them?"
+_OUTSIDE = "positions beyond pos_max are not believed: {}; are they in metres?"
 
 
 class MocapTroubles:
@@ -31,12 +32,13 @@ class MocapTroubles:
         before, self.text = self.text, self._lasting(t)
         if self.text == before:
             return ""
-        return self.text or "motion capture has named and moved all vehicles again"
+        return self.text or "motion capture is believed again"
 
     def _lasting(self, t: float) -> str:
         """Return the trouble that lasts, with the vehicles."""
         lasting = [one for one, since in self._since.items() if t - since > LASTING]
-        exchanged = [name for kind, name in lasting if kind == "exchanged"]
-        frozen = [name for kind, name in lasting if kind == "frozen"]
-        told = [_EXCHANGED.format(", ".join(exchanged))] if exchanged else []
-        return "; ".join([*told, _FROZEN.format(", ".join(frozen))] if frozen else told)
+        named = {
+            text: [name for kind, name in lasting if kind == wrong]
+            for wrong, text in (("exchanged", _EXCHANGED), ("frozen", _FROZEN), ("outside", _OUTSIDE))
+        }
+        return "; ".join(text.format(", ".join(names)) for text, names in named.items() if names)
