@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.flights.table_vehicles import vehicle_prefixes
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal
@@ -44,6 +45,8 @@ POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "
 REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")
 CARRIED = {*POS, *QUAT, *VEL, *RATE, *REF, *REF_VEL, *ACC, "thrust_cmd", "yawref_deg", "roll", "pitch", "yaw"}
 """Columns contained in the signals; roll, pitch and yaw repeat the quaternion."""
+LONGEST_STEP = 0.5
+"""Longest median time between rows of a flight [s]; steps of 30 Hz in milliseconds are 33."""
 UNITS = {
     "vbat": "V",
     "fa_ff": "N",
@@ -85,7 +88,8 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     """Return a table's columns sorted by vehicle.
 
     Raises ValueError for a table without t or positions, one whose columns can be read as those of one
-    vehicle or of several, or a time that is negative, not a number or not increasing.
+    vehicle or of several, a time that is negative, not a number or not increasing, or times and positions
+    that are not in s and m.
     """
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
@@ -102,7 +106,24 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
             if name != "t" and name.startswith(key):
                 place = found.setdefault(name.removeprefix(key), np.full((len(t), len(names)), np.nan))
                 place[:, row] = columns[name]
-    return FlightTable(t, names, found)
+    table = FlightTable(t, names, found)
+    _check_units(table)
+    return table
+
+
+def _check_units(table: FlightTable) -> None:
+    """Raise ValueError for times or positions that are not in s or m."""
+    step = float(np.median(np.diff(table.t))) if len(table.t) > 1 else 0.0
+    if step > LONGEST_STEP:
+        raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the most: is it in seconds?")
+    pos, pos_max = table.vectors(POS), OutlierThresholds().pos_max
+    for row, name in enumerate(table.names):
+        reach = np.abs(pos[np.isfinite(pos[:, row]).all(axis=1), row]).max(axis=1)
+        if reach.size and np.median(reach) > pos_max:
+            raise ValueError(
+                f"x, y, z of {name} reach {np.median(reach):g} in the median, {pos_max:g} m is the most: are "
+                "they in metres? A column map scales them (bag_import --columns)"
+            )
 
 
 def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
