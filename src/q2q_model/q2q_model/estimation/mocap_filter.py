@@ -179,7 +179,7 @@ class MocapFilter:
             quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
         self._lent, self._frozen = tracked.lent, tracked.frozen
-        self._outside = (np.abs(poses[:, :QUAT_AT]) > self._params.pos_max).any(axis=1)
+        self._outside = np.asarray((np.abs(poses[:, :QUAT_AT]) > self._params.pos_max).any(axis=1))
         self._count(poses[:, :QUAT_AT], tracked)
         age, status = self._age_and_status(t, tracked)
         moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body

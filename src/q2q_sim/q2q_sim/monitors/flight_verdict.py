@@ -183,7 +183,7 @@ def _missed(evidence: Evidence, counted: int | None) -> Iterator[Finding]:
 
 def _unjudged(evidence: Evidence) -> Iterator[str]:
     if not np.isfinite(evidence.true_pos).any():
-        yield "floor, room and distances (no positions recorded)"
+        yield "floor, room and distances (no state or truth recorded)"
     elif not np.isfinite(evidence.sent_pos).any():
         yield "floor and room (no reference recorded)"
     if not np.isfinite(evidence.command_status).any():

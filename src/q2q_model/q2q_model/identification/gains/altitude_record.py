@@ -208,7 +208,7 @@ def _check_believable(flight: Flight, visible: Mask, bad: Mask) -> None:
     So are they, filtered or not, if half of them lie beyond the largest believable coordinate.
     """
     pos_max, filtered = OutlierThresholds().pos_max, _finite_rows(flight.pos)
-    lost = visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~filtered.any(axis=0)
+    lost = np.asarray(visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~filtered.any(axis=0))
     for row, name in enumerate(flight.names):
         known = np.where(filtered[:, row, None], flight.pos[:, row], flight.mocap_pos[:, row])
         largest = np.abs(known[_finite_rows(known)]).max(axis=1)
