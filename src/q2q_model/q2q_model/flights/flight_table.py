@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.flights.outliers import check_metres
 from q2q_model.flights.table_vehicles import vehicle_prefixes
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal
@@ -116,14 +116,7 @@ def _check_units(table: FlightTable) -> None:
     step = float(np.median(np.diff(table.t))) if len(table.t) > 1 else 0.0
     if step > LONGEST_STEP:
         raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the most: is it in seconds?")
-    pos, pos_max = table.vectors(POS), OutlierThresholds().pos_max
-    for row, name in enumerate(table.names):
-        reach = np.abs(pos[np.isfinite(pos[:, row]).all(axis=1), row]).max(axis=1)
-        if reach.size and np.median(reach) > pos_max:
-            raise ValueError(
-                f"x, y, z of {name} reach {np.median(reach):g} in the median, {pos_max:g} m is the most: are "
-                "they in metres? A column map scales them (bag_import --columns)"
-            )
+    check_metres(table.names, table.vectors(POS))
 
 
 def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
