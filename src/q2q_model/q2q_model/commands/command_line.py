@@ -19,6 +19,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn
 
+from q2q_model.commands.help_text import HelpText
 from q2q_model.commands.quiet_end import drop_output, ending_at_once, output_is_read
 from q2q_model.node.lean_imports import lean_imports
 
@@ -50,7 +51,7 @@ class CommandLine(argparse.ArgumentParser):
             prog=program,
             description=description,
             epilog=f"example:\n{example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            formatter_class=HelpText,
             allow_abbrev=False,
         )
 

@@ -45,7 +45,12 @@ def parser() -> CommandLine:
     made.add_argument(
         "--below-mass", type=float, metavar="KG", help="mass of the vehicle below (default: the source's)"
     )
-    made.add_argument("--below-rotor-radius", type=float, metavar="M", help="radius of its rotors")
+    made.add_argument(
+        "--below-rotor-radius",
+        type=float,
+        metavar="M",
+        help="radius of its rotors (default: the source's)",
+    )
     made.add_argument(
         "--flown-mass", type=float, default=0.032, metavar="KG", help="mass of the vehicles of --model"
     )

@@ -78,14 +78,18 @@ def _add_blocks(made: CommandLine) -> None:
         action="store_true",
         help="with --controller mpc: one MPC node for each vehicle; they exchange predictions",
     )
-    _either(made, "aware", "ignoring", "compensate the downwash, or ignore it", default=True)
+    _either(made, "aware", "ignoring", "compensate the downwash (default), or ignore it", default=True)
     made.add_argument(
         "--correct",
         action="store_true",
         help="correct the predicted downwash by positions and accelerometers",
     )
     _either(
-        made, "limit", "no-limit", "apply the scenario's thrust limit, or only the vehicle's", default=True
+        made,
+        "limit",
+        "no-limit",
+        "apply the scenario's thrust limit (default), or only the vehicle's",
+        default=True,
     )
     made.add_argument(
         "--replan",
@@ -105,7 +109,13 @@ def _add_blocks(made: CommandLine) -> None:
 
 
 def _add_process(made: CommandLine) -> None:
-    _either(made, "live", "lockstep", "100 Hz of wall time, or as fast as commands arrive", default=False)
+    _either(
+        made,
+        "live",
+        "lockstep",
+        "100 Hz of wall time, or as fast as commands arrive (default)",
+        default=False,
+    )
     _either(
         made,
         "stack",
