@@ -139,6 +139,18 @@ def test_a_vehicle_on_the_floor_has_no_negative_height(
     opened.page.context.close()
 
 
+def test_a_part_of_a_flight_has_the_times_of_the_flight(
+    browser: Browser, runs: list[ReplayRun], tmp_path: Path
+):
+    file = tmp_path / "page.html"
+    file.write_text(replay_html([replace(runs[0], since=7.0)], "A part"), encoding="utf-8")
+    opened = OpenPage(browser, file.as_uri())
+    opened.draw_at(1.0)
+    assert opened.texts(".time") == ["8.0 / 31.0 s"]
+    assert opened.texts(".event") == ["28.8 s: cf1 34 cm low"]
+    opened.page.context.close()
+
+
 def test_captions_tell_what_happened(wide: OpenPage):
     ignoring, aware = wide.texts("figcaption")
     assert ignoring.startswith("ignoring cf1 pushed 34 cm down at 21.8 s")

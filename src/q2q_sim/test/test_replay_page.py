@@ -5,6 +5,7 @@ from base64 import b64decode
 from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
+from q2q_sim.commands.replay_page import main
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.replay_page import (
     ReplayRun,
@@ -28,6 +30,8 @@ from q2q_sim.replay_page.packed_run import MISSING, STEPS, packed_run
 from q2q_sim.replay_page.script_archive import FOLDER
 from q2q_sim.scenarios import library
 from q2q_sim.tools.write_replay import measured_force
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -153,6 +157,17 @@ def test_the_force_of_another_vehicle_is_not_shown_and_told(
     told = capsys.readouterr().err
     assert told.startswith("replay_page: no downwash is shown: flight ")
     assert "times the weight of crazyflie_2_0" in told
+
+
+def test_a_part_of_a_bag_has_the_times_of_the_bag(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    told = []
+    for part in ([], ["--start", "12.5"]):
+        file = tmp_path / "page.html"
+        assert main([str(ROOT / "bags" / "table2_1"), *part, "--out", str(file)]) == 0
+        told.append(capsys.readouterr().out.splitlines()[0])
+        assert f'"since":{12.5 if part else 0.0}' in file.read_text(encoding="utf-8")
+    assert told[0] == told[1]
+    assert "cf1 pushed 17 cm down at 21.3 s" in told[0]
 
 
 def test_four_runs_are_refused(run: ReplayRun):

@@ -40,6 +40,7 @@ def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> Json:
     return {
         "name": run.name,
         "names": run.names,
+        "since": run.since,
         "rate": rate,
         "count": len(rows),
         "palette": VEHICLES,

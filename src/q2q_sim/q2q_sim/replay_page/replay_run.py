@@ -64,6 +64,8 @@ class ReplayRun:
     events: tuple[ReplayEvent, ...] = ()
     note: str = ""
     """How a quantity was found, where it was not recorded itself."""
+    since: float = 0.0
+    """Time of the first tick since the start of the flight, of which this may be a part [s]."""
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -79,7 +81,11 @@ class ReplayRun:
 
 
 def replay_run(
-    flight: Flight, vehicle: Vehicle, name: str = "", verdict: FlightVerdict | None = None
+    flight: Flight,
+    vehicle: Vehicle,
+    name: str = "",
+    verdict: FlightVerdict | None = None,
+    since: float = 0.0,
 ) -> ReplayRun:
     """Return the run of a flight of `vehicle`s.
 
@@ -88,6 +94,7 @@ def replay_run(
         vehicle: what flew.
         name: name of the run; empty is the flight's own.
         verdict: verdict on the flight; None judges it here.
+        since: time of its first tick, if `flight` is a part of a longer one [s].
 
     Raises:
         ValueError: the flight has no position of any vehicle.
@@ -108,8 +115,9 @@ def replay_run(
         downwash=_first_known(flight.true_eta, flight.eta),
         thrust=flight.thrust / vehicle.hover_thrust,
         arm=vehicle.arm,
-        verdict=f"{_sag_words(flight, pos)}; {'flown to the end' if verdict.ok else verdict}",
+        verdict=f"{_sag_words(flight, pos, since)}; {'flown to the end' if verdict.ok else verdict}",
         events=tuple(_events(flight, pos, verdict)),
+        since=since,
     )
 
 
@@ -135,7 +143,7 @@ def _events(flight: Flight, pos: Array, verdict: FlightVerdict) -> Iterator[Repl
         yield ReplayEvent(one.t, one.words)
 
 
-def _sag_words(flight: Flight, pos: Array) -> str:
+def _sag_words(flight: Flight, pos: Array, since: float) -> str:
     sag = _sag_under_another(flight, pos)
     if not np.isfinite(sag).any():
         return "no vehicle passed under another"
@@ -143,7 +151,8 @@ def _sag_words(flight: Flight, pos: Array) -> str:
     depth = float(sag[tick, row])
     if depth < SAG_SHOWN:
         return "no vehicle pushed down"
-    return f"{flight.names[row]} pushed {100.0 * depth:.0f} cm down at {flight.t[tick] - flight.t[0]:.1f} s"
+    t = since + flight.t[tick] - flight.t[0]
+    return f"{flight.names[row]} pushed {100.0 * depth:.0f} cm down at {t:.1f} s"
 
 
 def _sag_under_another(flight: Flight, pos: Array) -> Array:

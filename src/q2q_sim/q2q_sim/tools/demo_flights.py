@@ -86,7 +86,7 @@ def replay_of(ignoring: FlightRun, aware: FlightRun) -> Markup:
     vehicle = load_scenario(ignoring.request).vehicle
     start, end = passage(ignoring.flight)
     runs = [
-        replay_run(part_of(run.flight, start, end), vehicle, MODE_WORDS[run.request.mode])
+        replay_run(part_of(run.flight, start, end), vehicle, MODE_WORDS[run.request.mode], since=start)
         for run in (ignoring, aware)
     ]
     return Markup(replay_element(runs))

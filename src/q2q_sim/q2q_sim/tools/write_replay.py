@@ -54,7 +54,8 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
         if whole
         else verdict_of(part, Circumstances(vehicle=flown.vehicle))
     )
-    run = replay_run(part, flown.vehicle, name, verdict)
+    since = float(part.t[0] - recording.flight.t[0])
+    run = replay_run(part, flown.vehicle, name, verdict, since)
     return with_measured_downwash(run, lambda: measured_force(recording, flown.vehicle))
 
 

@@ -15,11 +15,11 @@ export function timeBar(playback) {
   slider.setAttribute("aria-label", "time in seconds");
   slider.addEventListener("input", () => playback.seek(Number(slider.value)));
   const now = made("span");
-  const end = made("span", { className: "end", textContent: ` / ${playback.duration.toFixed(1)}` });
+  const end = made("span", { className: "end", textContent: ` / ${playback.words(playback.duration)}` });
   const time = made("output", { className: "time" }, [now, end, " s"]);
   const show = () => {
     slider.value = playback.t;
-    now.textContent = playback.t.toFixed(1);
+    now.textContent = playback.words(playback.t);
     setIcon(play, playback.isPlaying);
   };
   playback.onChange(show);
@@ -63,7 +63,7 @@ export function layerButtons(names, shown, onShow) {
 
 /** Return buttons that go to the marked moments of a run. */
 export function eventButtons(events, playback) {
-  return events.map(({ t, words }) => button(`${t.toFixed(1)} s: ${words}`, () => playback.seek(t), "event"));
+  return events.map(({ t, words }) => button(`${playback.words(t)} s: ${words}`, () => playback.seek(t), "event"));
 }
 
 /** Play, pause and step by keys while the element is in sight. */

@@ -2,7 +2,7 @@
 
 import { PUSHING_AIR } from "./colours.js";
 
-const PAD = { left: 50, right: 10, top: 8, bottom: 22 }; // [px]
+const PAD = { left: 60, right: 10, top: 8, bottom: 22 }; // [px], wide enough for "-0.05 m"
 const SPAN_MARGIN = 0.06; // above and below the curves, of their span
 
 /** Return lowest and highest height over all runs [m], so that all have one scale. */
@@ -96,8 +96,9 @@ export class HeightCurves {
       pen.fillText(`${z} m`, PAD.left - 6, y + 4);
     }
     pen.textAlign = "center";
-    for (const t of ticksOf([0, this.duration], this.width / 90)) {
-      pen.fillText(`${t} s`, Math.max(this.#x(t), PAD.left + 8), this.height - 6);
+    const { since } = this.run.facts;
+    for (const t of ticksOf([since, since + this.duration], this.width / 90)) {
+      pen.fillText(`${t} s`, Math.max(this.#x(t - since), PAD.left + 8), this.height - 6);
     }
   }
 

@@ -3,8 +3,10 @@
 export class Playback {
   #listeners = [];
 
-  constructor(duration) {
+  /** Take the duration and the time of its beginning since the start of the flight [s]. */
+  constructor(duration, since) {
     this.duration = duration;
+    this.since = since;
     this.t = 0;
     this.speed = 1;
     this.isPlaying = false;
@@ -12,6 +14,11 @@ export class Playback {
 
   onChange(listener) {
     this.#listeners.push(listener);
+  }
+
+  /** Return a time of the replay as one since the start of the flight [s], in words. */
+  words(t) {
+    return (this.since + t).toFixed(1);
   }
 
   /** Play; from the start if the end is reached. */

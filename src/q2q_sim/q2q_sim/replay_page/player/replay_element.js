@@ -62,7 +62,7 @@ class Replay {
   constructor(element, root, runs) {
     this.element = element;
     this.runs = runs;
-    this.playback = new Playback(Math.max(...runs.map((run) => run.duration)));
+    this.playback = new Playback(Math.max(...runs.map((run) => run.duration)), runs[0].facts.since);
     this.sight = new SharedCamera(roomOf(runs));
     this.sight.look("Room");
     this.panels = runs.map((run) => this.#panel(run));
