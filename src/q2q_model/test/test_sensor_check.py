@@ -13,6 +13,7 @@ from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.force.sensor_check import sensor_notes
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.identification.intervals import Interval
 from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.tools.identify_report import summary
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -88,6 +89,15 @@ def test_gains_that_lead_away_from_the_reference_are_not_written():
     told = summary(found)
     assert told.count(": negative, the commands lead away from the reference") == 2
     assert "not identifiable" not in told
+    assert re.search(r"^K_p -10\.\d+ 1/s\^2 \[-\d.*^K_d -5\.\d+ 1/s \[-\d", told, re.MULTILINE | re.DOTALL)
+
+
+def test_the_parameters_of_a_jet_are_told_with_their_units():
+    fitted = [(name, Interval(0.5, 0.4, 0.6)) for name in ("strength", "spread", "upper_ratio", "slowness")]
+    found = identify([Recording(made_flight(MADE))], ProcedureParams("jet"), lambda _: None)
+    told = summary(replace(found, spread=tuple(fitted)))
+    for words in ("strength 0.500 m/s^2", "spread 0.500 m/m", "upper_ratio 0.500", "slowness 0.500 s/m"):
+        assert f"\n  {words} [0.400, 0.600]" in told
 
 
 @pytest.mark.parametrize("filtered", [True, False])

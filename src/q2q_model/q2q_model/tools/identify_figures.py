@@ -114,7 +114,7 @@ def _downwash_figure(model: InteractionModel) -> Figure:
     both = figure.subplots(1, 2, sharey=True)
     for axes, eta, title in zip(both, maps, ("lower", "upper"), strict=True):
         drawn = axes.pcolormesh(across, gap, eta, cmap="PuOr", vmin=-most, vmax=most, shading="auto")
-        axes.set(title=f"downwash on the {title} vehicle", xlabel="across [m]")
+        axes.set(title=f"downwash on the {title} vehicle", xlabel="horizontal distance [m]")
     both[0].set_ylabel("height difference [m]")
     figure.colorbar(drawn, ax=both, label="eta z [m/s²], downwards negative", fraction=0.05, pad=0.02)
     return figure

@@ -1,9 +1,10 @@
 """Results of an identification as the JSON of `identify` and as text."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
 from q2q_model.documents.plain_values import Plain
+from q2q_model.downwash.jet import Jet
 from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.deviation import DeviationParams
 from q2q_model.identification.flight_evidence import every_record
@@ -11,6 +12,10 @@ from q2q_model.identification.force.loading import usable_loading
 from q2q_model.identification.identification import Identification
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import Trial
+from q2q_model.tunable import tunable_of
+
+UNITS = {one.name: tunable_of(one).unit for one in fields(Jet)} | {"slowness": "s/m"}
+"""Unit of each fitted parameter."""
 
 
 def report(found: Identification, seconds: dict[str, float]) -> dict[str, object]:
@@ -65,36 +70,37 @@ def summary(found: Identification) -> str:
     gains, held = found.gains, found.held_out
     outliers = sum(one.outliers for one in every_record(found.evidence))
     lines = [
-        f"{len(found.evidence)} flights, {outliers} outliers",
-        _gain("K_p", gains.k_p),
-        _gain("K_d", gains.k_d),
+        f"{len(found.evidence)} flights, {outliers} outliers; 95 % intervals in brackets",
+        _gain("K_p", gains.k_p, "1/s^2"),
+        _gain("K_d", gains.k_d, "1/s"),
     ]
     if found.decay is not None:
         d = found.decay.d
-        lines.append(f"zone from dev: d {d.value:.2f} m [{d.low:.2f}, {d.high:.2f}]")
+        lines.append(f"zone from dev: d {_ranged(d, 'm', digits=2)}")
     if found.zone is not None:
         lines.append(
             f"zone from the downwash, |eta| >= {found.zone.threshold} m/s^2: "
-            f"{found.zone.eps:.2f} m sideways, {found.zone.d:.2f} m up and down"
+            f"{found.zone.eps:.2f} m horizontally, {found.zone.d:.2f} m vertically"
         )
     lines.append(f"model: {found.chosen.name} ({found.chosen.parameters} parameters)")
     if held.r2.lower is not None:
         lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's downwash")
-    lines += [f"  {name} {_ranged(one)}" for name, one in found.spread]
+    lines += [f"  {name} {_ranged(one, UNITS.get(name, ''))}" for name, one in found.spread]
     if found.loading is not None:
         lines.append(f"loading {_ranged(found.loading)}: {usable_loading(found.loading):.2f} is used")
     return "\n".join(lines + [f"note: {remark}" for remark in found.remarks])
 
 
-def _ranged(one: Interval) -> str:
-    return f"{one.value:.3f} [{one.low:.3f}, {one.high:.3f}]"
+def _ranged(one: Interval, unit: str = "", digits: int = 3) -> str:
+    value = f"{one.value:.{digits}f} {unit}".rstrip()
+    return f"{value} [{one.low:.{digits}f}, {one.high:.{digits}f}]"
 
 
-def _gain(name: str, found: Interval) -> str:
+def _gain(name: str, found: Interval, unit: str) -> str:
     remark = "" if found.is_positive else ": not identifiable from these flights"
     if found.high < 0.0:
         remark = ": negative, the commands lead away from the reference"
-    return f"{name} {found.value:.5f} [{found.low:.5f}, {found.high:.5f}]{remark}"
+    return f"{name} {_ranged(found, unit, digits=5)}{remark}"
 
 
 def _zone(found: Identification) -> dict[str, object]:
