@@ -46,13 +46,12 @@ def draw_all(
     t = np.arange(0.0, plan.duration + TICK, TICK)
     avoiding, reference = sampled(plan, t), sampled(free, t)
     online = replanned(free, t, zone)
-    fig10 = _beside(plan, {"without avoidance": reference, "with avoidance": avoiding}, zone)
+    both = {"without avoidance": reference, "with avoidance": avoiding}
+    fig10 = _beside(plan, both, zone)
     fig12 = _beside(plan, {"reference": reference, "modified online": online}, zone)
     return [
         _kept(fig10, folder / "fig10.png"),
-        _kept(
-            _heights(plan, {"without": reference, "with avoidance": avoiding}, model), folder / "fig11.png"
-        ),
+        _kept(_heights(plan, both, model), folder / "fig11.png"),
         _kept(fig12, folder / "fig12.png"),
         _kept(_heights(plan, {"modified online": online}, model), folder / "fig13.png"),
         _kept(_solid(plan, avoiding, zone), folder / "plan_and_zone.png"),
@@ -87,7 +86,8 @@ def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel)
             axis.set_ylabel("z [m]")
             axis.set_title(f"{name}, {title}: RMS {np.sqrt((errors[:, row] ** 2).mean()):.4f} m")
     axes[0, 0].legend()
-    axes[-1, 0].set_xlabel("t [s]")
+    for axis in axes[-1]:
+        axis.set_xlabel("t [s]")
     return _checked(figure)
 
 
@@ -110,7 +110,8 @@ def _beside(plan: SwarmPlan, curves: dict[str, Array], zone: Zone) -> Figure:
         _distances(below[-1], plan, pos, zone)
     low, high = (pick(axis.get_ylim()[k] for axis in below) for k, pick in enumerate((min, max)))
     for axis in below:
-        axis.axhspan(min(low, 0.0), 0.0, color=palette.ZONE, alpha=0.4, label="inside the zone")
+        if low < 0.0:
+            axis.axhspan(low, 0.0, color=palette.ZONE, alpha=0.4, label="inside the zone")
         axis.set_ylim(low, high)
         axis.legend(fontsize="small", loc="lower right")
     return _checked(figure)
@@ -140,7 +141,8 @@ def _solid(plan: SwarmPlan, pos: Array, zone: Zone) -> Figure:
         centre = pos[moment, pairs[pair][1]]
         space.plot_surface(*(_surface(zone) + centre[:, None, None]), color=palette.ZONE, alpha=0.4)
         space.scatter(*pos[moment].T, color="black", s=12)
-        space.set_title(f"nearest at t = {moment * TICK:.2f} s, zone around {plan.names[pairs[pair][1]]}")
+        below = plan.names[pairs[pair][1]]
+        space.set_title(f"vehicles (black) when nearest, t = {moment * TICK:.2f} s, and zone around {below}")
     space.set_aspect("equal")
     return _checked(figure)
 
@@ -150,7 +152,8 @@ def _paths(space: Axes3D, names: Names, pos: Array) -> None:
     for row, name in enumerate(names):
         space.plot(*pos[:, row].T, color=palette.VEHICLES[row % len(palette.VEHICLES)], label=name)
     space.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
-    space.locator_params(axis="z", nbins=4)
+    for axis in "xyz":
+        space.locator_params(axis=axis, nbins=4)
     if len(names) <= MOST_PAIRS:
         space.legend(loc="upper left", fontsize="small")
 
