@@ -121,8 +121,8 @@ def verdict_lines(found: PromiseVerdict) -> Sequence[str]:
         f"under the conditions: {entries.events} zone entries, {bound}",
         f"    least distance to a zone: {1e3 * found.clearance:.0f} mm",
         f"    ticks with a broken promise: {found.broken_ticks} of {found.ticks} ({broken:.2%})",
-        f"    back on the references: {arrived.events} of {arrived.flights}",
-        f"    could be, were each vehicle alone: {found.in_reach.events}",
+        f"    flights that end on the references: {arrived.events} of {arrived.flights}",
+        f"    flights that could if every vehicle flew alone: {found.in_reach.events}",
         f"otherwise: {found.entries_otherwise} zone entries; of all, {found.silent} not announced",
     ]
     if found.left_tube is not None:
