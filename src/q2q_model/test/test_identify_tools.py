@@ -89,6 +89,8 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     assert scores["pooled"]["r2_exposed"] > 0.9
     told = capsys.readouterr()
     assert re.search(r"table2_1 .*, in the fit: not held out$", told.out, re.MULTILINE)
+    pooled = rf"^pooled +R2 +0\.\d+, 20 ms ahead 0\.\d+, rmse 0\.\d+ m/s\^2, {scores['pooled']['n']} rows"
+    assert re.search(pooled, told.out, re.MULTILINE)
     assert "force of 1 flights is from imu and command, with a thrust lag of 0.07 s" in told.err
 
 

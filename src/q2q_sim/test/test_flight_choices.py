@@ -6,6 +6,7 @@ import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.commands.fly import main, parser
+from q2q_sim.scenarios import library
 from q2q_sim.tools.fly_scenario import request_of, vehicle_change
 
 
@@ -26,6 +27,14 @@ def test_nodes_share_a_process_in_lockstep_and_have_their_own_live_unless_told_o
     asked = request_of(parser().parse_args(["table6", *words]))
     assert asked.stack is together
     assert asked.live is ("--live" in words)
+
+
+def test_the_descriptions_of_all_scenarios_begin_in_one_column(capsys: pytest.CaptureFixture[str]):
+    assert main(["--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    columns = {line.index(library.describe(line.split()[0])) for line in lines}
+    assert len(lines) == len(library.names())
+    assert len(columns) == 1
 
 
 def test_a_bag_that_exists_is_refused_before_the_nodes_start(

@@ -87,6 +87,6 @@ def _line(name: str, one: ForceScore) -> str:
     if one.r2_exposed is None:
         return f"{name:32} no sample lies under another vehicle"
     upper = "" if one.mean_upper_mps2 is None else f", upper {one.mean_upper_mps2:+.3f} m/s^2"
-    ahead = "" if one.r2_ahead_20ms is None else f" ({one.r2_ahead_20ms:.3f} 20 ms ahead)"
+    ahead = "" if one.r2_ahead_20ms is None else f", 20 ms ahead {one.r2_ahead_20ms:.3f}"
     rmse = f"rmse {one.rmse_exposed_mps2:.3f} m/s^2"
-    return f"{name:32} R2 {one.r2_exposed:6.3f}{ahead}, {rmse}, n {one.n}{upper}"
+    return f"{name:32} R2 {one.r2_exposed:6.3f}{ahead}, {rmse}, {one.n} rows{upper}"

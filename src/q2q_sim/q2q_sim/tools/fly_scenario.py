@@ -23,8 +23,9 @@ from q2q_sim.scenarios import library
 def run(args: Namespace) -> int:
     """Fly, print and write the results; return the exit status."""
     if args.list:
+        width = max(map(len, library.names()))
         for name in library.names():
-            print(f"{name:14} {library.describe(name)}")
+            print(f"{name:{width}}  {library.describe(name)}")
         return 0
     if args.real:
         from q2q_sim.tools.real import fly_real
