@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import linregress, t
 
+from cost_growth.growth_figure import TIME, growth_figure
 from cost_growth.held_arrays import array_bytes
 from cost_growth.points import WHOLE, Curve, Point, measured_curves
 from cost_growth.power_law import power_law
@@ -89,6 +90,15 @@ def test_figures_of_time_and_memory_are_drawn(curves: list[Curve], tmp_path: Pat
     paths = draw(curves[:2], tmp_path)
     assert [path.name for path in paths] == ["growth_time.png", "growth_memory.png"]
     assert all(path.stat().st_size < 300_000 for path in paths)
+
+
+def test_the_lowest_panel_of_every_column_has_the_axis_and_its_name():
+    points = tuple(Point(n, 1e-6 * n, 1e-6 * n, 1e-6 * n, 1e-5 * n, 8 * n, 100) for n in (2, 4, 8))
+    figure = growth_figure([Curve(f"block {k}", "reference", points) for k in range(4)], TIME)
+    shown = [axes for axes in figure.axes if axes.axison]
+    named = [axes.get_xlabel() == "vehicles" for axes in shown]
+    numbered = [axes.xaxis.get_tick_params()["labelbottom"] for axes in shown]
+    assert named == numbered == [False, True, True, True]
 
 
 def test_a_filter_holds_memory_in_proportion_to_its_vehicles(curves: list[Curve]):

@@ -62,8 +62,9 @@ def growth_figure(curves: Sequence[Curve], shown: Quantity) -> Figure:
         axes.axis("off")
     for axes in panels[:, 0]:
         axes.set_ylabel(shown.label)
-    for axes in panels[-1]:
+    for axes in panels.flat[max(len(curves) - COLUMNS, 0) : len(curves)]:  # the lowest of each column
         axes.set_xlabel("vehicles")
+        axes.tick_params(labelbottom=True)
     return figure
 
 
@@ -79,7 +80,7 @@ def _draw(axes: Axes, curve: Curve, shown: Quantity) -> None:
     if law.bent:
         axes.axvline(law.origin, color=palette.REFERENCE, linestyle=":")
     axes.set(xscale="log", yscale="log", title=curve.block)
-    axes.legend(fontsize=7, frameon=False)
+    axes.legend(fontsize=7, edgecolor="none")  # its frame hides the bend's line, not the text
 
 
 def exponents(law: PowerLaw) -> str:
