@@ -63,7 +63,7 @@ def _note(run: FlightRun) -> str:
     return (
         f"{MODE_WORDS[run.request.mode]}: {significant(run.metrics.zone_time_s)} s in the zone, "
         f"{significant(timing.real_time_factor, 2)} x real time, {timing.missed_ticks} ticks missed, "
-        f"mocap to command {latency} ms (p99 {tail})"
+        f"mocap to command {latency} ms in the median, {tail} ms at p99"
     )
 
 
