@@ -9,6 +9,7 @@ from q2q_model.signals.layout import Signal
 from q2q_sim.experiments.campaign import campaign_flight
 from q2q_sim.experiments.campaign.random_run import drawn
 from q2q_sim.experiments.campaign.violation_replay import write_replay
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop import closed_loop
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.scenarios import library
@@ -28,6 +29,20 @@ def test_a_violation_is_told_and_marked(tmp_path: Path):
     assert '"name":"table6"' in page
     assert str(TILTED) in page
     assert '"events":[{"t":1.0,"words":"cf1, tilt"}]' in page
+
+
+def test_the_faults_of_a_run_are_told_with_their_units(tmp_path: Path):
+    weak = Fault("weak_rotor", 1.0, 0.25, ("cf1",), 0.1)
+    off = Fault("outlier", 0.5, 0.0, (), 0.3)
+    scenario = replace(library.load("table6"), duration=0.1, faults=(weak, off))
+    topics: dict[str, list[Signal]] = {}
+    options = closed_loop.FlightOptions(
+        on_signal=lambda topic, _, signal: topics.setdefault(topic, []).append(signal)
+    )
+    closed_loop.fly(scenario, options)
+    write_replay(tmp_path / "7.html", scenario, topics, [TILTED])
+    told = f"{TILTED}. Faults: weak_rotor 0.1 on cf1 at 1.0 s for 0.25 s, outlier 0.3 m at 0.5 s"
+    assert told in (tmp_path / "7.html").read_text()
 
 
 def test_a_run_that_crashed_at_once_has_no_replay(tmp_path: Path):

@@ -93,6 +93,13 @@ class Fault:
         if kind.whole and self.vehicles:
             raise ValueError(f"fault {self.kind} acts on whole frames: name no vehicles")
 
+    def __str__(self) -> str:
+        """Return kind, size with its unit, vehicles and time."""
+        size = f" {self.size:.2g} {KINDS[self.kind].unit}".rstrip() if self.size else ""
+        on = f" on {' '.join(self.vehicles)}" if self.vehicles else ""
+        lasting = f" for {self.duration:.2f} s" if self.duration else ""
+        return f"{self.kind}{size}{on} at {self.start:.1f} s{lasting}"
+
     def acts_at(self, t: float, tick: float) -> bool:
         """Return whether the fault acts on the tick at t [s]; `tick` is the time between ticks [s]."""
         begin, end = self.window(tick)

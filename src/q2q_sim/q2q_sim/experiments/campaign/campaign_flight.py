@@ -118,12 +118,7 @@ def crash(error: Exception) -> Violation:
 def words(run: Run) -> str:
     """Return a one-line description of a run."""
     scenario, options = run.scenario, run.options
-    faults = ", ".join(
-        f"{fault.kind} {fault.start:.1f}+{fault.duration:.2f} s"
-        + (f" of {fault.size:.2g}" if fault.size else "")
-        + (f" on {' '.join(fault.vehicles)}" if fault.vehicles else "")
-        for fault in scenario.faults
-    )
+    faults = ", ".join(map(str, scenario.faults))
     flown = f"{run.document['description']}"[:40]
     by = f"{options.controller} {options.mode} {options.replan}"
     return f"{flown}; room {run.document['room']}; {by}; {faults}"

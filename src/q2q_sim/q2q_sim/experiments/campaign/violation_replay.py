@@ -8,6 +8,7 @@ import numpy as np
 
 from q2q_model.flights.flight import flight_from_signals
 from q2q_model.signals.layout import Signal
+from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.replay_page import ReplayEvent, replay_html, replay_run
 from q2q_sim.scenarios.scenario import Scenario
@@ -26,8 +27,14 @@ def write_replay(
         marked = tuple(
             ReplayEvent(one.t, f"{one.who}, {one.policy}") for one in violations if np.isfinite(one.t)
         )
-        told = replace(run, verdict="; ".join(map(str, violations)), events=marked)
+        told = replace(run, verdict=_told(violations, scenario.faults), events=marked)
         page = replay_html([told], f"{scenario.name}: {scenario.description}")
     except ValueError:
         return
     file.write_text(page, encoding="utf-8")
+
+
+def _told(violations: Sequence[Violation], faults: Sequence[Fault]) -> str:
+    """Return what was violated, and under which faults."""
+    acting = f". Faults: {', '.join(map(str, faults))}" if faults else ""
+    return "; ".join(map(str, violations)) + acting

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,15 +58,31 @@ class Circumstances:
     """Whether controllers are told the predicted downwash."""
 
 
-LEAST, MOST = "at least", "at most"
-BOUNDS: Mapping[str, tuple[str, str]] = {
-    "separation": (LEAST, "m"), "zone": (LEAST, "m"), "room": (MOST, "m"), "floor": (LEAST, "m"),
-    "thrust": ("0 to", "N"), "tilt": (MOST, "rad"), "age": (MOST, "s"), "action": (MOST, "s"),
-    "silence": (MOST, "s"), "belief": (MOST, "m"), "return": (MOST, "m"), "twin": (MOST, "m"),
-    "lost": (MOST, "m/s"), "swap": (MOST, "m"), "told": (MOST, "s"), "hold": (MOST, "s"),
-    "evasion": (LEAST, "m/s^2"), "promise": (LEAST, "m"), "stop": (LEAST, "m"), "off_path": (MOST, "m"),
-}  # fmt: skip
-"""What the limit of a policy or property bounds its values to, and their unit; others are numbers."""
+WORDS: Mapping[str, str] = {
+    "separation": "{0.value:.4g} m apart, at least {0.limit:.4g} m is allowed",
+    "zone": "{0.value:.4g} m outside the zone (inside is negative), at least {0.limit:.4g} m is allowed",
+    "room": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
+    "floor": "at a height of {0.value:.4g} m, more than {0.limit:.4g} m is allowed",
+    "thrust": "{0.value:.4g} N commanded, 0 to {0.limit:.4g} N is allowed",
+    "tilt": "{0.value:.4g} rad of commanded tilt, at most {0.limit:.4g} rad is allowed",
+    "age": "flown on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
+    "action": "flown normally {0.value:.4g} s after its last sample, at most {0.limit:.4g} s is allowed",
+    "silence": "no command for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
+    "belief": "tracked {0.value:.4g} m off its true position, at most {0.limit:.4g} m is allowed",
+    "return": "still {0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
+    "twin": "{0.value:.4g} m apart by nodes and by closed_loop, at most {0.limit:.4g} m is allowed",
+    "lost": "LOST at {0.value:.4g} m/s, at most {0.limit:.4g} m/s is allowed",
+    "swap": "moved by {0.value:.4g} m, at most {0.limit:.4g} m is allowed",
+    "told": "OK on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
+    "hold": "held or level for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
+    "evasion": "evades by {0.value:.4g} m/s^2, at least {0.limit:.4g} m/s^2 is allowed",
+    "promise": "setpoints {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
+    "stop": "stops {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
+    "off_path": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
+}
+"""Value and limit of a violation (0) of each policy or stated property, with unit and meaning."""
+PLAIN = "{0.value:.4g}, allowed is {0.limit:.4g}"
+"""The same of properties whose values are counts or shares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,13 +99,10 @@ class Violation:
     """Limit, in the same unit."""
 
     def __str__(self) -> str:
-        """Return one line."""
-        where = f"{self.policy}: {self.who}" + (f" at {self.t:.2f} s" if isfinite(self.t) else "")
-        if not isfinite(self.value):
-            return where
-        bound, unit = BOUNDS.get(self.policy, ("", ""))
-        value, limit = (f"{number:.4g} {unit}".strip() for number in (self.value, self.limit))
-        return f"{where}: {value}, allowed is {bound} {limit}".replace("  ", " ")
+        """Return one line; without time and value if there is none."""
+        at = "" if np.isnan(self.t) else f" at {self.t:.2f} s"
+        found = "" if np.isnan(self.value) else ": " + WORDS.get(self.policy, PLAIN).format(self)
+        return f"{self.policy}: {self.who}{at}{found}"
 
 
 Policy = Callable[[Evidence, Circumstances], list[Violation]]
