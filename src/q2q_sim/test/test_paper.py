@@ -140,7 +140,7 @@ def test_rows_keep_the_contract_and_say_null_for_what_is_not_a_number():
 def test_the_ratio_is_ours_over_the_papers():
     cells = rows(chosen(NUMBERS, "table6"), [ExperimentOutcome({"table6.q1_z_rmse_ignoring": 0.263})])
     row = next(cell for cell in cells if cell[0] == "table6.q1_z_rmse_ignoring")
-    assert row[2:5] == ("0.1315", "0.263", "2")
+    assert row[1:4] == ("0.1315", "0.263", "2")
 
 
 def test_a_page_repeats_no_note_of_the_row_above() -> None:
@@ -151,7 +151,7 @@ def test_a_page_repeats_no_note_of_the_row_above() -> None:
 def test_small_numbers_and_units_are_printed_with_powers():
     cells = rows(chosen(NUMBERS, "table1"), [ExperimentOutcome({"table1.inertia_xx": 3.144e-5})])
     row = next(cell for cell in cells if cell[0] == "table1.inertia_xx")
-    assert row[2:6] == ("3.14 · 10⁻⁵", "3.14 · 10⁻⁵", "1", "kg m²")
+    assert row[1:5] == ("3.14 · 10⁻⁵", "3.14 · 10⁻⁵", "1", "kg m²")
 
 
 def test_numbers_taken_from_the_paper_do_not_count_as_close_to_it():
@@ -213,7 +213,7 @@ def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
     asked = chosen(NUMBERS, "fig4,table6")
     write_page(asked, [outcome], tmp_path)
     write_pdf(asked, [outcome], tmp_path)
-    text = (tmp_path / "index.html").read_text()
+    text = (tmp_path / "index.html").read_text().replace("<wbr>", "")
     assert all(f">{one.id}</td>" in text for one in asked)
     assert text.count("<img ") == 1
     assert html.escape(CITATION) in text

@@ -29,9 +29,9 @@ th { background: #f4f5f7; font-weight: 600; white-space: pre-line; vertical-alig
 .pictures { display: grid; gap: 1.2rem; margin: 1rem 0; }
 .pictures { grid-template-columns: repeat(auto-fill, minmax(min(420px, 100%), 1fr)); }
 @media (max-width: 600px) { th, td { padding: .25rem .4rem; } body { padding: 0 .8rem; } }
-@media (max-width: 600px) { td.text { white-space: normal; } td.words { min-width: 6rem; } }
-.option { white-space: nowrap; }
+@media (max-width: 600px) { td.text { white-space: normal; } td.words { min-width: 10rem; } }
 pre { overflow-x: auto; background: #f4f5f7; padding: .6rem .8rem; font-size: .88rem; }
+code { white-space: nowrap; }
 figure { margin: 0; } img { width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
 """
 
@@ -40,8 +40,7 @@ WORDS = 24
 NUMBER = re.compile(r"[+-]?[\d.]+(?: · 10⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)?%?|-|")
 """Cell of a column that is right-aligned, where one has a digit."""
 DIGIT = re.compile(r"\d")
-OPTION = re.compile(r"(?<!\S)--\w[\w-]*")
-"""Option of a command line; browsers break lines after its hyphens."""
+CODE = re.compile(r"`([^`]+)`")
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,14 +107,14 @@ def page(title: str, lead: str, parts: Sequence[Part]) -> str:
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<style>{COLOURS}{CSS}</style></head>\n"
-        f"<body><h1>{escape(title)}</h1><p>{_sentences(lead)}</p>\n{body}\n</body></html>\n"
+        f"<body><h1>{escape(title)}</h1><p>{escape(lead)}</p>\n{body}\n</body></html>\n"
     )
 
 
 def _part(part: Part) -> str:
     match part:
         case str():
-            return f"<p>{_sentences(part)}</p>"
+            return f"<p>{_with_code(part)}</p>"
         case Markup():
             return part.html
         case Heading() | ProgramOutput():
@@ -127,11 +126,6 @@ def _part(part: Part) -> str:
             return _table(part)
         case _:
             return _row_of(part)
-
-
-def _sentences(text: str) -> str:
-    """Return the HTML of sentences, with options of command lines unbroken."""
-    return OPTION.sub(lambda found: f'<span class="option">{found[0]}</span>', escape(text))
 
 
 def _row_of(parts: Sequence[Picture] | Sequence[KeyNumber]) -> str:
@@ -164,8 +158,18 @@ def _kind(column: Sequence[str]) -> str:
 
 
 def _line(tag: str, kinds: Sequence[str], cells: Sequence[str]) -> str:
-    marked = zip(kinds, cells, strict=True)
-    return f"<tr>{''.join(f'<{tag}{kind}>{escape(cell)}</{tag}>' for kind, cell in marked)}</tr>"
+    marked = zip(kinds, map(_breakable, cells), strict=True)
+    return f"<tr>{''.join(f'<{tag}{kind}>{cell}</{tag}>' for kind, cell in marked)}</tr>"
+
+
+def _breakable(cell: str) -> str:
+    """Return the HTML of a cell, in which a long name may be wrapped at each underscore."""
+    return _with_code(cell).replace("_", "_<wbr>")
+
+
+def _with_code(text: str) -> str:
+    """Return the HTML of a text with commands and names between backticks."""
+    return CODE.sub(r"<code>\1</code>", escape(text))
 
 
 def _figure(picture: Picture) -> str:

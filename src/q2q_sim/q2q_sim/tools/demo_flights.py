@@ -29,7 +29,7 @@ LEAD = "Q2 (cf2) passes 0.5 m above Q1 (cf1), which hovers in its downwash."
 NOTE = (
     "The paper's Table 6 has 0.1315 m of z RMSE ignoring the downwash and 0.0280 m aware of it, with U1 at "
     "most 6.6 N. As in the paper, the vehicles weigh 0.65 kg and the controller is given the wake's own law: "
-    "for Crazyflies in air learned from recorded flights, run scripts/demo --real."
+    "for Crazyflies in air learned from recorded flights, run `scripts/demo --real`."
 )
 AROUND = 3.0
 """Time before and after a passage that is replayed [s]: the fall and the return of the lower vehicle."""

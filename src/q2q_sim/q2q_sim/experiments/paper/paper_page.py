@@ -14,7 +14,7 @@ from q2q_sim.experiments.paper.paper_numbers import PaperNumber
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.report.html_page import Grid, Part, Picture, page
 
-TITLE = "The paper, remade"
+TITLE = "Reproduction of the paper"
 CITATION = (
     "I. Matei, C. Zeng, S. Chowdhury, R. Rai, J. de Kleer: Controlling Draft Interactions Between "
     "Quadcopter Unmanned Aerial Vehicles with Physics-aware Modeling. Journal of Intelligent & Robotic "
@@ -29,7 +29,8 @@ LEAD = (
     "the rows learned_air of Tables 6 and 7 fly the passage in air learned from recorded flights, with a "
     "model learned from others."
 )
-HEAD = ("number", "where", "paper", "ours", "ratio", "unit", "why they differ")
+HEAD = ("number", "paper", "ours", "ratio", "unit", "where", "why they differ")
+"""Numbers first: a phone shows the first columns, and the others aside."""
 ROWS_A_PAGE = 18
 """Rows of a PDF page."""
 WHOLE = 1000.0
@@ -133,7 +134,7 @@ def _row(one: PaperNumber, ours: float | None) -> tuple[str, ...]:
     ratio = "-" if ours is None or not one.paper else _text(ours / one.paper)
     papers = "-" if one.paper is None else _raised(f"{one.paper:g}")
     unit = POWER.sub(lambda power: power[1].translate(RAISED), one.unit)
-    return (one.id, one.where, papers, _text(ours), ratio, unit, one.note)
+    return (one.id, papers, _text(ours), ratio, unit, one.where, one.note)
 
 
 def _text(value: float | None) -> str:
@@ -151,10 +152,10 @@ def _table_page(cells: Sequence[tuple[str, ...]]) -> Figure:
     figure = Figure(figsize=A4_WIDE)
     axes = figure.add_axes((0.03, 0.03, 0.94, 0.94))
     axes.set_axis_off()
-    short = [(*row[:1], *row[2:6], fill(row[6], NOTE_WIDTH)) for row in cells]
+    short = [(*row[:5], fill(row[-1], NOTE_WIDTH)) for row in cells]
     table = axes.table(
         short,
-        colLabels=(HEAD[0], *HEAD[2:]),
+        colLabels=(*HEAD[:5], HEAD[-1]),
         colWidths=(0.2, 0.07, 0.07, 0.06, 0.06, 0.54),
         cellLoc="left",
         loc="upper center",

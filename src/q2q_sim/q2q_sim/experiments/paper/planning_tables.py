@@ -40,7 +40,7 @@ def planning(folder: Path) -> ExperimentOutcome:
         "fig11.reduction_1": float(less[0]),
         "fig11.reduction_2": float(less[1]),
     }
-    both = {"without": without, "with avoidance": around}
+    both = {"without avoidance": without, "with avoidance": around}
     paths = (_gaps(folder, "fig10", {label: (one.t, one.ref_pos) for label, one in both.items()}),)
     return ExperimentOutcome(found, paths + _altitudes(folder, "fig11", both))
 
@@ -69,7 +69,7 @@ def rms(flight: Flight, reference: Array) -> Array:
 def _gaps(folder: Path, group: str, paths: dict[str, tuple[Array, Array]]) -> FigurePicture:
     """Draw the distances of pairs from the zone."""
     lines = [Line(label, t, ZONE.signed_distance(pos[:, 1] - pos[:, 0])) for label, (t, pos) in paths.items()]
-    title = f"{group}: distance of the pair from the zone, inside below 0"
+    title = f"{group}: distance from the zone, negative inside"
     file = drawn(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)
     return FigurePicture(group, file, title)
 
