@@ -179,7 +179,10 @@ def test_a_violation_tells_who_when_and_how_much() -> None:
     assert (found.policy, found.who, found.limit) == ("tilt", "cf3", 0.36)
     assert found.t == pytest.approx(3.0)
     assert found.value == pytest.approx(0.5, abs=0.1)
-    assert str(replace(found, value=0.5)) == "tilt: cf3 at 3.00 s: 0.5 rad of commanded tilt, at most 0.36 rad is allowed"
+    assert (
+        str(replace(found, value=0.5))
+        == "tilt: cf3 at 3.00 s: 0.5 rad of commanded tilt, at most 0.36 rad is allowed"
+    )
 
 
 def test_no_ticks_are_no_flight() -> None:

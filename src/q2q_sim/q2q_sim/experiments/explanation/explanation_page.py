@@ -42,7 +42,8 @@ def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path)
         f"Flown again, the vehicles are within {recorded.difference:.1g} m of their recorded positions.",
     ]
     file = out / "index.html"
-    file.write_text(page(f"Why did {found.loss.vehicle} lose its path?", name, parts), encoding="utf-8")
+    title, lead = f"Why did {found.loss.vehicle} leave its path?", f"Flight {name}"
+    file.write_text(page(title, lead, parts), encoding="utf-8")
     return file
 
 
@@ -72,7 +73,8 @@ def _replay(found: Explanation, recorded: RecordedCase) -> list[Part]:
         first = found.shares[0].cause
         flights[f"without {first}"] = fly_case(without_causes(recorded.case, {first}))
     try:
-        return [Heading(" and ".join(flights)), Markup(replay_element(_runs(flights, recorded.case)))]
+        replay = replay_element(_runs(flights, recorded.case))
+        return [Heading(" and ".join(flights).capitalize()), Markup(replay)]
     except ValueError as lacking:
         return [f"No replay: {lacking}."]
 

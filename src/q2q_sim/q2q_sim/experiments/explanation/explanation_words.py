@@ -21,7 +21,7 @@ def sentence(found: Explanation) -> str:
     told = [_words(one) for one in (first, *(one for one in others if abs(one.share) >= TOLD * loss.size))]
     if found.rest >= TOLD * loss.size:
         told.append(f"{centimetres(found.rest)} with none of the causes")
-    without = f"without {first.cause} alone it would be {centimetres(found.without_first)}"
+    without = f"flown again with only {first.cause} taken out: {centimetres(found.without_first)}"
     return f"{lost}: {', '.join(told)}; {without}."
 
 
