@@ -65,3 +65,10 @@ def test_nothing_is_integrated_while_an_error_is_cut():
 @pytest.mark.parametrize("gains", [{"k_d_xy": 0.0}, {"k_p_xy": 0.0}])
 def test_a_loop_without_damping_or_stiffness_has_no_error_that_is_cut(gains: dict[str, float]):
     assert pid_gains(PidParams(**gains)).error_max[0] == math.inf
+
+
+def test_a_height_without_damping_is_led_by_its_whole_error():
+    state, setpoint, _ = swarm(("cf1",))
+    low = replace(state, pos=np.array([[0.0, 0.0, -3.0]]))
+    command = Pid(PidParams(k_p_z=0.5, k_d_z=0.0), CRAZYFLIE_2_0).update(low, setpoint, None)
+    assert command.thrust[0] == pytest.approx(CRAZYFLIE_2_0.mass * (GRAVITY + 0.5 * 3.0), rel=1e-12)

@@ -1,5 +1,7 @@
 """The recorder keeps what a busy machine lets it read late, and outlives a full disk."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 
@@ -34,71 +36,64 @@ PATIENCE_S = 60.0
 """Longest wait for what was sent [s]."""
 
 
+@contextmanager
+def recording(bag: Path, *parameters: str) -> Iterator[Node]:
+    """Yield a node with the parameters of a recorder of `bag`."""
+    given = [word for one in (f"bag:={bag}", *parameters) for word in ("-p", one)]
+    with own_domain():
+        rclpy.init(args=["--ros-args", *given])
+        node = Node("bag_record")
+        try:
+            yield node
+        finally:
+            node.destroy_node()
+            rclpy.try_shutdown()
+
+
 def test_messages_that_are_read_late_are_all_in_the_bag(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     bag = tmp_path / "bag"
-    options = ["--ros-args", "-p", f"bag:={bag}", "-p", "topics:=[command]"]
-    with own_domain():
-        rclpy.init(args=options)
-        late, writing = Node("bag_record"), Node("writing")
-        try:
-            recorder = Recorder(late)
-            executor = make_executor()
-            executor.add_node(late)
-            writer = writing.create_publisher(SwarmCommand, "command", TICK_WRITER)
-            while writer.get_subscription_count() == 0:
-                executor.spin_once(timeout_sec=0.05)
-            for _ in range(SENT):
-                writer.publish(SwarmCommand())
-            deadline = monotonic() + PATIENCE_S
-            while recorder.health.ticks + recorder.health.missed < SENT and monotonic() < deadline:
-                executor.spin_once(timeout_sec=0.05)
-            recorder.close()
-        finally:
-            late.destroy_node()
-            writing.destroy_node()
-            rclpy.try_shutdown()
+    with recording(bag, "topics:=[command]") as late:
+        recorder, writing = Recorder(late), Node("writing")
+        executor = make_executor()
+        executor.add_node(late)
+        writer = writing.create_publisher(SwarmCommand, "command", TICK_WRITER)
+        while writer.get_subscription_count() == 0:
+            executor.spin_once(timeout_sec=0.05)
+        for _ in range(SENT):
+            writer.publish(SwarmCommand())
+        deadline = monotonic() + PATIENCE_S
+        while recorder.health.ticks + recorder.health.missed < SENT and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        recorder.close()
+        writing.destroy_node()
     assert sum(1 for _ in BagReader(bag).raw()) == SENT
     assert capfd.readouterr().err == ""
 
 
 def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
     bag = tmp_path / "bag"
-    options = ["--ros-args", "-p", f"bag:={bag}", "-p", "extra:=['poses:q2q_msgs/msg/SwarmCommand']"]
-    with own_domain():
-        rclpy.init(args=options)
-        node, writing = Node("bag_record"), Node("writing")
-        try:
-            recorder = Recorder(node)
-            executor = make_executor()
-            executor.add_node(node)
-            writer = writing.create_publisher(SwarmCommand, "poses", OUTSIDE)
-            deadline = monotonic() + PATIENCE_S
-            while recorder.health.ticks == 0 and monotonic() < deadline:
-                writer.publish(SwarmCommand())
-                executor.spin_once(timeout_sec=0.05)
-            recorder.close()
-        finally:
-            node.destroy_node()
-            writing.destroy_node()
-            rclpy.try_shutdown()
+    with recording(bag, "extra:=['poses:q2q_msgs/msg/SwarmCommand']") as node:
+        recorder, writing = Recorder(node), Node("writing")
+        executor = make_executor()
+        executor.add_node(node)
+        writer = writing.create_publisher(SwarmCommand, "poses", OUTSIDE)
+        deadline = monotonic() + PATIENCE_S
+        while recorder.health.ticks == 0 and monotonic() < deadline:
+            writer.publish(SwarmCommand())
+            executor.spin_once(timeout_sec=0.05)
+        recorder.close()
+        writing.destroy_node()
     assert [one.topic for one in BagReader(bag).raw()][:1] == ["/poses"]
 
 
 @pytest.mark.parametrize("extra", ["/two words:std_msgs/msg/String", "/words:std_msgs/msg/Nope", "words"])
 def test_a_recorder_that_is_refused_leaves_no_folder(tmp_path: Path, extra: str) -> None:
     bag = tmp_path / "bag"
-    options = ["--ros-args", "-p", f"bag:={bag}", "-p", f"extra:=['{extra}']"]
-    with own_domain():
-        rclpy.init(args=options)
-        node = Node("bag_record")
-        try:
-            with pytest.raises((ValueError, NameValidationException)):
-                Recorder(node)
-        finally:
-            node.destroy_node()
-            rclpy.try_shutdown()
+    refused = (ValueError, NameValidationException)
+    with recording(bag, f"extra:=['{extra}']") as node, pytest.raises(refused):
+        Recorder(node)
     assert not bag.exists()
 
 
@@ -106,21 +101,14 @@ def test_a_recorder_whose_disk_is_full_says_so_once_and_goes_on_answering(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     bag = tmp_path / "bag"
-    options = ["--ros-args", "-p", f"bag:={bag}", "-p", "topics:=[command]", "-p", "stamps:=header"]
-    with own_domain():
-        rclpy.init(args=options)
-        node = Node("bag_record")
-        try:
-            recorder = Recorder(node)
-            take = recorder._storing("/command")  # what its subscription calls
-            with full_after(32_768):
-                for second in range(400):  # a chunk of some 150 bytes for each
-                    take(serialized_at(second))
-            with pytest.raises(BagError, match=f"bag {bag} lacks what came after its disk took no more"):
-                recorder.close()
-        finally:
-            node.destroy_node()
-            rclpy.try_shutdown()
+    with recording(bag, "topics:=[command]", "stamps:=header") as node:
+        recorder = Recorder(node)
+        take = recorder._storing("/command")  # what its subscription calls
+        with full_after(32_768):
+            for second in range(400):  # a chunk of some 150 bytes for each
+                take(serialized_at(second))
+        with pytest.raises(BagError, match=f"bag {bag} lacks what came after its disk took no more"):
+            recorder.close()
     stored, said = recorder.health.ticks, capfd.readouterr().err
     assert said.count("\n") == 1
     assert f"cannot write to the bag {bag}: File too large" in said

@@ -68,7 +68,13 @@ def pid_rows(
 def _shares(error: Array, most: tuple[float, float]) -> tuple[float, float]:
     """Return the shares of the horizontal and of the vertical error that count [-]."""
     side = math.sqrt(error[0] * error[0] + error[1] * error[1])
-    return 1.0 if side <= most[0] else most[0] / side, min(1.0, most[1] / max(abs(error[2]), most[1]))
+    return _share(side, most[0]), _share(abs(error[2]), most[1])
+
+
+@compiled
+def _share(size: float, most: float) -> float:
+    """Return the share of an error of a size [m] that is left where it is cut at `most` [m], or infinite."""
+    return 1.0 if size <= most else most / size
 
 
 @compiled

@@ -13,14 +13,12 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import UP, InteractionModel, PairMotion
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY
+from q2q_model.vehicle.constants import CONTACT, GRAVITY
 
 LARGEST = 5.0 * GRAVITY
 """[m/s^2]"""
 LONGEST_S = 10.0
 """Longest transport delay [s]: over 10 m, the largest range of a jet, at 1 m/s."""
-CONTACT = 0.14
-"""Distance of two vehicles in contact [m]."""
 CLIMB = 0.5
 """Climb rate of a vehicle that meets the air of one above [m/s]."""
 ASIDE = (0.0, 0.05, 0.1, 0.2)

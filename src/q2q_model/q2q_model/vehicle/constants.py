@@ -27,6 +27,9 @@ from q2q_model.vehicle.thrust_map import (
 GRAVITY = 9.81
 """Standard gravity as the paper rounds it [m/s^2]."""
 
+CONTACT = 0.14
+"""Distance at which two Crazyflies 2 touch [m]: twice 46 mm of arm and 23 mm of propeller."""
+
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:

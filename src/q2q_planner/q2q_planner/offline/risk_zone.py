@@ -34,10 +34,8 @@ from q2q_model.downwash import level_set
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.signals.values import Array
+from q2q_model.vehicle.constants import CONTACT
 from q2q_planner.offline.convex_zone import Lathe, lathe_around, lathe_by_support
-
-TOUCH = 0.14
-"""Distance at which two Crazyflies 2 touch [m]: twice 46 mm of arm and 23 mm of propeller."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +66,7 @@ class RiskTerms:
     hold: float
     """Downwash that the thrust holds beside the plan's accelerations [m/s^2]."""
     tube: RiskTube
-    touch: float = TOUCH
+    touch: float = CONTACT
     """Distance at which two vehicles touch [m]."""
 
     def __post_init__(self) -> None:

@@ -6,9 +6,9 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import push_at_range
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
-from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_model.vehicle.constants import CONTACT, GRAVITY, Vehicle
 from q2q_planner.offline.convex_zone import Lathe
-from q2q_planner.offline.risk_zone import TOUCH, RiskTerms, RiskTube, largest_push, risk_zone
+from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
 
 MODEL = "measured_law"
 """Downwash without --model: fitted to real flights."""
@@ -30,7 +30,7 @@ def terms_of(asked: Namespace) -> RiskTerms:
         raise ValueError(f"--hold {asked.hold:g}: {words}; give less than that, the plan needs some of it")
     hold = spare - MANOEUVRES if asked.hold is None else asked.hold
     horizontal, vertical = asked.tube
-    touch = TOUCH if asked.touch is None else asked.touch
+    touch = CONTACT if asked.touch is None else asked.touch
     return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), touch)
 
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
-from q2q_model.flights.outliers import OutlierThresholds, find_outliers, repair
+from q2q_model.flights.outliers import OutlierThresholds, find_outliers, reaches, repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -211,7 +211,7 @@ def _check_believable(flight: Flight, visible: Mask, bad: Mask) -> None:
     lost = np.asarray(visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~filtered.any(axis=0))
     for row, name in enumerate(flight.names):
         known = np.where(filtered[:, row, None], flight.pos[:, row], flight.mocap_pos[:, row])
-        largest = np.abs(known[_finite_rows(known)]).max(axis=1)
+        largest = reaches(known)
         if lost[row] or (largest.size and np.median(largest) > pos_max):
             raise ValueError(
                 f"flight {flight.name}: no position of {name} is believable; the largest coordinate "

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.tunable import check_bounds, tunable
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_model.vehicle.constants import CONTACT, CRAZYFLIE_2_0, Vehicle
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.evidence import Evidence
 
@@ -17,8 +17,7 @@ from q2q_sim.monitors.policies.evidence import Evidence
 class Limits:
     """Limits of the policies."""
 
-    # two Crazyflies touch at twice 46 mm of arm and 23 mm of propeller
-    separation: float = tunable(0.14, "smallest distance of two vehicles", unit="m", low=0.0)
+    separation: float = tunable(CONTACT, "smallest distance of two vehicles", unit="m", low=0.0)
     # a Crazyflie's legs reach 20 mm below its rotors
     floor: float = tunable(0.02, "height of a vehicle on the floor", unit="m", low=0.0)
     take_off: float = tunable(
