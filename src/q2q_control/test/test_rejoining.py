@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_control.failsafe.evasion.rejoining import ACC_MAX, FAR, Rejoining
+from q2q_control.failsafe.evasion.rejoining import ACC_MAX, FAR, JERK_MAX, Rejoining
 from q2q_control.inputs.preview import SampledPreview, shifted_preview
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 
@@ -54,7 +54,9 @@ def test_it_begins_where_it_is_and_ends_on_the_plan_without_more_than_its_accele
     away = np.array([x, y]) / np.hypot(x, y)  # the plan begins at the origin
     further = max(float(away @ [vx, vy]), 0.0) * away
     np.testing.assert_allclose(made[0].vel, [[vx - further[0], vy - further[1], 0.0]], atol=1e-12)
-    assert max(float(np.linalg.norm(one.acc)) for one in made) <= ACC_MAX * (1.0 + 1e-9)
+    acc = np.array([one.acc[0, :2] for one in made])
+    assert np.hypot(*acc.T).max() <= ACC_MAX * (1.0 + 1e-9)
+    assert np.hypot(*np.diff(acc, axis=0).T).max() <= JERK_MAX * TICK * (1.0 + 1e-9)
     np.testing.assert_array_equal(made[-1].pos, plan_at(made[-1].t).pos)
 
 
@@ -66,12 +68,25 @@ def test_at_rest_behind_a_moving_plan_its_setpoint_begins_at_rest_and_is_fastest
     assert speeds[-1] == 0.5
 
 
-def test_from_the_plans_velocity_it_takes_the_time_of_a_quintic_whose_peak_is_the_bound() -> None:
-    made = led_back(np.array([-3.0, 0.0]), np.array([0.5, 0.0]))  # as fast as the moving plan
+@pytest.mark.parametrize(
+    ("far", "lasts"),
+    [
+        (6.0, np.sqrt(10.0 / np.sqrt(3.0) * 6.0 / ACC_MAX)),  # 3.5 s: its peak acceleration is the bound
+        (1.0, np.cbrt(60.0 / JERK_MAX)),  # 1.8 s: its first jerk is
+    ],
+)
+def test_from_the_plans_velocity_it_takes_the_least_time_of_a_quintic(far: float, lasts: float) -> None:
+    made = led_back(np.array([-far, 0.0]), np.array([0.5, 0.0]))  # as fast as the moving plan
     on_plan = [one.t for one in made if np.array_equal(one.pos, plan_at(one.t).pos)]
-    lasts = np.sqrt(10.0 / np.sqrt(3.0) * 3.0 / ACC_MAX)  # 2.5 s
     assert on_plan[0] == pytest.approx(lasts, abs=TICK)
-    assert max(float(np.linalg.norm(one.acc)) for one in made) == pytest.approx(ACC_MAX, rel=1e-3)
+
+
+def test_the_bounds_are_reached() -> None:
+    plan_vel = np.array([0.5, 0.0])
+    far = np.array([one.acc[0, 0] for one in led_back(np.array([-6.0, 0.0]), plan_vel)])
+    near = np.array([one.acc[0, 0] for one in led_back(np.array([-1.0, 0.0]), plan_vel)])
+    assert far.max() == pytest.approx(ACC_MAX, rel=1e-3)
+    assert near[1] - near[0] == pytest.approx(JERK_MAX * TICK, rel=0.03)
 
 
 def test_velocity_and_acceleration_are_those_of_the_motion() -> None:
