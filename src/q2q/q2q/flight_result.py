@@ -23,14 +23,16 @@ from q2q_sim.replay_page import replay_html, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, draw
 from q2q_sim.scenarios.scenario import Scenario
 
+NAMED = 4
+"""Most vehicles that a printed result names; of more it gives the number."""
 FigureKind = Literal["altitude", "sideways", "downwash", "thrust", "tilt"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class FlightResult:
     """Result of a flight of T ticks and n vehicles."""
 
-    arrays: Flight = field(repr=False)
+    arrays: Flight
     """Signals over time, one row a tick: SI, world frame z up, (T, n, ...); NaN where not recorded."""
     vehicle: Vehicle
     """Vehicle type of the swarm."""
@@ -38,10 +40,18 @@ class FlightResult:
     """Scenario, mode, controller, model, air and seed."""
     faults: tuple[Fault, ...] = ()
     """Faults injected by the scenario."""
-    signals: tuple[RecordedSignal, ...] = field(default=(), repr=False)
+    signals: tuple[RecordedSignal, ...] = ()
     """Messages of a simulated flight, as its nodes would publish them."""
-    scenario: Scenario | None = field(default=None, repr=False)
+    scenario: Scenario | None = None
     """Scenario of a simulated flight."""
+
+    def __repr__(self) -> str:
+        """Return what flew, and the verdict, in one line."""
+        facts, many = self.facts, len(self.names) > NAMED
+        seed = f"seed {facts.seed}" if facts.seed else ""
+        how = filter(None, (facts.scenario or self.arrays.name, facts.controller.upper(), facts.mode, seed))
+        who = f"{len(self.names)} vehicles" if many else ", ".join(self.names)
+        return f"<FlightResult {', '.join(how)}: {who}; {self.verdict}>"
 
     @property
     def names(self) -> tuple[str, ...]:

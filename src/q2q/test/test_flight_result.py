@@ -21,6 +21,19 @@ def flight() -> q2q.FlightResult:
     return q2q.fly(SHORT)
 
 
+def test_a_printed_result_says_what_flew_and_how_it_ended(flight: q2q.FlightResult):
+    assert repr(flight) == (
+        "<FlightResult table6_room, PID, aware, seed 0: cf1, cf2; ok: 0.5 s flown to the end>"
+    )
+    recorded = replace(flight, facts=FlightFacts())
+    assert repr(recorded).startswith(f"<FlightResult {flight.arrays.name}: cf1, cf2; ")
+
+
+def test_a_printed_result_of_many_vehicles_gives_their_number():
+    swarm = replace(q2q.scenario("swarm10"), duration=0.05)
+    assert ": 10 vehicles; " in repr(q2q.fly(swarm))
+
+
 def test_a_bag_holds_every_array_of_the_flight(flight: q2q.FlightResult, tmp_path: Path):
     read = q2q.read_bag(flight.to_bag(tmp_path / "bag"))
     for field in Flight.__dataclass_fields__:
