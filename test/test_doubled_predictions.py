@@ -58,19 +58,22 @@ class Solved:
 
 @dataclass
 class Wiring:
-    """Wiring that calls what follows a command, and asks for facts."""
+    """Wiring that calls what follows a command, and the check of each second."""
 
     health: Health = field(default_factory=Health)
     follow: Callable[[int, object], None] = print
-    facts: Callable[[], Mapping[str, str]] = dict[str, str]
+    check: Callable[[], object] = print
 
     def after_publish(self, follow: Callable[[int, object], None]) -> None:
         """Keep what follows a command."""
         self.follow = follow
 
-    def add_facts(self, facts: Callable[[], Mapping[str, str]]) -> None:
-        """Keep who tells facts."""
-        self.facts = facts
+    def check_each_second(self, check: Callable[[], object]) -> None:
+        """Keep the check."""
+        self.check = check
+
+    def add_facts(self, _: Callable[[], Mapping[str, str]]) -> None:
+        """Ask for none."""
 
     def resume(self) -> None:
         """Hold no tick."""
@@ -83,7 +86,7 @@ def paths(t: float, name: str) -> PredictedPaths:
 
 def doubts(wiring: Wiring) -> list[str]:
     """Return what is doubtful in this second."""
-    wiring.facts()
+    wiring.check()
     return [doubt for doubt in wiring.health.doubts.values() if doubt]
 
 

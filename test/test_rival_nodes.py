@@ -7,10 +7,13 @@ import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
+from rclpy.clock import Clock
 from room_node import RoomNode
 
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.node.health import Health
+from q2q_model.ros import interference_node
+from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_sim.ros.absent_packages import interface_packages
 
@@ -35,6 +38,10 @@ class SharedRoom(RoomNode):
     def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
         """Return who writes a topic."""
         return [Writer(name) for name in self.writers.get(topic.removeprefix("/"), ())]
+
+    def get_clock(self) -> Clock:
+        """Return the wall clock."""
+        return Clock()
 
 
 @pytest.fixture
@@ -85,3 +92,14 @@ def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> No
     node.writers = {"command": ("pid",)}
     assert inputs.look() == ""
     assert health.doubts == {"command": "", "state": ""}
+
+
+def test_two_publishers_of_models_are_told_each_second() -> None:
+    node = SharedRoom(model="none")
+    wiring = interference_node.build(node)
+    node.writers = {"model": ("identify", "identify_2")}
+    [report] = [act for period, act in node.timers if period == PERIOD_S]
+    report()
+    told = "model: 2 nodes write it (identify, identify_2); 1 may: stop the others"
+    assert wiring.health.doubts["model"] == told
+    assert node.lines[0] == told

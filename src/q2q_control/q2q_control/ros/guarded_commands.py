@@ -4,7 +4,6 @@ Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, li
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
 """
 
-from collections.abc import Mapping
 from time import monotonic
 
 from rclpy.node import Node
@@ -59,7 +58,7 @@ class GuardedCommands:
         self._node, self._wiring = node, wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
-        wiring.add_facts(self._doubts)
+        wiring.check_each_second(self._look_for_far_setpoints)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, PERIOD_S, self._check)
@@ -72,14 +71,13 @@ class GuardedCommands:
             self._watch = TickWatch(self._guard, self._watch.params)
         self._stamp_delay = StampDelayMonitor()
 
-    def _doubts(self) -> Mapping[str, str]:
-        """Tell vehicles that are far from their setpoints; return no further facts."""
+    def _look_for_far_setpoints(self) -> None:
+        """Tell vehicles that are far from their setpoints."""
         if self._flown is not None:
             told, new = self._far.look(*self._flown)
             self._wiring.health.doubts["setpoints"] = told
             if new:
                 self._node.get_logger().warning(told)
-        return {}
 
     def _lateness(self, stamp: float) -> float:
         return self._stamp_delay.lateness(stamp, monotonic())

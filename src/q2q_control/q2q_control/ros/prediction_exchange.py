@@ -4,8 +4,6 @@ In lockstep a tick begins once the predictions that neighbours have sent by the 
 inputs come a second time, because the simulator has waited too long. Live, it begins with what is here.
 """
 
-from collections.abc import Mapping
-
 from q2q_msgs.msg import Prediction as PredictionMessage
 from rclpy.node import Node
 
@@ -50,7 +48,8 @@ class PredictionExchange:
         wiring.after_publish(self._publish)
         if self._waits:
             wiring.hold_until(self._may_begin)
-        wiring.add_facts(self._facts)
+        wiring.check_each_second(self._look_for_neighbours)
+        wiring.add_facts(lambda: {"silent_neighbours": ", ".join(self._silent)})
         self._node.create_subscription(PredictionMessage, TOPIC, self._hear, MANY_WRITERS)
 
     def begin(self, state: SwarmState) -> None:
@@ -79,8 +78,8 @@ class PredictionExchange:
             self._wiring.health.refuse(f"{TOPIC}: {refusal}")
         self._wiring.resume()
 
-    def _facts(self) -> Mapping[str, str]:
-        """Return which neighbours are silent; log a change of it, and that others fly own vehicles."""
+    def _look_for_neighbours(self) -> None:
+        """Tell which neighbours are silent, and that others fly own vehicles."""
         self._wiring.health.doubts[f"{TOPIC} doubled"] = self._doubled()
         silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
         names = ", ".join(silent)
@@ -89,7 +88,6 @@ class PredictionExchange:
             self._node.get_logger().warning(told)
         self._silent = silent
         self._wiring.health.doubts[TOPIC] = told if silent else ""
-        return {"silent_neighbours": names}
 
     def _doubled(self) -> str:
         """Return which own vehicles another node predicts, empty for none; warn of it the first time."""

@@ -51,6 +51,7 @@ def build(node: Node) -> TickWiring[Interference]:
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
     wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
+    wiring.expect_one_writer("model")
     node.create_subscription(String, "model", model_receiver(node, predictor, age, wiring.health), LATCHED)
     block = predictor if params.correct_vehicle == "none" else corrected(node, predictor, params, found)
     wiring.rehearse(block.update, block.reset)

@@ -48,7 +48,8 @@ class TickWiring(Generic[Made]):
         self._compiled = 0
         self._watch = Stopwatch(perf_counter)
         self._more: list[Callable[[], Mapping[str, str]]] = []
-        self._writers = InputWriters(node, inputs, self.health)
+        self._checks: list[Callable[[], object]] = []
+        self.expect_one_writer(*inputs)
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
@@ -81,13 +82,22 @@ class TickWiring(Generic[Made]):
         """Call `take(stamp_ns, signal)` for every message of an input, including incomplete ticks."""
         self._bus.listen(topic, take)
 
+    def expect_one_writer(self, *topics: str) -> None:
+        """Tell once a second of topics that several nodes write."""
+        self.check_each_second(InputWriters(self._node, topics, self.health).look)
+
+    def check_each_second(self, check: Callable[[], object]) -> None:
+        """Call `check` before each report on `/diagnostics`: what it finds wrong is for `health`."""
+        self._checks.append(check)
+
     def add_facts(self, more: Callable[[], Mapping[str, str]]) -> None:
         """Add the values of `more()` to `/diagnostics`, once a second."""
         self._more.append(more)
 
     def _facts(self) -> Mapping[str, str]:
         self.health.awaited = self._join.lacking()
-        self._writers.look()
+        for check in self._checks:
+            check()
         found: dict[str, str] = {}
         if self._last is not None:
             found |= {**facts(self._last), **self._watch.take_lap_report()}
