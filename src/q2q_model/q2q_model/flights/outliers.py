@@ -77,16 +77,12 @@ def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = N
     return np.stack(found, axis=1).reshape(pos.shape[:-1]) if found else np.zeros(pos.shape[:-1], dtype=bool)
 
 
-def reaches(pos: Array) -> Array:
-    """Return the largest coordinate of every finite position of a vehicle (T, 3) [m], (k,)."""
-    return np.asarray(np.abs(pos[np.isfinite(pos).all(axis=1)]).max(axis=1))
-
-
 def check_metres(names: Names, pos: Array) -> None:
     """Raise ValueError if most positions of a vehicle, (T, n, 3), lie beyond the largest that is believed."""
     pos_max = OutlierThresholds().pos_max
     for row, name in enumerate(names):
-        reach = reaches(pos[:, row])
+        finite = pos[np.isfinite(pos[:, row]).all(axis=1), row]
+        reach = np.abs(finite).max(axis=1)
         if reach.size and np.median(reach) > pos_max:
             raise ValueError(
                 f"x, y, z of {name} reach {np.median(reach):g} in the median, {pos_max:g} m is the most: are "

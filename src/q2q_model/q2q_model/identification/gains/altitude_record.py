@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
-from q2q_model.flights.outliers import OutlierThresholds, find_outliers, reaches, repair
+from q2q_model.flights.outliers import check_metres, find_outliers, repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -156,14 +156,14 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     interpolated outliers (section 2.2) and its differences.
 
     Raises:
-        ValueError: no reference, no believable positions, less than 2 s of both, or an attitude that is not
+        ValueError: no reference, positions not in metres, less than 2 s of both, or an attitude that is not
             upright.
     """
     check_upright(flight)
+    _check_metres(flight)
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
     visible, placed = _finite_rows(mocap), _placed(flight)
     bad = find_outliers(flight.t, mocap)
-    _check_believable(flight, visible, bad)
     ref = _altitude_reference(flight)
     rows = _common_rows(flight, placed, ref)
     repaired = repair(flight.t, mocap, bad)
@@ -202,21 +202,10 @@ def check_upright(flight: Flight) -> None:
             )
 
 
-def _check_believable(flight: Flight, visible: Mask, bad: Mask) -> None:
-    """Raise ValueError if all positions of a vehicle are outliers, and no filtered ones are there.
-
-    So are they, filtered or not, if half of them lie beyond the largest believable coordinate.
-    """
-    pos_max, filtered = OutlierThresholds().pos_max, _finite_rows(flight.pos)
-    lost = np.asarray(visible.any(axis=0) & ~(visible & ~bad).any(axis=0) & ~filtered.any(axis=0))
-    for row, name in enumerate(flight.names):
-        known = np.where(filtered[:, row, None], flight.pos[:, row], flight.mocap_pos[:, row])
-        largest = reaches(known)
-        if lost[row] or (largest.size and np.median(largest) > pos_max):
-            raise ValueError(
-                f"flight {flight.name}: no position of {name} is believable; the largest coordinate "
-                f"is {largest.max():g} m, {pos_max:g} m is the most: are they in metres?"
-            )
+def _check_metres(flight: Flight) -> None:
+    """Raise ValueError if positions are not in metres: filtered ones, else those of motion capture."""
+    known = np.where(_finite_rows(flight.pos)[..., None], flight.pos, flight.mocap_pos)
+    check_metres(tuple(f"{name} in {flight.name}" for name in flight.names), known)
 
 
 def _altitude_reference(flight: Flight) -> Array:
