@@ -6,15 +6,19 @@ from typing import NamedTuple
 from q2q_model.signals.values import Names
 
 
-class MocapLies(NamedTuple):
-    """Vehicles of which a frame was wrong."""
+class FrameTrouble(NamedTuple):
+    """Vehicles of which a frame was wrong, or told nothing."""
 
-    exchanged: Names
+    exchanged: Names = ()
     """They were found under the names of others."""
-    frozen: Names
+    frozen: Names = ()
     """Their poses repeat in spite of noise."""
     outside: Names = ()
     """Their positions are further from the origin than any that is believed."""
+    not_unit: Names = ()
+    """Their quaternions are not of unit length."""
+    missing: Names = ()
+    """They have no position."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,9 +27,9 @@ from dataclasses import fields, replace
 import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
-from q2q_model.estimation.attitudes import AttitudeTracks
+from q2q_model.estimation.attitudes import AttitudeTracks, has_wrong_length
 from q2q_model.estimation.clock_resets import ClockResetDetector
-from q2q_model.estimation.filter_report import FilterReport, MocapLies
+from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
@@ -76,9 +76,9 @@ class MocapFilter:
         return FilterReport(**self._counts)
 
     @property
-    def lies(self) -> MocapLies:
+    def trouble(self) -> FrameTrouble:
         """Return the vehicles of which the last frame was wrong."""
-        return MocapLies(*map(self._named, (self._lent, self._frozen, self._outside)))
+        return FrameTrouble(*map(self._named, self._wrong))
 
     def _named(self, which: Mask) -> Names:
         return tuple(self._names[row] for row in np.flatnonzero(which)) if which.any() else ()
@@ -96,7 +96,7 @@ class MocapFilter:
         self._track_of_row: Rows = np.zeros(0, dtype=np.intp)
         self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
         self._recent = no_poses(count)
-        self._lent = self._frozen = self._outside = np.zeros(count, np.bool_)
+        self._wrong: tuple[Mask, ...] = ()
         self._find_memory()
 
     def update(self, frame: MocapFrame) -> SwarmState:
@@ -148,7 +148,6 @@ class MocapFilter:
         """Find the tracks' memory, which moves when they grow."""
         self._memory = (*self._positions.memory, self._attitudes.table)
         self._all_tracked = np.full(len(self._names), _TRACKED)
-        self._nobody = np.zeros(len(self._names), np.bool_)
 
     def _step(self, frame: MocapFrame) -> SwarmState:
         poses, t = self._by_track(frame), frame.t
@@ -160,7 +159,7 @@ class MocapFilter:
         out = pos, vel, quat, ang_vel_body
         outcome, turned = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
-            self._lent = self._frozen = self._outside = self._nobody
+            self._wrong = ()
             self._count_nominal()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
         state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
@@ -178,8 +177,7 @@ class MocapFilter:
             old = repeated_poses(poses, self._recent)[0]
             quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
-        self._lent, self._frozen = tracked.lent, tracked.frozen
-        self._outside = np.asarray((np.abs(poses[:, :QUAT_AT]) > self._params.pos_max).any(axis=1))
+        self._wrong = tracked.lent, tracked.frozen, *_doubtful(poses, self._params.pos_max)
         self._count(poses[:, :QUAT_AT], tracked)
         age, status = self._age_and_status(t, tracked)
         moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body
@@ -248,6 +246,13 @@ class MocapFilter:
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())
         counts["not_finite"] += int((self._track_of_row >= 0).sum() - present.sum())
+
+
+def _doubtful(poses: Array, pos_max: float) -> tuple[Mask, Mask, Mask]:
+    """Return which poses (n, 7) are outside, have a quaternion of another length than 1, and no position."""
+    pos, quat = poses[:, :QUAT_AT], poses[:, QUAT_AT:]
+    outside, missing = (np.abs(pos) > pos_max).any(axis=1), ~np.isfinite(pos).all(axis=1)
+    return np.asarray(outside), has_wrong_length(quat), np.asarray(missing)
 
 
 def _check_shapes(frame: MocapFrame) -> None:

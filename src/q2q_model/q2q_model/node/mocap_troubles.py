@@ -4,14 +4,18 @@ The filter goes on without what is wrong (q2q_model.estimation.positions, positi
 land and look at the markers.
 """
 
-from q2q_model.estimation.filter_report import MocapLies
+from q2q_model.estimation.filter_report import FrameTrouble
 
 LASTING = 0.35
 """Time after which trouble is told [s]: rooms exchange names, and repeat frames, for less."""
 
-_EXCHANGED = "names exchanged by motion capture: {}; followed by their motion: land, and check their markers"
-_FROZEN = "poses that repeat are not believed: {}; does the server see them?"
-_OUTSIDE = "positions beyond pos_max are not believed: {}; are they in metres?"
+_WORDS = {
+    "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
+    "frozen": "poses that repeat are not believed: {}; does the server see them?",
+    "outside": "positions beyond pos_max are not believed: {}; are they in metres?",
+    "not_unit": "quaternions that are not of unit length are not believed: {}; are they x, y, z, w?",
+    "missing": "no position of {}: are its markers seen, and is this its name in motion capture?",
+}
 
 
 class MocapTroubles:
@@ -22,23 +26,20 @@ class MocapTroubles:
         """Lasting trouble of the last frame; empty if there is none."""
         self._since: dict[tuple[str, str], float] = {}  # kind and vehicle: stamp of the first such frame [s]
 
-    def take(self, t: float, lies: MocapLies) -> str:
+    def take(self, t: float, trouble: FrameTrouble) -> str:
         """Return what to log of a frame at t [s]; empty if nothing has changed."""
-        if not (any(lies) or self._since):
+        if not (any(trouble) or self._since):
             return ""
-        now = {(kind, name) for kind, names in lies._asdict().items() for name in names}
+        now = {(kind, name) for kind, names in trouble._asdict().items() for name in names}
         kept = {one: since for one, since in self._since.items() if since <= t}  # the clock may be set back
         self._since = {one: kept.get(one, t) for one in sorted(now)}
         before, self.text = self.text, self._lasting(t)
         if self.text == before:
             return ""
-        return self.text or "motion capture is believed again"
+        return self.text or "motion capture is well again"
 
     def _lasting(self, t: float) -> str:
         """Return the trouble that lasts, with the vehicles."""
         lasting = [one for one, since in self._since.items() if t - since > LASTING]
-        named = {
-            text: [name for kind, name in lasting if kind == wrong]
-            for wrong, text in (("exchanged", _EXCHANGED), ("frozen", _FROZEN), ("outside", _OUTSIDE))
-        }
+        named = {text: [name for kind, name in lasting if kind == wrong] for wrong, text in _WORDS.items()}
         return "; ".join(text.format(", ".join(names)) for text, names in named.items() if names)

@@ -60,9 +60,9 @@ def _tell(node: Node, health: Health, block: MocapFilter) -> Callable[[int, Swar
     troubles = MocapTroubles()
 
     def tell(_: int, state: SwarmState) -> None:
-        if line := troubles.take(state.t, block.lies):
+        if line := troubles.take(state.t, block.trouble):
             node.get_logger().warning(line)
-        health.doubts["mocap lies"] = troubles.text
+        health.doubts["mocap"] = troubles.text
 
     return tell
 
