@@ -14,8 +14,9 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_sim.commands.promise import main
+from q2q_sim.commands.promise import main, parser
 from q2q_sim.experiments.promise.kept_flights import resumed
+from q2q_sim.experiments.promise.promise_flights import run
 from q2q_sim.experiments.promise.promise_verdict import Rate, verdict, verdict_json
 from q2q_sim.experiments.promise.room_encounter import (
     STEADY,
@@ -74,8 +75,16 @@ def test_the_fewest_flights_bound_by_their_largest_error() -> None:
     assert fewest_flights(0.01) == 99
     assert conformal_bound(np.arange(19.0), 0.05) == 18.0
     assert conformal_bound(np.arange(99.0), 0.05) == 94.0  # the 95th of 99
-    with pytest.raises(ValueError, match=r"18 flights at alpha = 0.05: at least 19 are needed"):
+    with pytest.raises(ValueError, match=r"18 scores at alpha = 0.05: 19 are needed"):
         conformal_bound(np.arange(18.0), 0.05)
+
+
+@pytest.mark.parametrize(("alpha", "fewest"), [(0.05, 24), (0.01, 124)])
+def test_too_few_flights_for_a_tube_are_refused_before_they_are_flown(alpha: float, fewest: int) -> None:
+    learn_tube(np.random.default_rng(3).random((fewest, 2)), alpha, CONDITIONS)
+    asked = ["--count", str(fewest - 1), "--alpha", str(alpha), "--learn", "tube.json"]
+    with pytest.raises(ValueError, match=rf"{fewest - 1} flights at alpha = {alpha:g}: .* at least"):
+        run(parser().parse_args(asked))
 
 
 def test_a_tube_file_gives_the_tube_back_and_a_wrong_one_names_its_key(tmp_path: Path) -> None:

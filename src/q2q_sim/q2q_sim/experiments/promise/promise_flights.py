@@ -17,6 +17,7 @@ from q2q_sim.experiments.promise.promise_verdict import errors_of, verdict, verd
 from q2q_sim.experiments.promise.room_encounter import STEADY, EncounterRecord, PromiseCase, fly_case
 from q2q_sim.experiments.promise.tracking_tube import (
     TrackingTube,
+    check_enough_flights,
     different_conditions,
     learn_tube,
     read_tube,
@@ -26,6 +27,8 @@ from q2q_sim.flight.run_json import Json
 
 def run(args: Namespace) -> int:
     """Fly the encounters of the command line; return 1 if a vehicle entered a zone under the conditions."""
+    if args.learn:
+        check_enough_flights(args.count, args.alpha)
     tube = read_tube(args.tube) if args.tube else None
     case = case_of(args, tube)
     for difference in different_conditions(tube, case.conditions) if tube else ():

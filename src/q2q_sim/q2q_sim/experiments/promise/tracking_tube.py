@@ -78,6 +78,16 @@ def fewest_flights(alpha: float) -> int:
     return ceil((1.0 - alpha) / alpha - 1e-9)
 
 
+def check_enough_flights(flights: int, alpha: float) -> None:
+    """Raise ValueError if `learn_tube` learns no tube from so many flights."""
+    sizing = flights - ceil(SHAPE_SHARE * flights)
+    if sizing < fewest_flights(alpha):
+        raise ValueError(
+            f"{flights} flights at alpha = {alpha:g}: {sizing} of them size the tube, at least "
+            f"{fewest_flights(alpha)} are needed; fly more, or allow a larger alpha"
+        )
+
+
 def conformal_bound(scores: Array, alpha: float) -> float:
     """Return the ceil((n + 1)(1 - alpha))-th smallest of n scores.
 
@@ -86,10 +96,7 @@ def conformal_bound(scores: Array, alpha: float) -> float:
     """
     rank = ceil((len(scores) + 1) * (1.0 - alpha) - 1e-9)  # 0.95 * 100 is 95
     if not 0.0 < alpha < 1.0 or rank > len(scores):
-        raise ValueError(
-            f"{len(scores)} flights at alpha = {alpha:g}: at least {fewest_flights(alpha)} are needed;"
-            " fly more, or allow a larger alpha"
-        )
+        raise ValueError(f"{len(scores)} scores at alpha = {alpha:g}: {fewest_flights(alpha)} are needed")
     return float(np.sort(scores)[rank - 1])
 
 
@@ -101,6 +108,7 @@ def learn_tube(errors: Array, alpha: float, conditions: TubeConditions) -> Track
     """
     if not 0.0 < alpha < 1.0:
         raise ValueError(f"alpha = {alpha:g}: above 0 and below 1 is allowed")
+    check_enough_flights(len(errors), alpha)
     shaping = ceil(SHAPE_SHARE * len(errors))
     sizing = errors[shaping:]
     shape = np.median(errors[:shaping], axis=0) if shaping else np.ones(2)
