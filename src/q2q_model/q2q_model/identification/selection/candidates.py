@@ -62,9 +62,9 @@ NOTHING = Candidate("no downwash", "none", 0, lambda _: NoInteraction())
 FORMS = {
     "jet, straight down, power law": JetForm("power", carried=0.0, delayed=False),
     "jet, straight down, exponential": JetForm("exponential", carried=0.0, delayed=False),
-    "jet, late": JetForm("exponential", carried=0.0, delayed=True),
-    "jet, late and moving with its source": JetForm("exponential", carried=1.0, delayed=True),
-    "jet, late, moving and loaded": JetForm("exponential", carried=1.0, delayed=True, loaded=True),
+    "jet, delayed": JetForm("exponential", carried=0.0, delayed=True),
+    "jet, delayed, moving with its source": JetForm("exponential", carried=1.0, delayed=True),
+    "jet, delayed, moving, loaded": JetForm("exponential", carried=1.0, delayed=True, loaded=True),
 }
 
 
