@@ -33,7 +33,7 @@ ACC_MAX = 2.75
 thrust, as one that ends its climb has less for a second."""
 JERK_MAX = 10.0
 """Largest jerk [m/s^3]: thrust turns some 0.2 s after it is asked to, and what is missing by then has to be
-caught up. In 211 random losses, 95 % overshoot by at most 0.34 m (0.54 m without this bound)."""
+caught up (docs/reliability.md): 95 % of random losses then stay within 0.30 m, without this bound 0.50 m."""
 PEAK = 10.0 / 3.0**0.5
 """Peak acceleration of the quintic from rest, times T^2 over the distance [-]."""
 PEAK_V = 3.95
