@@ -5,13 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from q2q_model.estimation.association.reacquisition import Table
-from q2q_model.estimation.attitudes import (
-    ATTITUDE,
-    UNIT_TOLERANCE,
-    AttitudeGateParams,
-    AttitudeTracks,
-    follow,
-)
+from q2q_model.estimation.attitude.attitude_steps import ATTITUDE, UNIT_TOLERANCE, AttitudeGateParams, follow
+from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array
 

@@ -18,7 +18,7 @@ from mocap_frames import (
     truth_at,
 )
 
-from q2q_model.estimation.attitudes import measured_attitudes
+from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat, quat_from_euler, quat_multiply

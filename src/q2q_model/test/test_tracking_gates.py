@@ -8,7 +8,8 @@ import pytest
 from q2q_model.estimation.association.marker_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import CONFIRM_SAMPLES, Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
-from q2q_model.estimation.attitudes import UNIT_TOLERANCE, AttitudeGateParams, AttitudeTracks
+from q2q_model.estimation.attitude.attitude_steps import UNIT_TOLERANCE, AttitudeGateParams
+from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, Mask
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
-from q2q_model.estimation.attitudes import measured_attitudes
+from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
 

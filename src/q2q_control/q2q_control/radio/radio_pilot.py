@@ -38,7 +38,7 @@ from q2q_control.radio.link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
-from q2q_model.estimation.attitudes import measured_attitudes
+from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.geometry.pose_ahead import moved_on
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus

@@ -2,7 +2,7 @@
 
 The paper removes outliers from recorded flights (section 2.2). In flight the future is unknown, so each
 sample passes gates that share the paper's thresholds (q2q_model.flights.outliers), and a vehicle without a
-believable sample coasts at constant velocity. Tracking is in q2q_model.estimation (positions, attitudes).
+believable sample coasts at constant velocity. Tracking is in q2q_model.estimation (positions, attitude).
 This file is about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are
@@ -27,7 +27,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
-from q2q_model.estimation.attitudes import AttitudeTracks, has_wrong_length
+from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks, has_wrong_length
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params

@@ -1,0 +1,1 @@
+"""Attitude tracks of the mocap filter."""
