@@ -1,5 +1,7 @@
 """The player says what of a bag it cannot play, and plays the rest."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -29,20 +31,27 @@ def recorded(bag: Path) -> Path:
     return bag / f"{bag.name}_0.mcap"
 
 
-def played(bag: Path) -> Player:
-    """Play a bag to its end, as fast as it is read."""
+@contextmanager
+def waiting_player(bag: Path, *given: str) -> Iterator[Player]:
+    """Yield a player that waits for its start, with these parameters."""
     with own_domain():
-        rclpy.init(args=["--ros-args", "-p", f"bag:={bag}", "-p", "autostart:=false"])
+        words = [word for one in (f"bag:={bag}", "autostart:=false", *given) for word in ("-p", one)]
+        rclpy.init(args=["--ros-args", *words])
         node = Node("bag_play")
         try:
-            player = Player(node)
-            player._begin()
-            while player._next is not None:
-                player._play_one()
-            return player
+            yield Player(node)
         finally:
             node.destroy_node()
             rclpy.try_shutdown()
+
+
+def played(bag: Path) -> Player:
+    """Play a bag to its end, as fast as it is read."""
+    with waiting_player(bag) as player:
+        player._begin()
+        while player._next is not None:
+            player._play_one()
+        return player
 
 
 def test_a_bag_that_was_cut_off_is_played_and_told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -73,3 +82,28 @@ def test_a_type_that_is_not_installed_is_named_with_the_way_out(tmp_path: Path) 
         writer.write(channel, 1, b"\x00\x01\x00\x00" + bytes(8))
     with pytest.raises(ValueError, match=r"/level holds absent_msgs/msg/Level, which is not .*topics:=\["):
         played(tmp_path / "bag")
+
+
+def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    with waiting_player(tmp_path / "bag", "answer:=interference", "loop:=true", "start:=1.97") as player:
+        player._begin()
+        ticks = []
+        for _ in range(7):
+            assert player._tick is not None
+            ticks.append(player._tick.stamp_ns // 10_000_000)
+            player._on_answer(player._tick.data)
+    assert ticks == [197, 198, 199, 197, 198, 199, 197]
+
+
+def test_a_bag_without_duration_is_looped_once_a_beat(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorded(tmp_path / "bag")
+    with waiting_player(tmp_path / "bag", "loop:=true", "start:=1.99") as player:
+        moments = iter(range(10))  # ends in an error if the beat does not
+        monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: float(next(moments)))
+        player._begin()
+        player._on_beat()
+        assert player._next is not None
+        assert next(moments) == 3

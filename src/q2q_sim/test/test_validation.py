@@ -16,10 +16,11 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
-from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, read_law
+from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, check_stable, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redrawn
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
+from q2q_sim.experiments.validation.validate_flights import _all_flown
 from q2q_sim.experiments.validation.validation import (
     COVERAGE,
     RMS_RATIO,
@@ -195,6 +196,27 @@ def test_a_flight_without_a_wake_has_clear_air_only(own: ValidatedFlight):
 def test_a_flight_without_commands_is_refused(flight: TrackedFlight):
     with pytest.raises(ValueError, match="0 rows with thrust commands, 200 needed"):
         read_law(replace(flight, thrust=np.full_like(flight.thrust, np.nan)), CRAZYFLIE_2_0)
+
+
+@pytest.mark.parametrize(
+    ("k_d", "k_i", "axis"),
+    [((-0.22, -0.22, 5.0), 0.6, "x and y"), ((10.0, 10.0, 0.0), 0.6, "z"), ((10.0, 10.0, 5.0), 51.0, "z")],
+)
+def test_gains_that_stabilise_no_vehicle_are_not_flown_again(
+    k_d: tuple[float, ...], k_i: float, axis: str
+) -> None:
+    check_stable("sound", LAW)
+    with pytest.raises(ValueError, match=f"flight shaky cannot .* gains of {axis} .* are unstable"):
+        check_stable("shaky", replace(LAW, k_d=np.array(k_d), k_i=np.full(3, k_i)))
+
+
+def test_a_flight_whose_law_cannot_be_read_is_left_out_and_the_others_are_compared(
+    flight: TrackedFlight, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mute = replace(flight, name="mute", thrust=np.full_like(flight.thrust, np.nan))
+    done = _all_flown([mute, flight], RoomAir(), CRAZYFLIE_2_0, 3)
+    assert [one.flight.name for one in done] == [flight.name]
+    assert "validate: left out: flight mute cannot be flown again" in capsys.readouterr().err
 
 
 def test_a_draw_has_the_recorded_headroom_of_each_vehicle_and_no_second_drag(flight: TrackedFlight):

@@ -125,14 +125,18 @@ class Player:
         return response
 
     def _begin(self) -> None:
+        self._rewind()
+        if self._params.answer:
+            self._play_tick()
+
+    def _rewind(self) -> None:
+        """Go to the first message to play."""
         self._messages = self._reader.raw(set(self._writers))
         self._advance()
         begin_ns = self._next.stamp_ns + round(self._params.start * 1e9) if self._next else 0
         while self._next is not None and self._next.stamp_ns < begin_ns:
             self._advance()
         self._playback = Playback(begin_ns, monotonic(), self._params.rate)
-        if self._params.answer:
-            self._play_tick()
 
     def _advance(self) -> None:
         """Read the next message; the bag ends where it is damaged."""
@@ -147,7 +151,8 @@ class Player:
             raise self._damage
 
     def _on_beat(self) -> None:
-        while self._next is not None and self._playback.due(self._next.stamp_ns) <= monotonic():
+        now = monotonic()  # once, so that a loop over a bag without duration ends with the beat
+        while self._next is not None and self._playback.due(self._next.stamp_ns) <= now:
             self._play_one()
 
     def _on_answer(self, data: bytes) -> None:
@@ -182,7 +187,7 @@ class Player:
 
     def _end(self) -> None:
         if self._params.loop and self._damage is None:
-            self._begin()
+            self._rewind()
         else:
             self._over.publish(String(data=self._params.bag))
             print("playback over", file=sys.stderr)

@@ -94,10 +94,11 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     """Return the law of a flight's vehicles, and the flight with the whole acceleration reference.
 
     Raises:
-        ValueError: fewer than 2 s of commands.
+        ValueError: fewer than 2 s of commands, or unstable gains.
     """
     limited = limited_rows(flight)
     law = _regression(flight, limited, vehicle.mass)
+    check_stable(flight.name, law)
     known = _known(flight, law)  # (T, n, 3)
     attitude = _attitude(flight, known, _steady(flight, limited), vehicle.thrust_lag)
     commanded = _commanded(flight, attitude, vehicle)
@@ -116,6 +117,18 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
 def feedback(law: OnboardLaw, error: Array, rate: Array, integral: Array) -> Array:
     """Return K_p e + K_d e' + K_i xi [m/s^2], (..., 3)."""
     return np.asarray(law.k_p * error + law.k_d * rate + law.k_i * integral)
+
+
+def check_stable(name: str, law: OnboardLaw) -> None:
+    """Raise ValueError if the gains read from a flight stabilise no vehicle, even one without lag (Routh)."""
+    for axis, row in (("x and y", 0), ("z", 2)):
+        k_p, k_d, k_i = (float(gains[row]) for gains in (law.k_p, law.k_d, law.k_i))
+        if k_p <= 0.0 or k_d <= 0.0 or k_p * k_d <= k_i:
+            raise ValueError(
+                f"flight {name} cannot be flown again: the gains of {axis} read from its thrust commands, "
+                f"K_p {k_p:.2f}, K_d {k_d:.2f}, K_i {k_i:.2f}, are unstable; K_p > 0, K_d > 0 and "
+                f"K_p K_d > K_i are needed: give a flight whose errors along {axis} show in its thrust"
+            )
 
 
 def limited_rows(flight: TrackedFlight) -> Mask:

@@ -30,7 +30,9 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     tracked, single = _flyable(recordings, vehicle)
     taught = air.flights if isinstance(air, RoomAir) else ()
-    done = [_flown(one, air, vehicle, args.draws) for one in tracked]
+    done = _all_flown(tracked, air, vehicle, args.draws)
+    if not done and not single:
+        raise ValueError(f"none of the {len(recordings)} flights can be flown again")
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
     if args.json:
         write_json(as_json(done, alone, taught), args.json)
@@ -63,9 +65,22 @@ def _flyable(
             if len(recordings) == 1:
                 raise
             _say(f"left out: {refusal}")
-    if not found and not alone:
-        raise ValueError(f"none of the {len(recordings)} flights can be flown again")
     return found, alone
+
+
+def _all_flown(
+    flights: Sequence[TrackedFlight], air: FlownAir, vehicle: Vehicle, draws: int
+) -> list[ValidatedFlight]:
+    """Return the flights whose law can be read; says why others cannot, ValueError if there is one only."""
+    done: list[ValidatedFlight] = []
+    for one in flights:
+        try:
+            done.append(_flown(one, air, vehicle, draws))
+        except ValueError as refusal:
+            if len(flights) == 1:
+                raise
+            _say(f"left out: {refusal}")
+    return done
 
 
 def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: int) -> ComparedAlone:
