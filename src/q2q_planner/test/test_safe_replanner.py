@@ -191,6 +191,22 @@ def test_a_stranger_that_rams_is_announced_before_or_when_it_is_inside() -> None
         assert announced[first_inside]
 
 
+@pytest.mark.parametrize(("eps", "broken"), [(PARAMS.eps, False), (0.3, True)])
+def test_a_larger_zone_is_not_promised_by_proofs_of_a_smaller_one(eps: float, broken: bool) -> None:
+    """A stranger at rest 0.74 m away may speed up and brake outside a zone of 0.2 m, not of 0.3 m."""
+    hover = minimum_snap_plan([VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(9, (0, 0, 1))))])
+    replanner = SafeReplanner(PARAMS)
+
+    def is_broken(k: int) -> bool:
+        reference = setpoint_at(hover, k * TICK)
+        stranger = replace(seen(reference), names=("cf9",), pos=np.array([[0.74, 0.0, 1.2]]))
+        return bool(replanner.update(reference, stranger).status[0] == BROKEN)
+
+    assert not any(is_broken(k) for k in range(10))
+    replanner.configure(replace(PARAMS, eps=eps))
+    assert is_broken(10) is broken
+
+
 @pytest.mark.parametrize("jump_s", [0.4, 100.0])
 def test_a_stranger_is_evaded_as_well_after_the_clock_was_set_back(jump_s: float) -> None:
     """It comes at 0.5 m/s from 2.5 m away and stops 0.3 m away; the clock jumps after 2 s."""

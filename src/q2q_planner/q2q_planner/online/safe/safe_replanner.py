@@ -99,12 +99,19 @@ class SafeReplanner:
         self._answer: SwarmSetpoint | None = None
         self._last_known.reset()
         self._lost = LostVehicles()
+        self._forget_proofs()
+
+    def _forget_proofs(self) -> None:
         self._known: tuple[Names, Names] = ((), ())
         self._proven: Proven = np.zeros((0, 0), np.bool_)
 
     def configure(self, params: SafeReplannerParams) -> None:
-        """Change the parameters in flight; the modified trajectories continue without a jump."""
+        """Change the parameters in flight; the modified trajectories continue without a jump.
+
+        What was proven against external vehicles is proven anew: the zone or their bounds may have changed.
+        """
         self.params, self._grown = params, params.with_tube
+        self._forget_proofs()
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick.
