@@ -2,7 +2,8 @@
 
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from q2q_model.documents.json_file import write_json
@@ -30,7 +31,7 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     tracked, single = _flyable(recordings, vehicle)
     taught = air.flights if isinstance(air, RoomAir) else ()
-    done = _all_flown(tracked, air, vehicle, args.draws)
+    done = _all_flown(tracked, air, vehicle, args.draws, only=len(recordings) == 1)
     if not done and not single:
         raise ValueError(f"none of the {len(recordings)} flights can be flown again")
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
@@ -56,31 +57,34 @@ def _flyable(
     found: list[TrackedFlight] = []
     alone: list[FlightAlone] = []
     for one in recordings:
-        try:
+        with _leaving_out(only=len(recordings) == 1):
             if is_alone(one):
                 alone.append(flight_alone(one))
             else:
                 found.append(tracked_flight(one, vehicle))
-        except ValueError as refusal:
-            if len(recordings) == 1:
-                raise
-            _say(f"left out: {refusal}")
     return found, alone
 
 
 def _all_flown(
-    flights: Sequence[TrackedFlight], air: FlownAir, vehicle: Vehicle, draws: int
+    flights: Sequence[TrackedFlight], air: FlownAir, vehicle: Vehicle, draws: int, *, only: bool = False
 ) -> list[ValidatedFlight]:
-    """Return the flights whose law can be read; says why others cannot, ValueError if there is one only."""
+    """Return the flights whose law can be read; says why others cannot, ValueError if it is the only one."""
     done: list[ValidatedFlight] = []
     for one in flights:
-        try:
+        with _leaving_out(only=only):
             done.append(_flown(one, air, vehicle, draws))
-        except ValueError as refusal:
-            if len(flights) == 1:
-                raise
-            _say(f"left out: {refusal}")
     return done
+
+
+@contextmanager
+def _leaving_out(*, only: bool) -> Iterator[None]:
+    """Say why a flight is refused within, and go on with the others; raise if it is the only one."""
+    try:
+        yield
+    except ValueError as refusal:
+        if only:
+            raise
+        _say(f"left out: {refusal}")
 
 
 def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: int) -> ComparedAlone:
