@@ -177,6 +177,18 @@ def test_what_a_node_does_not_heed_in_flight_is_refused(
         assert node.node.get_parameter_or(one).value == before.value
 
 
+def test_a_parameter_that_was_changed_in_flight_is_logged_with_both_values(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    node = Node("changing_block")
+    MADE.append(node)
+    params = declare(node, PidParams(k_p_z=6.0), "law.", in_flight=True)
+    on_change(node, params, Pid(params, TEXTBOOK_065).configure, "law.")
+    node.set_parameters([Given("law.k_p_z", value=7.0), Given("law.k_p_z", value=-1.0)])
+    lines = [line.partition("]: ")[2] for line in capfd.readouterr().err.splitlines() if "k_p_z" in line]
+    assert lines == ["law.k_p_z is 7.0 now, was 6.0"]
+
+
 def test_parameters_of_others_neither_configure_a_block_nor_are_refused_by_it() -> None:
     node, taken = Node("two_blocks"), list[PidParams]()
     MADE.append(node)

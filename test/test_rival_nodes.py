@@ -89,6 +89,8 @@ def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> No
     assert inputs.look() == inputs.look() == TWO
     assert health.doubts == {"command": TWO, "state": ""}
     assert node.lines == [TWO]
+    node.writers = {"command": ("pid", "pid")}
+    assert inputs.look() == TWO.replace("pid_2", "pid") + "; one that was killed counts until DDS drops it"
     node.writers = {"command": ("pid",)}
     assert inputs.look() == ""
     assert health.doubts == {"command": "", "state": ""}

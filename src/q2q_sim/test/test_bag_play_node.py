@@ -14,7 +14,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from q2q_model.bag import BagError, BagWriter
 from q2q_model.node.rehearsal import rehearsal
-from q2q_model.signals.values import MocapFrame
+from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
 
@@ -94,6 +94,20 @@ def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path) -
             ticks.append(player._tick.stamp_ns // 10_000_000)
             player._on_answer(player._tick.data)
     assert ticks == [197, 198, 199, 197, 198, 199, 197]
+
+
+def test_answers_to_ticks_need_a_tick_after_the_start(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    with BagWriter(tmp_path / "longer") as writer:
+        for tick, topic in ((0, "/mocap"), (1, "/mocap"), (500, "/state")):
+            signal = rehearsal(MocapFrame if topic == "/mocap" else SwarmState, tick / 100.0, ("cf1",))
+            writer.write_signal(topic, tick * 10_000_000, signal)
+    given = tmp_path / "longer", "loop:=true", "start:=2.0"
+    with waiting_player(*given) as player:
+        player._begin()
+    refusal = r"parameter start = 2 s: the bag lasts 0\.0 s"
+    with pytest.raises(ValueError, match=refusal), waiting_player(*given, "answer:=interference"):
+        pass
 
 
 def test_a_bag_without_duration_is_looped_once_a_beat(

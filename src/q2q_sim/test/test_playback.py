@@ -26,5 +26,7 @@ def test_answers_are_topics_of_ticks_that_are_played() -> None:
         ValueError, match=r"answer = 'interfrence': no such topic; did you mean interference\?"
     ):
         check_answer("interfrence", ["mocap"])
+    with pytest.raises(ValueError, match=r"would answer itself; play only .* topics:=\[mocap\]"):
+        check_answer("/interference", ["mocap", "interference"])
     with pytest.raises(ValueError, match="messages on mocap, which is not played"):
         check_answer("interference", ["state"])

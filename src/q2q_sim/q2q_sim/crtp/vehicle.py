@@ -130,6 +130,7 @@ class CrtpVehicle:
             return known
         if len(self._sessions) >= MOST_CLIENTS:
             del self._sessions[min(self._sessions, key=lambda one: self._sessions[one].last_packet_ms)]
+            self.firmware.console += "Q2Q: the client silent for longest gets nothing more\n"
         self._sessions[client] = _Session(now)
         if len(self._sessions) > 1:
             self.firmware.console += f"Q2Q: {len(self._sessions)} clients; all may command\n"

@@ -46,5 +46,11 @@ def check_answer(answer: str, played: Iterable[str]) -> None:
         return
     if answer.strip("/") not in TYPE_NAMES:
         raise ValueError(f"parameter answer = {answer!r}: no such topic; {name_hint(answer, TYPE_NAMES)}")
-    if TICK_TOPIC not in {topic.strip("/") for topic in played}:
+    topics = {topic.strip("/") for topic in played}
+    if answer.strip("/") in topics:
+        raise ValueError(
+            f"parameter answer = {answer!r}: the bag has it and would answer itself; play only what your "
+            f"nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
+        )
+    if TICK_TOPIC not in topics:
         raise ValueError(f"parameter answer: the ticks are the messages on {TICK_TOPIC}, which is not played")

@@ -76,8 +76,9 @@ class Player:
         for repair in self._reader.repairs:
             node.get_logger().warning(repair)
         wanted = self._wanted()
-        check_start((one.stamp_ns for one in self._reader.raw(set(wanted))), self._params.start)
         check_answer(self._params.answer, wanted)
+        waited = {topic for topic in wanted if not self._params.answer or topic.strip("/") == TICK_TOPIC}
+        check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
         self._clock = node.create_publisher(Clock, "/clock", TICK) if self._params.clock else None
         self._over = node.create_publisher(String, "playback_over", LATCHED)

@@ -114,7 +114,8 @@ class SeveralWriters:
             return ""
         writers = writers_of(self._node, self.topic)
         may = f"{self._most} may: stop the others"
-        told = f"{self.topic}: {len(writers)} nodes write it ({', '.join(writers)}); {may}"
+        killed = "; one that was killed counts until DDS drops it" if len({*writers}) < len(writers) else ""
+        told = f"{self.topic}: {len(writers)} nodes write it ({', '.join(writers)}); {may}{killed}"
         if told not in self._told:
             self._told.add(told)
             self._node.get_logger().warning(told)

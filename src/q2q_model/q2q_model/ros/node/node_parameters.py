@@ -49,7 +49,7 @@ def refuse_undeclared(nodes: Iterable[Node]) -> None:
 
 
 def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "") -> None:
-    """Call `apply` with the new Params whenever parameters of `params` are set in flight."""
+    """Call `apply` with the new Params whenever parameters of `params` are set in flight, and log them."""
     current = [params]
     known = {prefix + entry.name: entry.name for entry in fields(params)}
 
@@ -60,9 +60,11 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
         try:
             asked = with_overrides(current[0], overrides)
             apply(asked)
-            current[0] = asked
         except ValueError as refusal:
             return SetParametersResult(successful=False, reason=str(refusal))
+        for name, value in overrides.items():
+            node.get_logger().info(f"{prefix}{name} is {value} now, was {getattr(current[0], name)}")
+        current[0] = asked
         return SetParametersResult(successful=True)
 
     node.add_on_set_parameters_callback(changed)
