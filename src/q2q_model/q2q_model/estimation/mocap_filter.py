@@ -27,10 +27,11 @@ from dataclasses import fields, replace
 import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
-from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks, has_wrong_length
+from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
+from q2q_model.estimation.pose_faults import pose_faults
 from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.positions import PositionTracks, TrackUpdate
 from q2q_model.estimation.usual_tick import (
@@ -52,6 +53,7 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
     check_unique,
+    index_of,
 )
 
 _TRACKED, _COASTING, _LOST = (
@@ -169,7 +171,7 @@ class MocapFilter:
     def _tracked(self, t: float, outcome: int, poses: Array, out: tuple[Array, ...]) -> TrackUpdate:
         if outcome != UNUSUAL:
             return self._positions.usual(outcome, poses[:, :QUAT_AT], out[0], out[1])
-        return self._positions.update(t, poses[:, :QUAT_AT], repeated_poses(poses, self._recent)[0])
+        return self._positions.unusual(t, poses[:, :QUAT_AT].copy(), repeated_poses(poses, self._recent)[0])
 
     def _gapped(self, t: float, poses: Array, tracked: TrackUpdate, turned: bool) -> SwarmState:
         """Return the state of a tick that is not nominal; `turned` is whether attitudes have been taken."""
@@ -177,8 +179,9 @@ class MocapFilter:
             old = repeated_poses(poses, self._recent)[0]
             quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
-        self._wrong = tracked.lent, tracked.frozen, *_doubtful(poses, self._params.pos_max)
-        self._count(poses[:, :QUAT_AT], tracked)
+        faults = pose_faults(poses, self._params.pos_max)
+        self._wrong = tracked.lent, tracked.frozen, *faults
+        self._count(~faults.missing, tracked)
         age, status = self._age_and_status(t, tracked)
         moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body
         return SwarmState(t, self._names, *moving, age, status)
@@ -212,11 +215,12 @@ class MocapFilter:
         if names != self._frame_names:
             if not self._given:
                 self._adopt(names)
-            track_of = {name: row for row, name in enumerate(self._names)}
-            self._frame_names = names
-            self._track_of_row = np.array([track_of.pop(name, -1) for name in names], dtype=np.intp)
-            self._repeated = len(names) - len(set(names))
-            self._unknown = len(set(names).difference(self._names))
+            self._frame_names, distinct = names, set(names)
+            self._track_of_row = index_of(names, self._names)
+            self._repeated = len(names) - len(distinct)
+            self._unknown = len(distinct.difference(self._names))
+            if self._repeated:
+                self._track_of_row[_repeats(names)] = -1
         return self._track_of_row
 
     def _adopt(self, names: Names) -> None:
@@ -234,12 +238,11 @@ class MocapFilter:
         counts["unknown_names"] += self._unknown
         counts["samples"] += len(self._names)
 
-    def _count(self, pos: Array, tracked: TrackUpdate) -> None:
+    def _count(self, present: Mask, tracked: TrackUpdate) -> None:
         self._count_nominal()
         if tracked.nominal:
             return
-        counts, present = self._counts, np.asarray(np.isfinite(pos).all(axis=1))
-        used = np.zeros(len(present), dtype=np.bool_)
+        counts, used = self._counts, np.zeros(len(present), dtype=np.bool_)
         used[tracked.source[tracked.accepted]] = True
         counts["samples"] += int(present.sum()) - len(present)
         counts["swapped"] += int(tracked.lent.sum())
@@ -248,11 +251,10 @@ class MocapFilter:
         counts["not_finite"] += int((self._track_of_row >= 0).sum() - present.sum())
 
 
-def _doubtful(poses: Array, pos_max: float) -> tuple[Mask, Mask, Mask]:
-    """Return which poses (n, 7) are outside, have a quaternion of another length than 1, and no position."""
-    pos, quat = poses[:, :QUAT_AT], poses[:, QUAT_AT:]
-    outside, missing = (np.abs(pos) > pos_max).any(axis=1), ~np.isfinite(pos).all(axis=1)
-    return np.asarray(outside), has_wrong_length(quat), np.asarray(missing)
+def _repeats(names: Names) -> list[int]:
+    """Return the rows whose names stand in an earlier row, too."""
+    first: dict[str, int] = {}
+    return [row for row, name in enumerate(names) if first.setdefault(name, row) != row]
 
 
 def _check_shapes(frame: MocapFrame) -> None:

@@ -138,6 +138,10 @@ class PositionTracks:
         outcome = follow(t, offered, self._params, self.memory, (pos, vel))
         if outcome != UNUSUAL:
             return self.usual(outcome, samples, pos, vel)
+        return self.unusual(t, samples, repeats)
+
+    def unusual(self, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
+        """Return the tracks after the samples of a tick that `follow` did not take, as `update`."""
         at = look_ahead((t, np.nan), samples, repeats, self._params, self._table)
         assigned = self._associate(t, at)
         pos, vel = accept(t, at, assigned, self._noise_var, self._table)

@@ -4,7 +4,7 @@ Every signal of a tick carries the capture time `t` [s] of its mocap frame. Arra
 in the order of `names`. World frame, z up; quaternions x y z w, body to world.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
@@ -186,5 +186,10 @@ def rows_by_name(
 def _index_of(names: Names, among: Names) -> Rows:
     if names == among:
         return np.arange(len(names))
-    rows = {name: row for row, name in enumerate(among)}
+    rows = _rows_of(among)
     return np.array([rows.get(name, -1) for name in names], dtype=np.intp)
+
+
+@lru_cache(maxsize=KNOWN_NAMES)
+def _rows_of(names: Names) -> Mapping[str, int]:
+    return {name: row for row, name in enumerate(names)}

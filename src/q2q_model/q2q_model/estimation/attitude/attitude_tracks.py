@@ -148,11 +148,6 @@ def _unit_or_nan(measured: Array) -> Array:
     return np.asarray(bounded / np.where(np.abs(length - 1.0) <= UNIT_TOLERANCE, length, np.nan))
 
 
-def has_wrong_length(quat: Array) -> Mask:
-    """Return which quaternions (n, 4) are finite, but not of unit length, (n,)."""
-    return np.asarray(np.isfinite(quat).all(axis=1) & np.isnan(_unit_or_nan(quat)).any(axis=1))
-
-
 def _is_upright(quat: Array) -> Mask:
     """Return whether body z points up, row by row of (n, 4)."""
     return np.asarray(matrix_from_quat(quat)[:, 2, 2] > 0.0)
