@@ -49,6 +49,17 @@ def test_one_dropout_after_another_is_told_once_and_one_after_a_calm_time_anew()
     assert told(changes, command(1.1 + SETTLED_S, HOLD, OK)) == ["cf1: failsafe HOLD"]
 
 
+def test_each_landing_is_told_and_that_they_are_flown_on_after_it() -> None:
+    """A filter that is killed twice within 10 s lands them twice; the log must not end with a landing."""
+    changes = PhaseChanges()
+    steps = ((HOLD, OK), (OK, OK), (HOLD, OK), (LAND, OK), (OK, OK), (HOLD, OK), (LAND, OK), (OK, OK))
+    assert [line for k, status in enumerate(steps) for line in told(changes, command(float(k), *status))] == [
+        "cf1: failsafe HOLD",
+        *("cf1: the controller flies on", "cf1: failsafe LAND") * 2,
+        "cf1: the controller flies on",
+    ]
+
+
 def test_a_cut_is_told_again_in_a_new_flight_beside_the_same_controller() -> None:
     guard, changes = guarded(), PhaseChanges()
     for made in fly(guard, 0, 200):

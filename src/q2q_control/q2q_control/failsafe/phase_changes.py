@@ -2,6 +2,7 @@
 
 A vehicle's phase is the status of its command: HOLD, LEVEL, LAND or CUT; else the controller flies it. The
 same change of the same vehicles is told once, and again after SETTLED_S without any phase or in a new flight.
+That they land, or are flown on after they did, is told each time: a second is between the two.
 """
 
 from dataclasses import dataclass
@@ -69,7 +70,9 @@ class PhaseChanges:
         before = rows_by_name(self._phases, self._names, command.names, FLOWN)
         self._names, self._phases = command.names, phases
         found = [PhaseChange(one, self._having(one, phases != before)) for one in (FLOWN, *_PHASES)]
-        new = tuple(one for one in found if one.names and one not in self._told)
+        landed = bool(((before == CommandStatus.LAND) & (phases == FLOWN)).any())
+        always = (CommandStatus.LAND, FLOWN) if landed else (CommandStatus.LAND,)
+        new = tuple(one for one in found if one.names and (one.phase in always or one not in self._told))
         self._told.update(new)
         return new
 
