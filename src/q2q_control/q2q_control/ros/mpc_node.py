@@ -83,10 +83,10 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     period = 1.0 / mpc.prediction_hz if mpc.distributed else 0.0
     setup = MpcSetup(own.vehicles, budget.in_time, correct=correct, exchange_period=period)
     block = Mpc(params, vehicle, known.interaction, setup)
-    if own.correct:
-        receive_accelerometers(node, block.sense)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
+    if own.correct:
+        receive_accelerometers(node, block.sense, wiring.health)
     exchange = PredictionExchange(node, block, own.vehicles, period) if mpc.distributed else None
 
     def answer(
