@@ -1,9 +1,10 @@
 """Nothing that comes in can throw a node out: garbage is refused with a diagnostic, and leaves no trace."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import cache
 from importlib import import_module
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.layout import LAYOUTS, Signal
-from q2q_model.signals.values import SwarmCommand
+from q2q_model.signals.values import SwarmCommand, SwarmImu
+from q2q_model.tunable import ParameterValue
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.stand_in import NullEntity, StandInNode
 
@@ -56,8 +58,8 @@ class Listening(StandInNode):
 
     context = Alive()
 
-    def __init__(self, name: str) -> None:
-        super().__init__(name, {"vehicle_topics_hz": 0.0, "legacy_hz": 0.0})
+    def __init__(self, name: str, given: Mapping[str, ParameterValue]) -> None:
+        super().__init__(name, {"vehicle_topics_hz": 0.0, "legacy_hz": 0.0, **given})
         self.ears: list[Ear] = []
 
     def create_publisher(self, *_: object) -> Ear:
@@ -78,9 +80,9 @@ class Listening(StandInNode):
         return [data for ear in self.ears for data in ear.received]
 
 
-def built(name: str) -> tuple[Listening, object]:
+def built(name: str, given: Mapping[str, ParameterValue] = MappingProxyType({})) -> tuple[Listening, object]:
     package, executable = name.split(".")
-    node = Listening(executable)
+    node = Listening(executable, given)
     with standing_in():
         return node, import_module(f"{package}.ros.{executable}_node").build(node)
 
@@ -167,6 +169,10 @@ def wrong_frame(kind: type[Signal]) -> bytes:
     return data.replace(b"world", b"mars!")
 
 
+def wrong_size(kind: type[Signal]) -> bytes:
+    return encode(rehearsal(kind, 1.0, VEHICLES), 10**9)[:-9]
+
+
 def name_twice(kind: type[Signal]) -> bytes:
     return encode(rehearsal(kind, 1.0, VEHICLES), 10**9).replace(b"cf2", b"cf1")
 
@@ -202,6 +208,27 @@ def test_each_named_wrong_is_refused_by_its_topic_and_leaves_a_node_as_it_was(
     assert len(answers[0]) == len(answers[1]) == 1
     for one, other in zip(*answers, strict=True):
         _same(decode(one, _kind_of(one)), decode(other, _kind_of(other)))
+
+
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("q2q_model.interference", {"correct_vehicle": "crazyflie_2_0"}),
+        ("q2q_control.pid", {"correct": True}),
+        ("q2q_control.mpc", {"correct": True}),
+    ],
+)
+@pytest.mark.parametrize("wrong", [lambda _: b"", wrong_size, name_twice])
+def test_measurements_that_correct_the_downwash_are_refused_if_they_are_invalid(
+    name: str, given: Mapping[str, ParameterValue], wrong: Callable[[type[Signal]], bytes]
+) -> None:
+    node, kept = built(name, given)
+    receivers = node.receivers()
+    assert SwarmImu in {kind for kind, _ in receivers}
+    for kind, receive in receivers:
+        before = kept.health.refused
+        receive(wrong(kind))
+        assert kept.health.refused == before + 1
 
 
 @settings(max_examples=50, deadline=None, derandomize=True)

@@ -1,6 +1,7 @@
 """No flight begins while other nodes command the same vehicles, or write what this one reads; landings do."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
@@ -10,11 +11,14 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from rclpy.clock import Clock
 from room_node import RoomNode
 
+from q2q_control.ros import mpc_node
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.node.health import Health
 from q2q_model.ros import interference_node
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.node.input_warnings import InputWriters
+from q2q_model.ros.node.tick import TickWiring
+from q2q_model.signals.layout import Signal
 from q2q_sim.ros.absent_packages import interface_packages
 
 NAMES = ("cf1", "cf2")
@@ -96,12 +100,15 @@ def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> No
     assert health.doubts == {"command": "", "state": ""}
 
 
-def test_two_publishers_of_models_are_told_each_second() -> None:
-    node = SharedRoom(model="none")
-    wiring = interference_node.build(node)
-    node.writers = {"model": ("identify", "identify_2")}
+@pytest.mark.parametrize(("topic", "build"), [("model", interference_node.build), ("plan", mpc_node.build)])
+def test_two_publishers_of_models_or_plans_are_told_each_second(
+    topic: str, build: Callable[[RoomNode], TickWiring[Signal]]
+) -> None:
+    node = SharedRoom(model="none", vehicles=())
+    wiring = build(node)
+    node.writers = {topic: ("one", "two")}
     [report] = [act for period, act in node.timers if period == PERIOD_S]
     report()
-    told = "model: 2 nodes write it (identify, identify_2); 1 may: stop the others"
-    assert wiring.health.doubts["model"] == told
+    told = f"{topic}: 2 nodes write it (one, two); 1 may: stop the others"
+    assert wiring.health.doubts[topic] == told
     assert node.lines[0] == told

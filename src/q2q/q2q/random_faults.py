@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from q2q.argument_checks import check_whole_number
+from q2q.argument_checks import check_whole_number, writable_folder
 from q2q.scenario_choice import AirName, air_name
 from q2q_sim.air.air_names import check_air
 from q2q_sim.experiments.campaign.engine import outcomes
@@ -24,11 +24,11 @@ def campaign(
 
     Raises:
         TypeError: an argument of another type; the message says what is expected.
-        ValueError: a number that is too small.
+        ValueError: a number that is too small, or `out` cannot be written to.
         AirError: there is no such air.
     """
     for name, number, least in (("runs", runs, 1), ("seed", seed, 0), ("jobs", jobs, 1)):
         check_whole_number(name, number, least)
     if named := air_name(air):
         check_air(named)
-    return outcomes("local", range(seed, seed + runs), jobs, Path(out), named)
+    return outcomes("local", range(seed, seed + runs), jobs, writable_folder("out", out), named)

@@ -34,6 +34,7 @@ BEYOND = r"a finite number above 0 m/s\^2 is expected$"
         (lambda: q2q.identify(BAG, threshold="x"), f"threshold = 'x': {BEYOND}"),
         (lambda: q2q.identify(3), r"bags = 3: the folder of a bag, or several, is expected$"),
         (lambda: q2q.campaign(2.5), r"runs = 2.5: a whole number of 1 or more is expected$"),
+        (lambda: q2q.campaign(1, out=None), r"out = None: the path of a folder is expected$"),
         (lambda: q2q.campaign(runs=True), r"runs = True: a whole number of 1 or more is expected$"),
     ],
 )
@@ -51,6 +52,16 @@ def test_a_zone_that_no_model_has_is_refused_before_the_bags_are_read(threshold:
 def test_an_unknown_air_ends_a_campaign_before_its_runs():
     with pytest.raises(ValueError, match="no air 'rome'"):
         q2q.campaign(1, air="rome")
+
+
+@pytest.mark.parametrize(("name", "why"), [("file", "File exists"), ("file/below", "Not a directory")])
+def test_a_folder_that_cannot_be_written_to_ends_a_campaign_before_its_runs(
+    tmp_path: Path, name: str, why: str
+):
+    """Else the first violation would: by its error, or with several jobs as a crash of the run."""
+    (tmp_path / "file").touch()
+    with pytest.raises(ValueError, match=f"^out = .*{name}: no such folder, and none can be made .{why}.$"):
+        q2q.campaign(1, out=tmp_path / name)
 
 
 def test_flags_and_seeds_of_numpy_are_flags_and_seeds():

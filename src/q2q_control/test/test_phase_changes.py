@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from guarded_flights import CUT, DEGRADED, HOLD, LAND, LEVEL, NAMES, OK, SATURATED, TICK, fly, guarded
 
-from q2q_control.failsafe.phase_changes import SETTLED_S, PhaseChanges, cut_reason
+from q2q_control.failsafe.phase_changes import LANDED, SETTLED_S, PhaseChanges, cut_reason
 from q2q_model.signals.values import Names, SwarmCommand
 
 
@@ -47,6 +47,25 @@ def test_one_dropout_after_another_is_told_once_and_one_after_a_calm_time_anew()
     assert told(changes, command(1.0, OK, HOLD)) == ["cf2: failsafe HOLD"]
     told(changes, command(1.01, OK, OK))
     assert told(changes, command(1.1 + SETTLED_S, HOLD, OK)) == ["cf1: failsafe HOLD"]
+
+
+@pytest.mark.parametrize("resumed", [(), (HOLD,)])
+def test_each_landing_is_told_and_that_they_are_flown_on_after_it(resumed: tuple[int, ...]) -> None:
+    """A filter that is killed twice within 10 s lands them twice; the log must not end with a landing."""
+    changes = PhaseChanges()
+    event = (HOLD, *(LAND,) * LANDED, *resumed, OK)
+    steps = (HOLD, OK, *event, *event)
+    lines = [line for k, one in enumerate(steps) for line in told(changes, command(k * TICK, one, OK))]
+    flown, landed = ["cf1: failsafe HOLD", "cf1: the controller flies on"], "cf1: failsafe LAND"
+    assert lines == [*flown, landed, flown[1], flown[0], landed, flown[1]]
+
+
+def test_landings_of_a_few_commands_that_come_and_go_are_told_once() -> None:
+    """Two sources of motion capture with clocks of their own land and fly vehicles by turns."""
+    changes, lines = PhaseChanges(), []
+    for k in range(300):
+        lines += told(changes, command(k * TICK, LAND if k % LANDED else OK, OK))
+    assert lines == ["cf1: failsafe LAND", "cf1: the controller flies on"]
 
 
 def test_a_cut_is_told_again_in_a_new_flight_beside_the_same_controller() -> None:

@@ -126,6 +126,39 @@ def test_one_that_is_led_back_starts_again_where_it_is_if_it_is_far_from_its_mot
         assert then.status[0] == SetpointStatus.PROMISE_BROKEN
 
 
+def crossing_at(t: float) -> SwarmSetpoint:
+    """Return references of which the second passes over the first, within its zone, in 6 s."""
+    pos = np.array([[0.0, 0.0, 1.5], [0.0, 0.3 * t - 0.9, 2.0]])
+    vel = np.array([[0.0, 0.0, 0.0], [0.0, 0.3, 0.0]])
+    still, level = np.zeros((2, 3)), np.zeros(2)
+    return SwarmSetpoint(t, ("cf1", "cf2"), pos, vel, still, level, level, np.zeros(2, dtype=np.uint8))
+
+
+@pytest.mark.parametrize("jerk", [0.0, 20.0])
+@pytest.mark.parametrize("begin", [240, 300, 360])
+def test_a_replanner_started_again_in_flight_goes_on_where_the_vehicles_are(begin: int, jerk: float) -> None:
+    """Killed while two avoid each other, it would send them to references that are within their zone."""
+    params = replace(PARAMS, jerk_max=jerk)
+    replanner, flown = SafeReplanner(params), crossing_at(0.0)
+    for k in range(600):
+        if k == begin:
+            assert flown.status.tolist() == [SetpointStatus.SHIFTED] * 2
+            replanner = SafeReplanner(params)
+        last, sent = flown, crossing_at(k * TICK)
+        flown = replanner.update(sent, replace(state_at(sent.t, 0.0), pos=last.pos, vel=last.vel))
+        moved = np.linalg.norm(flown.pos - last.pos, axis=1)
+        assert moved.max() <= params.speed_max * TICK
+        rel_pos = flown.pos[1] - flown.pos[0]
+        assert np.hypot(rel_pos[0], rel_pos[1]) > params.eps
+        assert not (flown.status == SetpointStatus.PROMISE_BROKEN).any()
+
+
+@pytest.mark.parametrize(("enabled", "age"), [(False, 0.0), (True, 2.0 * FRESH_S)])
+def test_it_starts_on_the_reference_if_it_is_off_or_nothing_is_measured(enabled: bool, age: float) -> None:
+    first = SafeReplanner(replace(PARAMS, enabled=enabled)).update(setpoint_at(0.0), state_at(0.0, age, OFF))
+    np.testing.assert_array_equal(first.pos, SENT)
+
+
 def test_one_on_its_reference_stays_there_however_far_it_is() -> None:
     replanner = SafeReplanner(PARAMS)
     replanner.update(setpoint_at(0.0), state_at(0.0, 0.0))

@@ -82,8 +82,10 @@ def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
         for share, expected in ((0.99, False), (1.01, True)):
             off = np.zeros((2, 3))
             off[0, axis] = share * most
-            setpoint = reference(0.0, pos, still, still)
-            told = SafeReplanner(PARAMS).update(setpoint, seen(setpoint, off)).status == BROKEN
+            replanner, start = SafeReplanner(PARAMS), reference(0.0, pos, still, still)
+            replanner.update(start, seen(start, 0.0 * off))
+            setpoint = replace(start, t=TICK)
+            told = replanner.update(setpoint, seen(setpoint, off)).status == BROKEN
             assert told.tolist() == [expected, False]
 
 

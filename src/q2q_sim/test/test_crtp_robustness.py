@@ -155,6 +155,28 @@ def test_a_delay_line_gives_what_has_arrived_in_order_of_arrival(arrivals: list[
     assert line.next_arrival == (min(rest) if rest else None)
 
 
+@pytest.mark.parametrize("number", [float("inf"), float("nan"), 3.4e38])
+@pytest.mark.parametrize("start", [(5, 0, 0, 0, 1), (5, 0, 1, 0, 1), (5, 0, 1, 1, 1), (13, 0, 1, 1, 0, 1)])
+def test_an_uploaded_trajectory_of_no_numbers_harms_its_own_vehicle_only(
+    start: tuple[int, ...], number: float
+) -> None:
+    """Only fields of packets are checked; what they leave in memory is read as floats."""
+    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [2.0, 0.0, 1.0, 0.0]]))
+    one, other = pilot.fleet.vehicles
+    pilot.fly(0.3)
+    for vehicle in (one, other):
+        vehicle.handle(b"\x8c" + struct.pack("<BBffBf", 7, 0, 0.5, 0.0, 1, 1.0))
+    pilot.fly(1.5)
+    piece = struct.pack("<33f", *[number] * 32, 1.0)
+    for at in range(0, len(piece), 22):
+        one.handle(b"\x4e" + struct.pack("<BI", 0, at) + piece[at : at + 22])
+    one.handle(b"\x8c" + struct.pack("<BBBBIB", 6, 1, 1, 0, 0, 1))
+    one.handle(b"\x8c" + struct.pack(f"<{len(start)}Bf", *start, 1.0))
+    pilot.fly(1.5)
+    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()
+    assert pilot.swarm.state[1, 2] == pytest.approx(0.5, abs=0.05)
+
+
 HUGE = st.sampled_from([3.4e38, -3.4e38, 1e20, 0.0, -1.0])
 WRITABLE = [number for number, one in enumerate(TABLE) if one.kind == "float" and not one.read_only]
 

@@ -2,6 +2,8 @@
 
 A vehicle's phase is the status of its command: HOLD, LEVEL, LAND or CUT; else the controller flies it. The
 same change of the same vehicles is told once, and again after SETTLED_S without any phase or in a new flight.
+After a landing of LANDED commands all is told again: each is an event, and the log would end with the first.
+Shorter ones may flicker, where two sources with clocks of their own send motion capture.
 """
 
 from dataclasses import dataclass
@@ -15,6 +17,8 @@ EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
 FAILSAFE_CUT = "motors cut, not measured for cut_s: restart this node to fly"
 SETTLED_S = 10.0
 """Time without a phase after which changes are told again [s]: one dropout after another is one event."""
+LANDED = 30
+"""Commands that land a vehicle without one that flies it, 0.3 s at 100 Hz: in flight it sinks by 3 cm."""
 FLOWN = CommandStatus.OK
 """Stands for every status without a phase."""
 _PHASES = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
@@ -41,6 +45,7 @@ class PhaseChanges:
     def __init__(self) -> None:
         self._names: Names = ()
         self._phases: Status = np.zeros(0, dtype=np.uint8)
+        self._landing = np.zeros(0)  # commands that land each vehicle
         self._told: set[PhaseChange] = set()
         self._t = -np.inf  # stamp of the newest command with a phase [s]
 
@@ -67,11 +72,20 @@ class PhaseChanges:
                 self._told.clear()
             self._t = command.t
         before = rows_by_name(self._phases, self._names, command.names, FLOWN)
+        self._count_landing(command.names, phases)
         self._names, self._phases = command.names, phases
         found = [PhaseChange(one, self._having(one, phases != before)) for one in (FLOWN, *_PHASES)]
         new = tuple(one for one in found if one.names and one not in self._told)
         self._told.update(new)
         return new
+
+    def _count_landing(self, names: Names, phases: Status) -> None:
+        """Count the commands that land each vehicle; after many, its flight on is a new event."""
+        landing = rows_by_name(self._landing, self._names, names)
+        flown = phases == FLOWN
+        if (flown & (landing >= LANDED)).any():
+            self._told.clear()
+        self._landing = np.where(flown, 0.0, landing + (phases == CommandStatus.LAND))
 
     def _having(self, phase: CommandStatus, among: Mask | bool = True) -> Names:
         return tuple(self._names[row] for row in np.flatnonzero((self._phases == phase) & among))

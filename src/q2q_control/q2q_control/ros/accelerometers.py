@@ -4,29 +4,30 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
+from q2q_model.node.health import Health
 from q2q_model.ros.node.bus_node import bus_of
+from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import SENSOR
-from q2q_model.signals.cdr import SignalReader
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmImu
 
 IMU = "imu"
 
 
-def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None]) -> None:
-    """Subscribe to `imu` and call `take` with every message; without any, positions alone correct."""
-    reader = SignalReader(SwarmImu)
+def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None], health: Health) -> None:
+    """Subscribe to `imu` and call `take` with every message; without any, positions alone correct.
+
+    An invalid message is refused in `health`.
+    """
 
     def hear(_: int, imu: Signal) -> None:
         if isinstance(imu, SwarmImu):
             take(imu)
 
-    def receive(data: bytes) -> None:
-        take(reader.received(data))
-
     bus = bus_of(node)
     if bus.carries(IMU):
         bus.listen(IMU, hear)
     else:
+        receive = listener(IMU, SwarmImu, hear, health)
         node.create_subscription(MESSAGES[SwarmImu], IMU, receive, SENSOR, raw=True)

@@ -23,6 +23,7 @@ from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
+from q2q_model.ros.node.input_warnings import UnplannedNames
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
 from q2q_model.ros.node.run import run
@@ -82,15 +83,11 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     period = 1.0 / mpc.prediction_hz if mpc.distributed else 0.0
     setup = MpcSetup(own.vehicles, budget.in_time, correct=correct, exchange_period=period)
     block = Mpc(params, vehicle, known.interaction, setup)
-    if own.correct:
-        receive_accelerometers(node, block.sense)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
+    if own.correct:
+        receive_accelerometers(node, block.sense, wiring.health)
     exchange = PredictionExchange(node, block, own.vehicles, period) if mpc.distributed else None
-
-    def take_plan(message: Plan) -> None:
-        block.follow(preview_of(message))
-        plan_came()
 
     def answer(
         state: SwarmState, setpoint: SwarmSetpoint, downwash: Interference | None = None
@@ -103,13 +100,32 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         wiring.health.extra["iterations"] = str(report.iterations)
         return command
 
-    plan_came = expect_latched(node, node.create_subscription(Plan, "plan", take_plan, LATCHED))
+    _receive_plans(node, block, wiring)
     rehearsed = _hearing_itself(block, answer) if mpc.distributed else answer
     _rehearse(block, wiring, rehearsed, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
     wiring.start(_within(budget, answer))
     return wiring
+
+
+def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> None:
+    """Let the block follow the plans on `plan`; an invalid one is refused, the last one kept."""
+    unplanned = UnplannedNames(node, wiring.health)
+
+    def take(message: Plan) -> None:
+        try:
+            preview = preview_of(message)
+        except ValueError as refusal:
+            wiring.health.refuse(f"plan, the last one is kept: {refusal}")
+            return
+        block.follow(preview)
+        unplanned.take_plan(preview.names)
+        came()
+
+    came = expect_latched(node, node.create_subscription(Plan, "plan", take, LATCHED))
+    wiring.listen("reference_safe", unplanned.look)
+    wiring.expect_one_writer("plan")
 
 
 def _rehearse(

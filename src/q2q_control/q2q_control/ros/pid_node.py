@@ -46,18 +46,18 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     block = corrected(node, own, params) if own.correct else Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
+    if isinstance(block, ObservedPid):
+        receive_accelerometers(node, block.sense, wiring.health)
     wiring.rehearse(guarded.update, guarded.reset, own.vehicles)
     wiring.start(guarded.update)
     return wiring
 
 
 def corrected(node: Node, own: ControllerNodeParams, params: PidParams) -> ObservedPid:
-    """Return the PID that corrects the predicted downwash, with its accelerometers."""
+    """Return the PID that corrects the predicted downwash."""
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     residual = find_model(declare(node, PidNodeParams()).model).residual or REAL_FLIGHTS
-    block = ObservedPid(params, declare(node, TrackerParams()), vehicle, own.vehicles, residual)
-    receive_accelerometers(node, block.sense)
-    return block
+    return ObservedPid(params, declare(node, TrackerParams()), vehicle, own.vehicles, residual)
 
 
 def main() -> None:

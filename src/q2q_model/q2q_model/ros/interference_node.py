@@ -53,20 +53,20 @@ def build(node: Node) -> TickWiring[Interference]:
     wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
     wiring.expect_one_writer("model")
     node.create_subscription(String, "model", model_receiver(node, predictor, age, wiring.health), LATCHED)
-    block = predictor if params.correct_vehicle == "none" else corrected(node, predictor, params, found)
+    block = predictor if params.correct_vehicle == "none" else corrected(predictor, params, found)
+    if isinstance(block, CorrectedPredictor):
+        receive_measured_ticks(node, block.sense, wiring.health.refuse)
     wiring.rehearse(block.update, block.reset)
     wiring.start(block.update)
     return wiring
 
 
 def corrected(
-    node: Node, predictor: InteractionPredictor, params: InterferenceParams, found: ModelFile
+    predictor: InteractionPredictor, params: InterferenceParams, found: ModelFile
 ) -> CorrectedPredictor:
     """Return the predictor corrected by the topics `imu` and `command`."""
     vehicle = vehicle_by_name(params.correct_vehicle)
-    block = CorrectedPredictor(predictor, found.residual or REAL_FLIGHTS, vehicle)
-    receive_measured_ticks(node, block.sense)
-    return block
+    return CorrectedPredictor(predictor, found.residual or REAL_FLIGHTS, vehicle)
 
 
 def model_receiver(

@@ -15,6 +15,9 @@ from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
+REFUSALS_S = 10.0
+"""Shortest time between two lines on refused messages [s]."""
+
 
 class LiveIdentification:
     """Online refinement and the publisher of its models."""
@@ -25,7 +28,7 @@ class LiveIdentification:
         self._refinement = LiveRefinement(base.interaction, vehicle, self._params)
         self._publisher = node.create_publisher(String, "model", LATCHED)
         self._sent_t, self._sent_gain = float("-inf"), 1.0
-        receive_measured_ticks(node, self._take)
+        receive_measured_ticks(node, self._take, self._refuse)
 
     @property
     def refined(self) -> ModelFile:
@@ -34,6 +37,9 @@ class LiveIdentification:
 
     def _take(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
         self._follow(self._refinement.update(state, command, imu))
+
+    def _refuse(self, reason: str) -> None:
+        self._node.get_logger().warning(f"refused: {reason}", throttle_duration_sec=REFUSALS_S)
 
     def _follow(self, estimate: LiveEstimate) -> None:
         """Publish the model if it has changed and `publish_every` has passed."""

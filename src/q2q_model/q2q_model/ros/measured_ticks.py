@@ -14,8 +14,12 @@ from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 INPUTS: dict[str, type[Signal]] = {"state": SwarmState, "command": SwarmCommand, "imu": SwarmImu}
 
 
-def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand, SwarmImu], object]) -> None:
-    """Subscribe to INPUTS and call `take` with every complete tick.
+def receive_measured_ticks(
+    node: Node,
+    take: Callable[[SwarmState, SwarmCommand, SwarmImu], object],
+    refuse: Callable[[str], None],
+) -> None:
+    """Subscribe to INPUTS and call `take` with every complete tick, `refuse` with why a message is invalid.
 
     After a stall each queue holds up to its depth; the join waits for as many, so that none is lost.
     """
@@ -25,9 +29,12 @@ def receive_measured_ticks(node: Node, take: Callable[[SwarmState, SwarmCommand,
         reader = SignalReader(signal)
 
         def receive(data: bytes) -> None:
-            values = join.put(topic, header_stamp_ns(data), reader.read(data))
-            if values is not None:
-                take(*values)  # type: ignore[arg-type]  # in INPUTS' order
+            try:
+                values = join.put(topic, header_stamp_ns(data), reader.read(data))
+                if values is not None:
+                    take(*values)  # type: ignore[arg-type]  # in INPUTS' order
+            except ValueError as refusal:
+                refuse(f"{topic}: {refusal}")
 
         return receive
 

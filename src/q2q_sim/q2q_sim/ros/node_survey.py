@@ -68,6 +68,8 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
     """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
     link: Configuration = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
     of_one: Configuration = {"vehicles": (VEHICLE,)}
+    played: Configuration = {"bag": str(folder / "bag")}
+    unanswered: Configuration = played | {"topics": tuple(one for one in TICK_TOPICS if one != "command")}
     known: dict[str, list[Configuration]] = {
         "trajectory": [
             {"plan": str(folder / "plan.json"), "wait": True},
@@ -98,9 +100,10 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
         "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
         "bag_record": [{"bag": str(folder / "made")}],
         "bag_play": [
-            {"bag": str(folder / "bag"), "answer": "command", "clock": False},
-            {"bag": str(folder / "bag"), "answer": "", "clock": False},
-            {"bag": str(folder / "bag"), "answer": "", "clock": True},
+            played | {"answer": "", "clock": False},
+            unanswered | {"answer": "command", "clock": False},
+            unanswered | {"answer": "", "clock": False},
+            unanswered | {"answer": "", "clock": True},
         ],
     }
     return known.get(executable, [{}])

@@ -76,6 +76,36 @@ class UnmeasuredNames:
             self._node.get_logger().warning(f"{self._topic}: {told}: is the plan for these vehicles?")
 
 
+class UnplannedNames:
+    """Warning, once for the same names, of references that the plan does not have; `health` keeps it."""
+
+    def __init__(self, node: Node, health: Health) -> None:
+        """Compare the plan, once it is there, with the references."""
+        self._node, self._health = node, health
+        self._planned: Names = ()
+        self._referred: Names = ()
+        self._told: set[Names] = {()}
+
+    def take_plan(self, names: Names) -> None:
+        """Take the names of a plan."""
+        self._planned = names
+        self._compare()
+
+    def look(self, _: int, reference: Signal) -> None:
+        """Take a reference."""
+        if reference.names != self._referred:
+            self._referred = reference.names
+            self._compare()
+
+    def _compare(self) -> None:
+        unplanned = tuple(sorted(set(self._referred) - set(self._planned))) if self._planned else ()
+        told = f"{', '.join(unplanned)} not in plan, which has {', '.join(self._planned)}"
+        self._health.doubts["plan's vehicles"] = told if unplanned else ""
+        if unplanned not in self._told:
+            self._told.add(unplanned)
+            self._node.get_logger().warning(f"{told}: flown without looking ahead")
+
+
 class StandingStamps:
     """Warning, once, that frames come with one and the same stamp."""
 

@@ -8,6 +8,9 @@ sinks no faster than it can stop above the floor, z = 0: sent below that, one wo
 So does that of a vehicle that was measured all the time and is far from its modified trajectory, as one that
 evades another which falls (q2q_control.failsafe.evasion): others would be led past its setpoint, through it.
 One on its reference stays there, as that may jump.
+
+At the first tick of a replanner, which may have been started again in flight, every measured vehicle that is
+off its reference starts where it is: it may be on the way around another, whom its reference leads through.
 """
 
 from dataclasses import replace
@@ -52,6 +55,11 @@ def _found(age: Array, before: Mask, lost: Mask) -> Mask:
     # never measured is not lost: a vehicle begins on its reference
     lost[:] = (age > BLIND_S) & np.isfinite(age) | before & ~fresh
     return before & fresh
+
+
+def measured_now(known: KnownStates) -> Mask:
+    """Return which vehicles are measured in this tick or the last one, (n,)."""
+    return np.asarray(known.age <= FRESH_S)
 
 
 def left_behind(committed: CommittedMotion, known: KnownStates) -> Mask:

@@ -70,7 +70,7 @@ from q2q_planner.online.safe.finite_setpoints import (
     moves_finitely,
     off_reference,
 )
-from q2q_planner.online.safe.found_again import LostVehicles, left_behind, restarted
+from q2q_planner.online.safe.found_again import LostVehicles, left_behind, measured_now, restarted
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
@@ -94,7 +94,7 @@ class SafeReplanner:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the modified trajectories and external vehicles; the next update starts on the reference."""
+        """Forget the modified trajectories and external vehicles; the next update starts as the first did."""
         self._committed: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
         self._last_known.reset()
@@ -116,6 +116,7 @@ class SafeReplanner:
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick.
 
+        The first ones start on the reference; where a vehicle is measured off it, where that is measured.
         A repeated stamp returns the same setpoints; one that goes back, of a late frame or a clock set
         back, leaves the motions where they are; a gap over LONGEST_GAP either way restarts on the
         reference. `state` None assumes ideal tracking and no external vehicles.
@@ -159,6 +160,8 @@ class SafeReplanner:
     def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
         """Return the motion in which vehicles that are off it, found again or far, start where they are."""
         found = self._lost.found(known)
+        if self._committed is None and self.params.enabled:  # it may have been started again in flight
+            found |= measured_now(known)
         if found.any():
             found &= off_trajectory(committed, known, self.params)
         return restarted(committed, known, found | left_behind(committed, known), self.params)

@@ -4,13 +4,12 @@ Source: firmware: modules/src/pptraj.c (piecewise_eval, piecewise_eval_reversed)
 rests at its last point. A time scale of 2 takes twice as long. Reversed, it is shifted but not rotated.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, goal_at, resting
+from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, cos_sin, goal_at, resting
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +32,7 @@ class Piecewise:
         """Return the duration [s]."""
         return sum(piece.duration for piece in self.pieces) * self.timescale
 
+    @np.errstate(all="ignore")
     def goal(self, t: float) -> Goal:
         """Return the goal at time t [s]."""
         since = t - self.begin
@@ -57,7 +57,7 @@ class Piecewise:
         return self._mirrored(resting(first.pos, first.yaw))
 
     def _turned(self, goal: Goal) -> Goal:
-        c, s = math.cos(self.turn), math.sin(self.turn)
+        c, s = cos_sin(self.turn)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         pos = turn @ goal.pos + np.array(self.shift)
         return Goal(pos, turn @ goal.vel, turn @ goal.acc, goal.yaw + self.turn, goal.ang_vel_body)

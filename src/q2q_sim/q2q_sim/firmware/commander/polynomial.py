@@ -84,6 +84,11 @@ def goal_at(piece: Piece, tau: float) -> Goal:
     return Goal(value[:3], slope[:3], curve[:3], float(value[3]), rates)
 
 
+def cos_sin(angle: float) -> tuple[float, float]:
+    """Return cosine and sine; NaN where an uploaded polynomial is not finite, as in C."""
+    return (math.cos(angle), math.sin(angle)) if math.isfinite(angle) else (math.nan, math.nan)
+
+
 def _node(goal: Goal) -> Array:
     """Return value, velocity, acceleration, jerk of x, y, z, yaw, (4, 4)."""
     rows = np.zeros((4, HALF))
@@ -97,7 +102,7 @@ def _rates(acc: Array, jerk: Array, yaw: tuple[float, float]) -> Array:
     thrust = acc + np.array([0.0, 0.0, GRAVITY])
     size = max(float(np.linalg.norm(thrust)), 1e-9)  # free fall: direction undefined
     up = thrust / size
-    left = _cross(up, np.array([math.cos(yaw[0]), math.sin(yaw[0]), 0.0]))
+    left = _cross(up, np.array([*cos_sin(yaw[0]), 0.0]))
     left = left / max(float(np.linalg.norm(left)), 1e-9)
     ahead = _cross(left, up)
     turn = (jerk - float(jerk @ up) * up) / size

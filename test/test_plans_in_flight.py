@@ -1,0 +1,68 @@
+"""What the node `mpc` does with plans that come in flight: an invalid one must not end the controller."""
+
+from array import array
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from q2q_msgs.msg import Plan
+from room_node import RoomNode
+
+from q2q_control.ros import mpc_node
+from q2q_model.node.health import Health, Level, report
+from q2q_model.ros.node.input_warnings import UnplannedNames
+from q2q_model.ros.topics.plan_message import encode_plan
+from q2q_model.signals.values import Names, SwarmSetpoint
+from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
+
+PLAN = SwarmPlan(("cf1", "cf2"), (Trajectory(np.array([5.0]), np.zeros((1, AXES, 2))),) * 2)
+
+
+def plan(**changed: object) -> Plan:
+    """Return the message of a plan of two vehicles, with some fields changed."""
+    message = encode_plan(PLAN, 0)
+    for name, value in changed.items():
+        setattr(message, name, value)
+    return message
+
+
+def setpoint(names: Names) -> SwarmSetpoint:
+    still, level = np.zeros((len(names), 3)), np.zeros(len(names))
+    return SwarmSetpoint(0.0, names, still, still, still, level, level, np.zeros(len(names), np.uint8))
+
+
+def test_an_invalid_plan_is_refused_with_its_reason_and_the_next_one_is_taken() -> None:
+    node = RoomNode("mpc", {"model": "none"}, {})
+    wiring = mpc_node.build(node)
+    for changed, reason in (
+        ({"coefficients": array("d", [np.nan] * 16)}, "a coefficient is not finite"),
+        ({"coefficients": array("d", [0.0])}, "plan has 1 coefficients; its pieces need 16"),
+        ({"names": ["cf1", "cf1"]}, "duplicate vehicle names in cf1, cf1"),
+        ({"durations": array("d", [5.0, 1e9])}, "plan of 1e+09 s: 2 vehicles may fly for 50000 s at most"),
+        ({"names": [], "pieces": [], "durations": [], "coefficients": []}, "at least one piece"),
+    ):
+        node.takers["plan"](plan(**changed))
+        assert reason in wiring.health.last_refusal
+        assert wiring.health.last_refusal.startswith("plan, the last one is kept: ")
+    assert report(Health(), wiring.health).level is Level.ERROR
+    node.takers["plan"](plan())
+    assert wiring.health.refused == 5
+
+
+@pytest.mark.parametrize("plan_first", [True, False])
+def test_references_that_the_plan_does_not_have_are_told_once_and_kept_in_health(plan_first: bool) -> None:
+    node, health = RoomNode("mpc", {}, {}), Health()
+    names = UnplannedNames(node, health)
+    if plan_first:
+        names.take_plan(("x", "cf2"))
+    for _ in range(3):
+        names.look(0, setpoint(("cf1", "cf2")))
+    assert plan_first or node.lines == []  # no plan has come: nothing is missing from it
+    names.take_plan(("x", "cf2"))
+    assert node.lines == ["cf1 not in plan, which has x, cf2: flown without looking ahead"]
+    assert report(Health(), health).summary == "cf1 not in plan, which has x, cf2"
+    names.take_plan(("cf2", "cf1"))
+    assert report(Health(), health).level is Level.STALE
+    assert len(node.lines) == 1
