@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.some_vehicles import of_vehicles
-from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_planner.online.safe.found_again import BLIND_S, FRESH_S, LEFT_BEHIND
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -153,10 +153,17 @@ def test_a_replanner_started_again_in_flight_goes_on_where_the_vehicles_are(begi
         assert not (flown.status == SetpointStatus.PROMISE_BROKEN).any()
 
 
-@pytest.mark.parametrize(("enabled", "age"), [(False, 0.0), (True, 2.0 * FRESH_S)])
-def test_it_starts_on_the_reference_if_it_is_off_or_nothing_is_measured(enabled: bool, age: float) -> None:
-    first = SafeReplanner(replace(PARAMS, enabled=enabled)).update(setpoint_at(0.0), state_at(0.0, age, OFF))
-    np.testing.assert_array_equal(first.pos, SENT)
+@pytest.mark.parametrize(
+    ("enabled", "status", "starts"),
+    [(True, TrackStatus.TRACKED, OFF), (False, TrackStatus.TRACKED, ON), (True, TrackStatus.COASTING, ON)],
+)
+def test_it_starts_where_a_vehicle_is_tracked_and_else_on_the_reference(
+    enabled: bool, status: TrackStatus, starts: Array
+) -> None:
+    """A filter that begins tracks nobody, as its first frame may be an outlier."""
+    state = replace(state_at(0.0, 0.0, OFF), status=np.full(2, status, np.uint8))
+    first = SafeReplanner(replace(PARAMS, enabled=enabled)).update(setpoint_at(0.0), state)
+    np.testing.assert_allclose(first.pos[0], SENT[0] + starts, atol=0.01)
 
 
 def test_one_on_its_reference_stays_there_however_far_it_is() -> None:

@@ -9,7 +9,7 @@ So does that of a vehicle that was measured all the time and is far from its mod
 evades another which falls (q2q_control.failsafe.evasion): others would be led past its setpoint, through it.
 One on its reference stays there, as that may jump.
 
-At the first tick of a replanner, which may have been started again in flight, every measured vehicle that is
+At the first tick of a replanner, which may have been started again in flight, every tracked vehicle that is
 off its reference starts where it is: it may be on the way around another, whom its reference leads through.
 """
 
@@ -19,7 +19,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.signals.values import Array, Mask, Names, rows_by_name
+from q2q_model.signals.values import Array, Mask, Names, SwarmState, TrackStatus, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.committed_motion import CommittedMotion, distance
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -57,9 +57,10 @@ def _found(age: Array, before: Mask, lost: Mask) -> Mask:
     return before & fresh
 
 
-def measured_now(known: KnownStates) -> Mask:
-    """Return which vehicles are measured in this tick or the last one, (n,)."""
-    return np.asarray(known.age <= FRESH_S)
+def tracked_now(state: SwarmState, names: Names) -> Mask:
+    """Return which of the named vehicles are tracked, (n,): none by a filter's first frame, which may lie."""
+    status = rows_by_name(state.status, state.names, names, TrackStatus.LOST)
+    return np.asarray(status == TrackStatus.TRACKED)
 
 
 def left_behind(committed: CommittedMotion, known: KnownStates) -> Mask:

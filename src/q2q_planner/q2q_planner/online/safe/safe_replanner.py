@@ -70,7 +70,7 @@ from q2q_planner.online.safe.finite_setpoints import (
     moves_finitely,
     off_reference,
 )
-from q2q_planner.online.safe.found_again import LostVehicles, left_behind, measured_now, restarted
+from q2q_planner.online.safe.found_again import LostVehicles, left_behind, restarted, tracked_now
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
@@ -116,7 +116,7 @@ class SafeReplanner:
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:
         """Return the modified setpoints of the tick.
 
-        The first ones start on the reference; where a vehicle is measured off it, where that is measured.
+        The first ones start on the reference; where a vehicle is tracked off it, where that is measured.
         A repeated stamp returns the same setpoints; one that goes back, of a late frame or a clock set
         back, leaves the motions where they are; a gap over LONGEST_GAP either way restarts on the
         reference. `state` None assumes ideal tracking and no external vehicles.
@@ -143,8 +143,8 @@ class SafeReplanner:
         params, names = self._grown, setpoint.names
         committed = propagated(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
-        if known is not None:
-            committed = self._with_found(committed, known)
+        if state is not None and known is not None:
+            committed = self._with_found(committed, known, state)
         growth = own_uncertainty(committed, known, params)
         unheard = not set(self._last_known.forget(setpoint.t, params.forget)).issubset(names)
         external = self._last_known.external(names, setpoint.t)
@@ -157,11 +157,13 @@ class SafeReplanner:
         broken = ((choice == BROKEN) | off | decision.outside | unheard) & params.enabled
         return _answer(setpoint, self._committed, broken, decision.acc)
 
-    def _with_found(self, committed: CommittedMotion, known: KnownStates) -> CommittedMotion:
+    def _with_found(
+        self, committed: CommittedMotion, known: KnownStates, state: SwarmState
+    ) -> CommittedMotion:
         """Return the motion in which vehicles that are off it, found again or far, start where they are."""
         found = self._lost.found(known)
         if self._committed is None and self.params.enabled:  # it may have been started again in flight
-            found |= measured_now(known)
+            found |= tracked_now(state, known.names)
         if found.any():
             found &= off_trajectory(committed, known, self.params)
         return restarted(committed, known, found | left_behind(committed, known), self.params)
