@@ -157,7 +157,14 @@ class Player:
             self._play_one()
 
     def _on_answer(self, data: bytes) -> None:
-        if self._tick is not None and header_stamp_ns(data) == header_stamp_ns(self._tick.data):
+        if self._tick is None:
+            return
+        try:
+            answered = header_stamp_ns(data) == header_stamp_ns(self._tick.data)
+        except ValueError as refusal:
+            self._health.refuse(f"{self._params.answer}: {refusal}")
+            return
+        if answered:
             self._play_tick()
 
     def _on_stall(self) -> None:
