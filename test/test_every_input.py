@@ -99,7 +99,6 @@ def plans() -> list[Plan]:
 
 
 def predictions() -> list[Prediction]:
-    """Return predictions of a neighbour, and some of an own vehicle."""
     still = array("f", [0.0] * 12)
     found = [Prediction(), Prediction(names=["cf1"], step=0.0)]
     for names in (["cf2"], ["cf2", "cf2"], ["é" * 9000]):
@@ -112,15 +111,11 @@ def predictions() -> list[Prediction]:
 
 
 def poses() -> list[SimpleNamespace]:
-    """Return what motion capture may send: none, twice the same, no numbers, stamps that are none."""
     bad = SimpleNamespace(x=math.nan, y=math.inf, z=1e300, w=math.nan)
     one = SimpleNamespace(name="cf1", pose=SimpleNamespace(position=bad, orientation=bad))
     stamps = [SimpleNamespace(sec=sec, nanosec=nano) for sec, nano in ((LAST, 2**32 - 1), (FIRST, 0), (1, 0))]
-    return [
-        SimpleNamespace(header=SimpleNamespace(stamp=stamp), poses=some)
-        for stamp in stamps
-        for some in ([], [one], [one, one])
-    ]
+    heads = [SimpleNamespace(stamp=stamp) for stamp in stamps]
+    return [SimpleNamespace(header=head, poses=some) for head in heads for some in ([], [one], [one, one])]
 
 
 SPOILED: dict[str, Callable[[], list[object]]] = {
@@ -166,8 +161,7 @@ class Open(StandInNode):
         self.timers: list[tuple[float, Callable[[], None]]] = []
         self.services: list[tuple[type, Callable[..., object]]] = []
         self.reports: list[DiagnosticArray] = []
-        self.publishers: list[object] = []
-        self.subscriptions: list[object] = []
+        self.publishers = self.subscriptions = ()
 
     def create_publisher(self, kind: type, topic: str, qos: object) -> NullEntity:
         """Return a publisher; reports of health are kept."""
@@ -247,7 +241,6 @@ def expect_refusals(node: Open, invalid: tuple[str, ...]) -> None:
 
 
 def extended(executable: str, folder: Path) -> list[Configuration]:
-    """Return the start configurations of a node, with those that the survey has no need of."""
     more: dict[str, list[Configuration]] = {
         "interference": [{"correct_vehicle": "crazyflie_2_0"}],
         "mpc": [{"vehicles": ("cf1",), "distributed": True, "live": True}],
@@ -282,7 +275,6 @@ def test_nothing_that_comes_in_ends_a_node_and_invalid_bytes_are_told(
 
 
 def identification() -> Open:
-    """Return the node of `identify --live`."""
     node = Open("identify", {})
     LiveIdentification(node, find_model("paper_law"), vehicle_by_name("crazyflie_2_0"))
     return node
@@ -297,14 +289,12 @@ def test_the_nodes_here_make_every_subscription_of_q2q(monkeypatch: pytest.Monke
     identification()
     for package, name in NODES:
         feed(monkeypatch, package, name, lambda _: None)
-    written = set()
-    for file in ROOT.glob("src/q2q_*/q2q_*/ros/**/*.py"):
-        for part in ast.walk(ast.parse(file.read_text())):
-            if isinstance(part, ast.FunctionDef) and file.name not in TOOLS and _subscribes(part):
-                written.add((file.name, part.name))
+    written = {
+        (file.name, part.name)
+        for file in ROOT.glob("src/q2q_*/q2q_*/ros/**/*.py")
+        for part in ast.walk(ast.parse(file.read_text()))
+        if file.name not in TOOLS and isinstance(part, ast.FunctionDef)
+        if any(getattr(one, "attr", "") == "create_subscription" for one in ast.walk(part))
+    }
     assert ("tick.py", "_subscribe") in written
     assert written - Open.sites == set()
-
-
-def _subscribes(part: ast.FunctionDef) -> bool:
-    return any(isinstance(one, ast.Attribute) and one.attr == "create_subscription" for one in ast.walk(part))
