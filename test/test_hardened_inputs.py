@@ -257,10 +257,10 @@ def test_absurd_ticks_raise_nothing_and_are_forgotten_by_the_next_good_ones(
     with np.errstate(all="ignore"):
         for kind, receive in node.receivers():
             receive(encode(data.draw(absurd(kind)), tick[0]))
-    # a second of good ticks: longer than any coasting, holding or fading that a fault may have begun
-    for _ in range(100):
-        tick[0] += TICK_NS
-        answer = node.answer(tick[0])
+        # a second of good ticks: longer than any coasting, holding or fading that a fault may have begun
+        for _ in range(100):
+            tick[0] += TICK_NS
+            answer = node.answer(tick[0])
     (last,) = answer
     signal = decode(last, _kind_of(last))
     assert set(VEHICLES) <= set(signal.names)

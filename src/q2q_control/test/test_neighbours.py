@@ -115,6 +115,24 @@ def test_a_prediction_that_is_no_number_is_refused(slope: float) -> None:
         prediction(0.5, slope)
 
 
+@pytest.mark.parametrize(
+    ("start", "step"), [(0.5, 1e-300), (-1e18, 0.05), (1e3, 0.05), (np.nan, 0.05), (0.5, np.inf), (0.5, 0.0)]
+)
+def test_a_prediction_whose_steps_cannot_be_counted_is_refused(start: float, step: float) -> None:
+    """The number of steps to a time overflowed, and the kernel read beyond its positions."""
+    with pytest.raises(ValueError, match="allowed is a start within 100 s of t"):
+        PredictedPaths(0.5, ("cf2",), start, step, np.zeros((1, 4, 3), np.float32))
+
+
+def test_a_prediction_of_a_name_given_twice_or_of_places_out_of_reach_is_refused() -> None:
+    pos = np.zeros((2, 4, 3), np.float32)
+    with pytest.raises(ValueError, match="duplicate vehicle names in cf2, cf2"):
+        PredictedPaths(0.5, ("cf2", "cf2"), 0.52, 0.05, pos)
+    pos[1, 2, 0] = -3e38
+    with pytest.raises(ValueError, match=r"prediction of cf2, cf3: positions within 1e\+06 m are allowed"):
+        PredictedPaths(0.5, ("cf2", "cf3"), 0.52, 0.05, pos)
+
+
 def test_without_predictions_a_neighbour_is_on_its_reference_and_a_lost_one_far_away() -> None:
     names, flag = ("cf1", "cf2", "cf3", "cf4"), np.zeros(4, np.uint8)
     flag[3] = TrackStatus.LOST

@@ -18,11 +18,12 @@ from q2q_model.signals.cdr import (
     header_stamp_ns,
 )
 from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.stamps import END_S
 from q2q_model.signals.values import MocapFrame, SwarmImu, SwarmState
 
 SIGNALS = list(LAYOUTS)
 NAMES = st.lists(st.text("abcf123", min_size=1, max_size=9), max_size=5, unique=True).map(tuple)
-STAMPS = st.integers(0, 2**31 * 10**9 - 1)
+STAMPS = st.integers(0, END_S * 10**9 - 1)
 
 
 def typestore() -> Typestore:
@@ -86,10 +87,10 @@ def test_damaged_bytes_are_refused_and_never_anything_else(data: st.DataObject) 
         whole[data.draw(st.integers(0, len(whole) - 1))] = data.draw(st.integers(0, 255))
     cut = bytes(whole[: data.draw(st.integers(0, len(whole)))])
     try:
-        decode(cut, SwarmState)
+        names = decode(cut, SwarmState).names
     except BadMessageError:
         return
-    assert len(cut) >= len(whole) - 1
+    assert len(cut) >= len(whole) - 1 or not names  # without names, arrays are not read
 
 
 @pytest.mark.parametrize("kind", SIGNALS)

@@ -11,6 +11,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 import rclpy
 from rclpy.node import Node
 from rosbags.rosbag2 import StoragePlugin, Writer
+from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagError, BagWriter
 from q2q_model.node.rehearsal import rehearsal
@@ -108,6 +109,36 @@ def test_answers_to_ticks_need_a_tick_after_the_start(tmp_path: Path) -> None:
     refusal = r"parameter start = 2 s: the bag lasts 0\.0 s"
     with pytest.raises(ValueError, match=refusal), waiting_player(*given, "answer:=interference"):
         pass
+
+
+def test_a_second_start_is_refused_and_the_playback_goes_on(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    with waiting_player(tmp_path / "bag") as player:
+
+        def start() -> tuple[bool, str]:
+            response = player._on_start(Trigger.Request(), Trigger.Response())
+            return response.success, response.message
+
+        assert start() == (True, "")
+        player._play_one()
+        assert start() == (False, "already playing")
+        assert player._next is not None
+        assert player._next.stamp_ns == 10_000_000
+        while player._next is not None:
+            player._play_one()
+        assert start() == (False, "the playback is over: start the node again for another one")
+
+
+def test_an_answer_without_a_header_is_refused_and_the_next_one_goes_on(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    with waiting_player(tmp_path / "bag", "answer:=interference") as player:
+        player._begin()
+        tick = player._tick
+        player._on_answer(b"")
+        assert player._health.last_refusal == "interference: message has 0 bytes; a header needs at least 12"
+        assert player._tick is tick is not None
+        player._on_answer(tick.data)
+        assert player._tick is not tick
 
 
 def test_a_bag_without_duration_is_looped_once_a_beat(

@@ -123,7 +123,11 @@ class Crazyswarm:
         if self._poses is None:
             return
         stamp = message.header.stamp
-        stamp_ns = stamp_from_parts(stamp.sec, stamp.nanosec)
+        try:
+            stamp_ns = stamp_from_parts(stamp.sec, stamp.nanosec)
+        except ValueError as refusal:
+            self._health.refuse(f"{self._settings.poses_in}: {refusal}")
+            return
         poses = [self._poses.read(one) for one in message.poses]
         self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
 

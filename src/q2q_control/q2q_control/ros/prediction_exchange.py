@@ -69,14 +69,14 @@ class PredictionExchange:
             self._publisher.publish(message)
 
     def _hear(self, message: PredictionMessage) -> None:
-        if own := set(message.names).intersection(self._vehicles):
-            self._own.hear(_stamp_of(message), own)
-            return
         try:
+            if own := set(message.names).intersection(self._vehicles):
+                self._own.hear(_stamp_of(message), own)
+                return
             self._mpc.hear(decode_prediction(message))
+            self._wiring.resume()
         except ValueError as refusal:
             self._wiring.health.refuse(f"{TOPIC}: {refusal}")
-        self._wiring.resume()
 
     def _look_for_neighbours(self) -> None:
         """Tell which neighbours are silent, and that others fly own vehicles."""

@@ -17,7 +17,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from q2q_model.signals.layout import LAYOUTS, Column, Signal
-from q2q_model.signals.stamps import stamp_from_parts, stamp_parts, time_from_stamp
+from q2q_model.signals.stamps import BadStampError, stamp_from_parts, stamp_parts, time_from_stamp
 from q2q_model.signals.values import Names, SwarmImu
 
 S = TypeVar("S", bound=Signal)
@@ -44,7 +44,14 @@ def header_stamp_ns(data: bytes) -> int:
         raise BadMessageError(f"message has {len(data)} bytes; a header needs at least {NAMES_AT}")
     order = "<" if data[1] & 1 else ">"
     sec, nanosec = struct.unpack_from(f"{order}iI", data, START)
-    return stamp_from_parts(sec, nanosec)
+    return _checked_stamp(sec, nanosec)
+
+
+def _checked_stamp(sec: int, nanosec: int) -> int:
+    try:
+        return stamp_from_parts(sec, nanosec)
+    except BadStampError as bad:
+        raise BadMessageError(str(bad)) from bad
 
 
 def encode(signal: Signal, stamp_ns: int) -> bytes:
@@ -140,7 +147,7 @@ class SignalReader(Generic[S]):
             _refuse(data, known)
         sec, nanosec = _STAMP.unpack_from(data, START)
         arrays = [np.ndarray(shape, dtype, data, begin) for shape, dtype, begin in known.views]
-        t = time_from_stamp(stamp_from_parts(sec, nanosec))
+        t = time_from_stamp(_checked_stamp(sec, nanosec))
         return self._signal(t, known.names, *arrays)
 
 

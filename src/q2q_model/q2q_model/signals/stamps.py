@@ -8,8 +8,23 @@ NANOSECONDS = 1_000_000_000
 """Nanoseconds per second."""
 
 
+END_S = 2**31 - 86_400
+"""Stamps from here on are refused [s]: `sec` is an int32, and stamps of up to a day later must fit, too."""
+
+
+class BadStampError(ValueError):
+    """Error for a stamp that is none, or close to the end of its range."""
+
+
 def stamp_from_parts(sec: int, nanosec: int) -> int:
-    """Return the stamp [ns] of builtin_interfaces/Time."""
+    """Return the stamp [ns] of builtin_interfaces/Time.
+
+    Raises:
+        BadStampError: `nanosec` is a second or more, or `sec` is beyond END_S.
+    """
+    if not (-END_S < sec < END_S and nanosec < NANOSECONDS):
+        allowed = f"sec within {END_S} and nanosec below {NANOSECONDS} are allowed"
+        raise BadStampError(f"stamp of sec {sec}, nanosec {nanosec}: {allowed}")
     return int(sec) * NANOSECONDS + int(nanosec)
 
 

@@ -85,6 +85,7 @@ class Player:
         self._messages: Iterator[RawMessage] = iter(())
         self._next: RawMessage | None = None
         self._damage: BagError | None = None
+        self._begun = False
         self._tick: RawMessage | None = None
         self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
         self._health = Health()
@@ -121,11 +122,16 @@ class Player:
         return self._node.create_publisher(found, topic.strip("/"), TICK_WRITER)
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if self._begun:
+            over = "the playback is over: start the node again for another one"
+            response.message = over if self._next is None else "already playing"
+            return response
         self._begin()
         response.success = True
         return response
 
     def _begin(self) -> None:
+        self._begun = True
         self._rewind()
         if self._params.answer:
             self._play_tick()
@@ -157,7 +163,14 @@ class Player:
             self._play_one()
 
     def _on_answer(self, data: bytes) -> None:
-        if self._tick is not None and header_stamp_ns(data) == header_stamp_ns(self._tick.data):
+        if self._tick is None:
+            return
+        try:
+            answered = header_stamp_ns(data) == header_stamp_ns(self._tick.data)
+        except ValueError as refusal:
+            self._health.refuse(f"{self._params.answer}: {refusal}")
+            return
+        if answered:
             self._play_tick()
 
     def _on_stall(self) -> None:

@@ -128,7 +128,12 @@ class Recorder:
 
     def _storing(self, topic: str) -> Callable[[bytes], None]:
         def take(data: bytes) -> None:
-            self._store(topic, header_stamp_ns(data) if self._by_header else time_ns(), data)
+            try:
+                stamp_ns = header_stamp_ns(data) if self._by_header else time_ns()
+            except ValueError as refusal:
+                self.health.refuse(f"{topic}: {refusal}; not recorded")
+                return
+            self._store(topic, stamp_ns, data)
 
         return take
 
@@ -137,6 +142,9 @@ class Recorder:
             self.health.missed += 1
             return
         self._heard.add(topic)
+        if stamp_ns < 0:
+            self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; bags begin at 0 s; not recorded")
+            return
         try:
             self._writer.write_raw(topic, stamp_ns, data)
         except BagError as refusal:

@@ -5,6 +5,7 @@ The nodes run in processes of their own, or in this process on one executor.
 
 import json
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from time import monotonic
 from typing import Self
 
@@ -21,7 +22,7 @@ from q2q_model.node.wiring import Wiring, missing_connections, other_writers, wi
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
-from q2q_model.signals.stamps import stamp_from_parts
+from q2q_model.signals.stamps import BadStampError, stamp_from_parts
 from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
@@ -185,7 +186,8 @@ class FlightDirector:
             self._executor.spin_once(timeout_sec=rest)
 
     def _on_clock(self, message: Clock) -> None:
-        self._ticks = stamp_from_parts(message.clock.sec, message.clock.nanosec) // TICK_NS
+        with suppress(BadStampError):  # of another node: this flight's ticks go on
+            self._ticks = stamp_from_parts(message.clock.sec, message.clock.nanosec) // TICK_NS
 
     def _on_summary(self, message: String) -> None:
         self._summary = json.loads(message.data)
@@ -196,4 +198,5 @@ class FlightDirector:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.name.endswith(SOURCES):
-                self._ticks = int(next((pair.value for pair in status.values if pair.key == "ticks"), "0"))
+                told = next((pair.value for pair in status.values if pair.key == "ticks"), "0")
+                self._ticks = int(told) if told.isdecimal() else self._ticks

@@ -1,6 +1,7 @@
 """Nodes that a node waits for before it starts by itself: ready, connected with it and with each other."""
 
 from collections.abc import Sequence
+from time import monotonic
 
 from rclpy.node import Node
 from rclpy.task import Future
@@ -8,6 +9,9 @@ from std_srvs.srv import Trigger
 
 from q2q_model.node.wiring import Wiring, missing_connections, wiring_from_text
 from q2q_model.ros.node.ready import SERVICE, wiring_of
+
+AGAIN_S = 2.0
+"""Time after which a question without an answer is asked again [s]: who was asked may have been restarted."""
 
 
 class ReadyNodes:
@@ -17,16 +21,21 @@ class ReadyNodes:
         """Wait for the nodes `names` of the namespace of `node`."""
         self._node = node
         self._clients = {name: node.create_client(Trigger, f"{name}/{SERVICE}") for name in names}
-        self._calls: dict[str, Future] = {}
+        self._calls: dict[str, tuple[Future, float]] = {}
         self._wirings: dict[str, Wiring] = {}
 
     def missing(self) -> list[str]:
         """Return descriptions of the missing connections; empty once the flight may start."""
-        for name, call in [*self._calls.items()]:
+        now = monotonic()
+        for name, (call, asked) in [*self._calls.items()]:
             if call.done():
-                self._wirings[name] = wiring_from_text(self._calls.pop(name).result().message)
+                del self._calls[name]
+                self._wirings[name] = wiring_from_text(call.result().message)
+            elif now - asked > AGAIN_S:
+                del self._calls[name]
+                self._clients[name].remove_pending_request(call)
         for name, client in self._clients.items():
             if name not in self._calls and client.service_is_ready():
-                self._calls[name] = client.call_async(Trigger.Request())
+                self._calls[name] = client.call_async(Trigger.Request()), now
         own = {self._node.get_name(): wiring_of(self._node)}
         return missing_connections((*own, *self._clients), self._wirings | own)

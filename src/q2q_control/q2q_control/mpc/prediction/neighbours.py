@@ -28,7 +28,7 @@ from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.prediction.surroundings import FAR, Neighbours
 from q2q_model.compiled import compiled
 from q2q_model.signals.recent_ticks import SAME_STAMP
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, index_of
 
 LATE_FADE = 0.2
 """Time constant of a late prediction [s]: that for which an MPC follows its own last plan by default."""
@@ -38,6 +38,8 @@ SILENT = 5
 """Periods without a prediction after which a neighbour is silent: one or two are lost messages."""
 CLOCK_JUMP = 1.0
 """A prediction older than the last one by more [s] is of a clock that was set back."""
+LEAST_STEP, MOST_AHEAD = 1e-3, 100.0
+"""Least step, and most time from the tick to the start [s]: as integers, steps to a time do not overflow."""
 
 Positions = NDArray[np.float32]
 
@@ -63,10 +65,16 @@ class PredictedPaths:
             raise ValueError(
                 f"positions {shape} of {len(self.names)} vehicles: (n, 2 or more, 3) is expected"
             )
-        if not (0.0 < self.step < np.inf and np.isfinite(self.start) and np.isfinite(self.t)):
-            raise ValueError(f"t {self.t:g}, start {self.start:g}, step {self.step:g}: finite, step above 0")
+        if not (LEAST_STEP <= self.step < np.inf and abs(self.start - self.t) <= MOST_AHEAD):
+            raise ValueError(
+                f"t {self.t:g}, start {self.start:g}, step {self.step:g} s: allowed is a start within "
+                f"{MOST_AHEAD:g} s of t, and a finite step of {LEAST_STEP:g} s or more"
+            )
         if not np.isfinite(self.pos).all():
             raise ValueError(f"prediction of {', '.join(self.names)} is not finite: send finite positions")
+        check_unique(self.names)
+        if np.abs(self.pos).max() >= FAR:
+            raise ValueError(f"prediction of {', '.join(self.names)}: positions within {FAR:g} m are allowed")
 
 
 class HeardPath(NamedTuple):
