@@ -242,7 +242,6 @@ def expect_refusals(node: Open, invalid: tuple[str, ...]) -> None:
 
 def extended(executable: str, folder: Path) -> list[Configuration]:
     more: dict[str, list[Configuration]] = {
-        "interference": [{"correct_vehicle": "crazyflie_2_0"}],
         "mpc": [{"vehicles": ("cf1",), "distributed": True, "live": True}],
         "simulator": [{"autostart": True}],
     }

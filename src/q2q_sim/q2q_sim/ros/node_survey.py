@@ -66,21 +66,37 @@ def node_modules(package: str) -> list[str]:
 
 def configurations(executable: str, folder: Path) -> list[Configuration]:
     """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
-    link: Configuration = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
-    of_one: Configuration = {"vehicles": (VEHICLE,)}
     played: Configuration = {"bag": str(folder / "bag")}
     unanswered: Configuration = played | {"topics": tuple(one for one in TICK_TOPICS if one != "command")}
-    known: dict[str, list[Configuration]] = {
+    known: dict[str, list[Configuration]] = _flying_configurations() | {
+        "interference": [{"correct_vehicle": "none"}, {"correct_vehicle": "crazyflie_2_0"}],
         "trajectory": [
             {"plan": str(folder / "plan.json"), "wait": True},
             {"plan": str(folder / "plan.json"), "wait": False},
         ],
+        "replanner": [{"law": "paper"}, {"law": "safe"}],
+        "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
+        "bag_record": [{"bag": str(folder / "made")}],
+        "bag_play": [
+            played | {"answer": "", "clock": False},
+            unanswered | {"answer": "command", "clock": False},
+            unanswered | {"answer": "", "clock": False},
+            unanswered | {"answer": "", "clock": True},
+        ],
+    }
+    return known.get(executable, [{}])
+
+
+def _flying_configurations() -> dict[str, list[Configuration]]:
+    """Return those of the controllers, and of the nodes that reach real vehicles."""
+    link: Configuration = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
+    of_one: Configuration = {"vehicles": (VEHICLE,)}
+    return {
         "pid": [
             {"aware": True, "live": True, "correct": False},
             {"aware": False, "live": True, "correct": False},
             {"aware": True, "live": True, "correct": True},
         ],
-        "replanner": [{"law": "paper"}, {"law": "safe"}],
         "mpc": [
             of_one | {"correct": False, "distributed": False},
             of_one | {"correct": True, "distributed": False},
@@ -97,16 +113,7 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
             of_one | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": False},
             of_one | {"mode": "command", "poses_out": ""},
         ],
-        "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
-        "bag_record": [{"bag": str(folder / "made")}],
-        "bag_play": [
-            played | {"answer": "", "clock": False},
-            unanswered | {"answer": "command", "clock": False},
-            unanswered | {"answer": "", "clock": False},
-            unanswered | {"answer": "", "clock": True},
-        ],
     }
-    return known.get(executable, [{}])
 
 
 class _SilentLink:
