@@ -19,7 +19,7 @@ MOST_ENTRIES = 14
 MOST_LINES = 40
 """Lines of a function without its docstring."""
 QUESTIONS = (
-    ("where is the outlier gate?", "q2q_model/estimation/position_gates.py", "PositionGates"),
+    ("where is the outlier gate?", "q2q_model/estimation/position/position_gates.py", "PositionGates"),
     ("where is the mocap filter?", "q2q_model/estimation/mocap_filter.py", "MocapFilter"),
     ("where is the jet law?", "q2q_model/downwash/jet.py", "Jet"),
     ("what is an interaction model?", "q2q_model/downwash/interaction_model.py", "InteractionModel"),

@@ -6,13 +6,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from q2q_model.estimation import white_jerk
 from q2q_model.estimation.association.reacquisition import SAME_INSTANT
-from q2q_model.estimation.position_gates import PositionGates, screen
-from q2q_model.estimation.positions import PositionTracks
-from q2q_model.estimation.steady_gain import CONVERGED
-from q2q_model.estimation.track_columns import TrackParams
-from q2q_model.estimation.white_jerk import MotionEstimate
+from q2q_model.estimation.position import white_jerk
+from q2q_model.estimation.position.position_gates import PositionGates, screen
+from q2q_model.estimation.position.position_tracks import PositionTracks
+from q2q_model.estimation.position.steady_gain import CONVERGED
+from q2q_model.estimation.position.track_columns import TrackParams
+from q2q_model.estimation.position.white_jerk import MotionEstimate
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY

@@ -5,11 +5,11 @@ from copy import deepcopy
 import numpy as np
 import pytest
 
-from q2q_model.estimation import white_jerk
-from q2q_model.estimation.position_gates import VARIED
-from q2q_model.estimation.position_steps import THAW_STEP
-from q2q_model.estimation.positions import BORROWED_MOST, SETTLED, PositionTracks, TrackUpdate
-from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.estimation.position import white_jerk
+from q2q_model.estimation.position.position_gates import VARIED
+from q2q_model.estimation.position.position_steps import THAW_STEP
+from q2q_model.estimation.position.position_tracks import BORROWED_MOST, SETTLED, PositionTracks, TrackUpdate
+from q2q_model.estimation.position.track_columns import TrackParams
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array
 

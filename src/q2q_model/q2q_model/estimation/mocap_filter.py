@@ -2,8 +2,8 @@
 
 The paper removes outliers from recorded flights (section 2.2). In flight the future is unknown, so each
 sample passes gates that share the paper's thresholds (q2q_model.flights.outliers), and a vehicle without a
-believable sample coasts at constant velocity. Tracking is in q2q_model.estimation (positions, attitude).
-This file is about frames:
+believable sample coasts at constant velocity. Tracking is in the folders position and attitude. This file is
+about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are
   adopted in the order of their first appearance, and the state grows.
@@ -32,8 +32,8 @@ from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.pose_faults import pose_faults
-from q2q_model.estimation.position_steps import UNUSUAL, WHOLE
-from q2q_model.estimation.positions import PositionTracks, TrackUpdate
+from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE
+from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
 from q2q_model.estimation.usual_tick import (
     POSE_WIDTH,
     QUAT_AT,

@@ -1,6 +1,6 @@
 """Usual tick of the mocap filter in one kernel: every pose is accepted by the track of its own name.
 
-Nearly every tick is usual. Positions are those of q2q_model.estimation.positions, attitudes those of
+Nearly every tick is usual. Positions are those of q2q_model.estimation.position, attitudes those of
 q2q_model.estimation.attitude; for ten vehicles, one call takes a third of the time of several.
 """
 
@@ -13,9 +13,9 @@ from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import Table
 from q2q_model.estimation.attitude.attitude_steps import AttitudeGateParams
 from q2q_model.estimation.attitude.attitude_steps import follow as follow_attitudes
-from q2q_model.estimation.position_steps import UNUSUAL, WHOLE, Offered, TrackMemory
-from q2q_model.estimation.position_steps import follow as follow_positions
-from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE, Offered, TrackMemory
+from q2q_model.estimation.position.position_steps import follow as follow_positions
+from q2q_model.estimation.position.track_columns import TrackParams
 from q2q_model.signals.values import Array, Mask
 
 QUAT_AT, POSE_WIDTH = 3, 7

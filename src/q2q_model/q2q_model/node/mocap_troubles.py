@@ -1,7 +1,7 @@
 """What a motion-capture server gets wrong for longer than a moment, for the log and for diagnostics.
 
-The filter goes on without what is wrong (q2q_model.estimation.positions, position_gates), but somebody should
-land and look at the markers.
+The filter goes on without what is wrong (q2q_model.estimation.position), but somebody should land and look at
+the markers.
 """
 
 from q2q_model.estimation.filter_report import FrameTrouble

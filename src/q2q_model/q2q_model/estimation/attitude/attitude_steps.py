@@ -43,7 +43,7 @@ ATTITUDE = np.dtype(
     ],
     align=True,
 )
-"""Row of a table of attitude tracks: one array, as q2q_model.estimation.track_columns.TRACK."""
+"""Row of a table of attitude tracks: one array, as q2q_model.estimation.position.track_columns.TRACK."""
 
 
 class Attitudes(NamedTuple):

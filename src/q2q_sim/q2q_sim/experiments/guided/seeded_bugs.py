@@ -21,14 +21,15 @@ from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.evasion.evasion_direction import evasion_direction
 from q2q_control.failsafe.guard import Guard
 from q2q_model.bag import BagWriter
-from q2q_model.estimation import mocap_filter, positions
+from q2q_model.estimation import mocap_filter
 from q2q_model.estimation.association.marker_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, track_params
-from q2q_model.estimation.positions import PositionTracks, TrackUpdate
-from q2q_model.estimation.track_columns import TrackParams
+from q2q_model.estimation.position import position_tracks
+from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
+from q2q_model.estimation.position.track_columns import TrackParams
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
     Array,
@@ -47,7 +48,7 @@ from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
 
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch
-_update_positions, _with_fallback = PositionTracks.update, Guard._with_fallback
+_unusual, _with_fallback = PositionTracks.unusual, Guard._with_fallback
 _answer = safe_replanner._answer
 _write_signal = BagWriter.write_signal
 
@@ -86,8 +87,8 @@ def _never_ambiguous(_: Reacquisition, __: float, pos: Array, ___: LastSample, _
     return np.zeros(len(pos), np.bool_)
 
 
-def _repeats_accepted(self: PositionTracks, t: float, measured: Array, _: Mask | None = None) -> TrackUpdate:
-    return _update_positions(self, t, measured, None)
+def _repeats_accepted(self: PositionTracks, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
+    return _unusual(self, t, samples, np.zeros_like(repeats))
 
 
 def _swap_without_gate(measured: Array, expected: Array, gate: Array, rejected: Mask, missing: Mask) -> Rows:
@@ -175,8 +176,8 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("open_gate", mocap_filter, "track_params", _open_gate),
     SeededBug("long_coast", mocap_filter, "track_params", _long_coast),
     SeededBug("never_ambiguous", Reacquisition, "ambiguous", _never_ambiguous),
-    SeededBug("repeats_accepted", PositionTracks, "update", _repeats_accepted),
-    SeededBug("swap_without_gate", positions, "swapped_sources", _swap_without_gate),
+    SeededBug("repeats_accepted", PositionTracks, "unusual", _repeats_accepted),
+    SeededBug("swap_without_gate", position_tracks, "swapped_sources", _swap_without_gate),
     SeededBug("clock_never_reset", ClockResetDetector, "rise", _clock_never_reset),
     SeededBug("age_always_zero", PositionTracks, "age", _age_always_zero),
     SeededBug("degraded_unreported", Guard, "_with_fallback", _degraded_unreported),

@@ -2,7 +2,7 @@
 
 A tick is nominal if every track is confirmed and the sample of its own name passes its gates without thaw or
 doubt. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
-is q2q_model.estimation.positions.
+is position_tracks.
 
 A pose that repeats bit for bit is taken as a sample while the vehicle is slow, unless noise keeps its poses
 apart (position_gates): it may be at rest. If the next one is further than THAW_STEP from the prediction, it
@@ -20,7 +20,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
-from q2q_model.estimation.position_gates import (
+from q2q_model.estimation.position.position_gates import (
     GATE_SIGMAS,
     REPEATS_S,
     VARIED,
@@ -28,9 +28,9 @@ from q2q_model.estimation.position_gates import (
     count_varied,
     screen,
 )
-from q2q_model.estimation.steady_gain import LAST, PERIOD, is_due, steady_period
-from q2q_model.estimation.track_columns import TrackColumns, TrackParams, columns_of
-from q2q_model.estimation.white_jerk import MotionEstimate, correct, gain, predict
+from q2q_model.estimation.position.steady_gain import LAST, PERIOD, is_due, steady_period
+from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, columns_of
+from q2q_model.estimation.position.white_jerk import MotionEstimate, correct, gain, predict
 from q2q_model.signals.values import Array, Mask, Rows
 
 THAW_STEP = 0.005
@@ -101,7 +101,7 @@ class TrackMemory(NamedTuple):
     candidates: Table
     """CANDIDATE of q2q_model.estimation.association.jump_candidates, (n,)."""
     clock: Array
-    """Of q2q_model.estimation.steady_gain, (2,)."""
+    """Of q2q_model.estimation.position.steady_gain, (2,)."""
 
 
 @compiled(error_model="numpy")

@@ -1,8 +1,7 @@
 """Position tracks from motion capture with outliers: predict, gate, associate, correct.
 
-The motion model is q2q_model.estimation.white_jerk, with q2q_model.estimation.steady_gain at a constant
-period; the gates are q2q_model.estimation.position_gates. Data association of a sample that its own track
-rejects, in this order:
+The motion model is white_jerk, with steady_gain at a constant period; the gates are position_gates, all of
+q2q_model.estimation.position. Data association of a sample that its own track rejects, in this order:
 
 1. A track's first sample is accepted but not trusted: if the next one fails the gates, the track restarts
    there, and is not trusted until two more pass, unless that fits the first sample of another vehicle whose
@@ -13,7 +12,7 @@ rejects, in this order:
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
    are exchanged for good are exchanged by the server.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
-   does at a thaw (q2q_model.estimation.position_steps); later if they may be of another vehicle
+   does at a thaw (position_steps); later if they may be of another vehicle
    (suspected_swaps).
 
 Without samples a track coasts for `coast_s`; then it is lost, with its position held and zero velocity.
@@ -26,7 +25,7 @@ import numpy as np
 from q2q_model.estimation.association.marker_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
-from q2q_model.estimation.position_steps import (
+from q2q_model.estimation.position.position_steps import (
     UNUSUAL,
     WHOLE,
     Association,
@@ -37,9 +36,9 @@ from q2q_model.estimation.position_steps import (
     follow,
     look_ahead,
 )
-from q2q_model.estimation.steady_gain import PERIOD
-from q2q_model.estimation.track_columns import TrackColumns, TrackParams, unseen
-from q2q_model.estimation.white_jerk import start
+from q2q_model.estimation.position.steady_gain import PERIOD
+from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, unseen
+from q2q_model.estimation.position.white_jerk import start
 from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
 

@@ -62,7 +62,7 @@ TRACK = np.dtype(
         ("borrowed", np.int64),
         ("state", np.float64, (3, 3)),
         ("cov", np.float64, (3, 3)),
-        ("gain", np.float64, 3),  # of q2q_model.estimation.steady_gain
+        ("gain", np.float64, 3),  # of q2q_model.estimation.position.steady_gain
     ],
     align=True,
 )

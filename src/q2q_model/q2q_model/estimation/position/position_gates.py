@@ -28,7 +28,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.track_columns import TrackColumns
+from q2q_model.estimation.position.track_columns import TrackColumns
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array, Mask
 

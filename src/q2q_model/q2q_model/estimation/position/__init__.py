@@ -1,0 +1,1 @@
+"""Position tracks: motion model, gates, steps, and the association of samples."""
