@@ -13,7 +13,7 @@ from q2q_model.signals.values import SwarmState
 
 def test_a_node_gets_signals_with_writable_arrays():
     taken: list[SwarmState] = []
-    receive = listener("state", SwarmState, lambda _, state: taken.append(state), Health())
+    receive = listener("state", SwarmState, lambda _, state: taken.append(state), Health().refuse)
     receive(encode(rehearsal(SwarmState, 1.0), 10**9))
     (state,) = taken
     assert [one.flags.writeable for one in (state.pos, state.vel, state.quat, state.status)] == [True] * 4

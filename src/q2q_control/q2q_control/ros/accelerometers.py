@@ -29,5 +29,5 @@ def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None], health:
     if bus.carries(IMU):
         bus.listen(IMU, hear)
     else:
-        receive = listener(IMU, SwarmImu, hear, health)
+        receive = listener(IMU, SwarmImu, hear, health.refuse)
         node.create_subscription(MESSAGES[SwarmImu], IMU, receive, SENSOR, raw=True)

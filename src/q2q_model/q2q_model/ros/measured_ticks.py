@@ -1,12 +1,13 @@
 """Ticks with state, command and IMU readings of one stamp, joined from their topics."""
 
 from collections.abc import Callable
+from functools import partial
 
 from rclpy.node import Node
 
+from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_SAMPLE, EVERY_TICK
-from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
@@ -25,19 +26,12 @@ def receive_measured_ticks(
     """
     join: TickJoin[Signal] = TickJoin(tuple(INPUTS), waiting=EVERY_TICK.depth)
 
-    def receiver(topic: str, signal: type[Signal]) -> Callable[[bytes], None]:
-        reader = SignalReader(signal)
-
-        def receive(data: bytes) -> None:
-            try:
-                values = join.put(topic, header_stamp_ns(data), reader.read(data))
-                if values is not None:
-                    take(*values)  # type: ignore[arg-type]  # in INPUTS' order
-            except ValueError as refusal:
-                refuse(f"{topic}: {refusal}")
-
-        return receive
+    def put(topic: str, stamp_ns: int, signal: Signal) -> None:
+        values = join.put(topic, stamp_ns, signal)
+        if values is not None:
+            take(*values)  # type: ignore[arg-type]  # in INPUTS' order
 
     for topic, signal in INPUTS.items():
         profile = EVERY_SAMPLE if signal is SwarmImu else EVERY_TICK
-        node.create_subscription(MESSAGES[signal], topic, receiver(topic, signal), profile, raw=True)
+        receive = listener(topic, signal, partial(put, topic), refuse)
+        node.create_subscription(MESSAGES[signal], topic, receive, profile, raw=True)

@@ -6,8 +6,6 @@ last bit for 40 % of stamps.
 
 NANOSECONDS = 1_000_000_000
 """Nanoseconds per second."""
-
-
 END_S = 2**31 - 86_400
 """Stamps from here on are refused [s]: `sec` is an int32, and stamps of up to a day later must fit, too."""
 

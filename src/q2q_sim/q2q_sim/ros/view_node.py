@@ -87,7 +87,7 @@ class View:
         def take(stamp_ns: int, value: Signal) -> None:
             self._take(topic, stamp_ns, value)
 
-        receive = listener(topic, signal, take, self._health)
+        receive = listener(topic, signal, take, self._health.refuse)
         node.create_subscription(MESSAGES[signal], topic, receive, OUTSIDE, raw=True)
 
     def _on_plan(self, message: Plan) -> None:

@@ -126,7 +126,7 @@ class TickWiring(Generic[Made]):
 
         self._bus.listen(topic, take)
         if self._bus.needs_subscription(topic):
-            receive = listener(topic, signal, partial(self._bus.post, topic), self.health)
+            receive = listener(topic, signal, partial(self._bus.post, topic), self.health.refuse)
             self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 
     def _receive(self, topic: str, stamp_ns: int, value: Signal, update: Callable[..., Made]) -> None:

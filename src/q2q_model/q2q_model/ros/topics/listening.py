@@ -1,4 +1,4 @@
-"""Raw subscriptions that decode signals and count invalid messages."""
+"""Raw subscriptions that decode signals and refuse invalid messages."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -17,15 +17,20 @@ Take = Callable[[int, S], None]
 """Callback that takes stamp [ns] and signal; raises ValueError for an invalid signal."""
 
 
-def listener(topic: str, signal: type[S], take: Take[S], health: Health) -> Callable[[bytes], None]:
-    """Return a raw subscription callback that passes each decoded message to `take`."""
+def listener(
+    topic: str, signal: type[S], take: Take[S], refuse: Callable[[str], None]
+) -> Callable[[bytes], None]:
+    """Return a raw subscription callback that passes each decoded message to `take`.
+
+    `refuse` is called with topic and reason of an invalid one.
+    """
     reader = SignalReader(signal)
 
     def receive(data: bytes) -> None:
         try:
             take(header_stamp_ns(data), reader.received(data))
         except ValueError as refusal:
-            health.refuse(f"{topic}: {refusal}")
+            refuse(f"{topic}: {refusal}")
 
     return receive
 
@@ -35,5 +40,5 @@ def subscribe_signals(
 ) -> None:
     """Subscribe to signals; `take` is called with topic, stamp [ns] and signal, and may raise ValueError."""
     for topic, signal in topics.items():
-        receive = listener(topic, signal, partial(take, topic), health)
+        receive = listener(topic, signal, partial(take, topic), health.refuse)
         node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
