@@ -38,16 +38,11 @@ class BadMessageError(ValueError):
     """Error for a malformed or inconsistent message."""
 
 
-def header_stamp_ns(data: bytes) -> int:
+def header_stamp_ns(data: bytes | bytearray) -> int:
     """Return the stamp [ns] of a message whose first field is std_msgs/Header."""
     if len(data) < NAMES_AT:
         raise BadMessageError(f"message has {len(data)} bytes; a header needs at least {NAMES_AT}")
-    order = "<" if data[1] & 1 else ">"
-    sec, nanosec = struct.unpack_from(f"{order}iI", data, START)
-    return _checked_stamp(sec, nanosec)
-
-
-def _checked_stamp(sec: int, nanosec: int) -> int:
+    sec, nanosec = struct.unpack_from("<iI" if data[1] & 1 else ">iI", data, START)
     try:
         return stamp_from_parts(sec, nanosec)
     except BadStampError as bad:
@@ -145,10 +140,8 @@ class SignalReader(Generic[S]):
             known = self._map = _map_of(self._kind, data)
         if len(data) < known.end or known.counts.unpack_from(data) != known.expected:
             _refuse(data, known)
-        sec, nanosec = _STAMP.unpack_from(data, START)
         arrays = [np.ndarray(shape, dtype, data, begin) for shape, dtype, begin in known.views]
-        t = time_from_stamp(_checked_stamp(sec, nanosec))
-        return self._signal(t, known.names, *arrays)
+        return self._signal(time_from_stamp(header_stamp_ns(data)), known.names, *arrays)
 
 
 def _refuse(data: bytes | bytearray, known: _Map) -> None:
