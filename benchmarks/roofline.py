@@ -2,10 +2,10 @@
 
 Peak arithmetic is a product of two square matrices in BLAS, peak traffic a copy between arrays beyond the
 caches, each on all cores at once. The operations of a drone-step are counted by running the plain form of the
-kernels on numbers that count: `NUMBA_DISABLE_JIT=1 python benchmarks/roofline.py` prints additions,
-multiplications, divisions and roots of a drone-step in the air of a room; atan2, asin, exp and comparisons
-are not in it. Its bytes are the state read and written, command, drive, a random number, and the slot of the
-past states: the traffic if nothing stayed in a cache, without what pairs read.
+kernels on numbers that count: `NUMBA_DISABLE_JIT=1 python benchmarks/roofline.py 10` prints additions,
+multiplications, divisions and roots of a drone-step among 10 vehicles in the air of a room; atan2, asin, exp
+and comparisons are not in it. Its bytes are the state read and written, command, drive, a random number, and
+the slot of the past states: the traffic if nothing stayed in a cache, without what pairs read.
 """
 
 import os
@@ -17,11 +17,13 @@ from time import perf_counter
 
 import numpy as np
 
+from q2q_sim.air.find_air import find_air
 from q2q_sim.plant.block_step import COMMAND_WIDTH, DRIVE_WIDTH
 from q2q_sim.plant.past_states import ROOM_WIDTH, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, advance
 from q2q_sim.plant.room_law import PushTable
 from q2q_sim.plant.swarm import Swarm, air_push
+from simulated_swarms import swarm_flight
 
 CORES = len(os.sched_getaffinity(0))
 SIDE = 1500
@@ -114,6 +116,4 @@ def _count(swarm: Swarm, commands: np.ndarray, drive: np.ndarray) -> float:
 
 
 if __name__ == "__main__":
-    from simulation import room_flight
-
-    print(_count(*room_flight(int(sys.argv[1]))))
+    print(_count(*swarm_flight(int(sys.argv[1]), find_air("room"))))

@@ -12,25 +12,21 @@ arithmetic and memory traffic, measured in the same run (roofline).
 """
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from time import perf_counter, process_time
 
 import numpy as np
 
-from q2q_model.signals.values import Array
-from q2q_sim.air.find_air import FlownAir, find_air
+from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.rooms import Rooms, RoomsSetup
-from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm, still_air
+from q2q_sim.plant.swarm import PHYSICS_RATE, still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
-from q2q_sim.scenarios import library
-from q2q_sim.scenarios.scenario import Scenario
 from roofline import BYTES, CORES, flops_of_a_step, peak_flops, peak_traffic
 from row import Row
+from simulated_swarms import STEPS, scenario_of, start_of, swarm_flight, swarm_of
 
-STEPS = 5
-"""Physics steps a call: one tick."""
 SIZES = (1, 2, 10, 100, 1000)
 ROUNDS = 7
 COMPILED_STEPS = 100_000
@@ -62,7 +58,7 @@ def _room_rows() -> list[Row]:
     """Return drone-steps a second in the shipped air of a room, beside the measured wake."""
     rows, room = [], find_air("room")
     for count in SIZES:
-        flights = [_flight(count, air) for air in (room, WakeLaw.MEASURED)]
+        flights = [swarm_flight(count, air) for air in (room, WakeLaw.MEASURED)]
         calls = max(COMPILED_STEPS // (STEPS * count), 1)
         best = [np.inf, np.inf]
         for _ in range(ROUNDS):
@@ -99,10 +95,10 @@ def _batch_rows() -> list[Row]:
 
 def _batch_rates(rooms: int, count: int) -> tuple[float, float, float]:
     """Return drone-steps a second of rooms one by one, together on one core, and together on all cores."""
-    room, scenario = find_air("room"), _scenario(count)
+    room, scenario = find_air("room"), scenario_of(count)
     assert isinstance(room, RoomAir)
-    _, commands, drive = _flight(count, room)
-    setup = RoomsSetup(scenario.vehicle, np.stack([_start(count)] * rooms), room)
+    _, commands, drive = swarm_flight(count, room)
+    setup = RoomsSetup(scenario.vehicle, np.stack([start_of(count)] * rooms), room)
     inputs = np.stack([commands] * rooms, axis=1), np.stack([drive] * rooms)
     best = [np.inf, np.inf, np.inf]
     for _ in range(BATCH_ROUNDS):
@@ -110,7 +106,7 @@ def _batch_rates(rooms: int, count: int) -> tuple[float, float, float]:
             flown: list[Callable[[], None]] = (
                 [partial(Rooms(setup, threads).step, *inputs)]
                 if threads
-                else [partial(_swarm(count, room, seed).step, commands, drive) for seed in range(rooms)]
+                else [partial(swarm_of(count, room, seed).step, commands, drive) for seed in range(rooms)]
             )
             clock = perf_counter if threads > 1 else process_time
             start = clock()
@@ -124,7 +120,7 @@ def _batch_rates(rooms: int, count: int) -> tuple[float, float, float]:
 
 def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
     """Return drone-steps a second of the compiled and the plain simulator."""
-    swarm, commands, drive = _flight(count, wake)
+    swarm, commands, drive = swarm_flight(count, wake)
     state = swarm.state.copy()
     air = still_air(state, wake, swarm.body)
     swarm.step(commands, drive)  # compiles
@@ -140,30 +136,3 @@ def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
             run_numpy(state, air, commands, drive, swarm.body)
         best[1] = min(best[1], (process_time() - start) / NUMPY_CALLS[count])
     return STEPS * count / best[0], STEPS * count / best[1]
-
-
-def room_flight(count: int) -> tuple[Swarm, Array, Array]:
-    """Return a swarm in the air of a room with commands and drive."""
-    return _flight(count, find_air("room"))
-
-
-def _flight(count: int, air: FlownAir) -> tuple[Swarm, Array, Array]:
-    commands = np.zeros((STEPS, count, 4))
-    commands[..., 0] = _scenario(count).vehicle.hover_thrust
-    commands[..., 1] = 0.02 * (-1.0) ** np.arange(count)  # [rad], so that none stands still
-    drive = np.hstack([np.zeros((count, 3)), np.ones((count, 4))])
-    return _swarm(count, air), commands, drive
-
-
-def _swarm(count: int, air: FlownAir, seed: int = 0) -> Swarm:
-    scenario = _scenario(count)
-    return Swarm(scenario.names, scenario.vehicle, _start(count), air, seed)
-
-
-def _start(count: int) -> Array:
-    return np.array([vehicle.points[0] for vehicle in _scenario(count).waypoints])
-
-
-@cache
-def _scenario(count: int) -> Scenario:
-    return library.load(f"swarm{count}")
