@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND, CLOCK, LOCKED = "command", "/clock", "locked"
+COMMAND, CLOCK, CRTP, LOCKED = "command", "/clock", "crtp", "locked"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -151,7 +151,10 @@ class Simulator:
         if locked and locked != doubts.get(LOCKED):
             self._node.get_logger().warning(locked)
         doubts |= {COMMAND: self._controllers.look(), CLOCK: self._clocks.look(), LOCKED: locked}
-        return {**self._flight.clock.recent(), **(self._crtp.diagnostics() if self._crtp else {})}
+        if self._crtp is None:
+            return self._flight.clock.recent()
+        doubts[CRTP] = self._crtp.troubles()
+        return {**self._flight.clock.recent(), **self._crtp.diagnostics()}
 
 
 def main() -> None:
