@@ -14,7 +14,7 @@ from q2q_control.ros import pid_node
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.signals.cdr import encode
-from q2q_model.signals.values import SwarmSetpoint, SwarmState
+from q2q_model.signals.values import SwarmSetpoint, SwarmState, TrackStatus
 
 NAMES = ("cf1", "cf2")
 TOLD = "far from their setpoints: cf2 3.0 m: does the plan begin where they fly?"
@@ -28,9 +28,11 @@ class ClockedNode(RoomNode):
         return Clock()
 
 
-def fly(node: RoomNode, tick: int, aside: float) -> None:
-    """Give a tick in which cf2's setpoint is so far beside it [m]."""
+def fly(node: RoomNode, tick: int, aside: float, lost_s: float = 0.0) -> None:
+    """Give a tick in which cf2's setpoint is so far beside it [m], and cf2 lost for so long [s]."""
     state = rehearsal(SwarmState, 0.01 * tick, NAMES)
+    assert isinstance(state, SwarmState)
+    state.status[1], state.age[1] = TrackStatus.LOST if lost_s else TrackStatus.TRACKED, lost_s
     setpoint = rehearsal(SwarmSetpoint, 0.01 * tick, NAMES)
     moved = replace(setpoint, pos=state.pos + np.array([[0.0, 0.0, 0.0], [aside, 0.0, 0.0]]))
     node.takers["state"](encode(state, tick * 10_000_000))
@@ -48,3 +50,18 @@ def test_a_setpoint_that_is_far_is_a_doubt_while_it_is_and_one_line_of_the_log()
         doubts.append(wiring.health.doubts["setpoints"])
     assert doubts == ["", TOLD, TOLD, ""]
     assert node.lines.count(TOLD) == 1
+
+
+def test_a_vehicle_that_the_failsafe_has_landed_is_far_for_that_and_not_for_its_plan() -> None:
+    node = ClockedNode("pid", {"aware": False}, {})
+    wiring = pid_node.build(node)
+    (report,) = [act for period, act in node.timers if period == PERIOD_S]
+    for tick in range(150):
+        fly(node, tick, 0.0, lost_s=0.01 * tick)
+    report()
+    assert "cf2: failsafe LAND" in node.lines
+    fly(node, 150, 3.0)
+    report()
+    assert wiring.health.doubts["setpoints"] == (
+        "far from their setpoints, brought down by the failsafe: cf2 3.0 m"
+    )

@@ -1,6 +1,7 @@
 """What the node `mpc` does with plans that come in flight: an invalid one must not end the controller."""
 
 from array import array
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from q2q_control.ros import mpc_node
 from q2q_model.node.health import Health, Level, report
 from q2q_model.ros.node.input_warnings import UnplannedNames
 from q2q_model.ros.topics.plan_message import encode_plan
+from q2q_model.signals.cdr import encode
 from q2q_model.signals.values import Names, SwarmSetpoint
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
@@ -49,6 +51,21 @@ def test_an_invalid_plan_is_refused_with_its_reason_and_the_next_one_is_taken() 
     assert report(Health(), wiring.health).level is Level.ERROR
     node.takers["plan"](plan())
     assert wiring.health.refused == 5
+
+
+def test_a_plan_far_from_the_references_is_a_doubt_until_another_one_comes_and_one_line_of_the_log() -> None:
+    node = RoomNode("mpc", {"model": "none"}, {})
+    wiring = mpc_node.build(node)
+    away = replace(setpoint(PLAN.names), pos=np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]))
+    told = "plan: it is far from the setpoints: cf2 5.0 m: is it the plan they come from?"
+    node.takers["plan"](plan())
+    for tick in range(3):
+        node.takers["reference_safe"](encode(away, tick * 10_000_000))
+    assert report(Health(), wiring.health).summary == told
+    assert node.lines.count(f"{told} flown without looking ahead") == 1
+    node.takers["plan"](plan())
+    node.takers["reference_safe"](encode(setpoint(PLAN.names), 30_000_000))
+    assert report(Health(), wiring.health).level is Level.STALE
 
 
 @pytest.mark.parametrize("plan_first", [True, False])

@@ -3,24 +3,29 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock
 from room_node import RoomNode
 
 from q2q_control.ros import mpc_node
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
-from q2q_model.node.health import Health
+from q2q_model.node.health import Health, Level
 from q2q_model.ros import interference_node
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.layout import Signal
 from q2q_sim.ros.absent_packages import interface_packages
+from q2q_sim.ros.bag_play_node import Player
+from q2q_sim.ros.simulator_node import Simulator
 
+BAG = Path(__file__).parents[1] / "bags" / "table2_1"
 NAMES = ("cf1", "cf2")
 TWO = "command: 2 nodes write it (pid, pid_2); 1 may: stop the others"
 
@@ -98,6 +103,44 @@ def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> No
     node.writers = {"command": ("pid",)}
     assert inputs.look() == ""
     assert health.doubts == {"command": "", "state": ""}
+
+
+def room_for(build: Callable[[SharedRoom], object], **given: object) -> tuple[SharedRoom, Callable[[], None]]:
+    """Return a room with a node in it, and what reports its health each second."""
+    node = SharedRoom(**given)
+    build(node)
+    [report] = [act for period, act in node.timers if period == PERIOD_S]
+    return node, report
+
+
+@pytest.mark.parametrize(
+    ("build", "given", "is_told"),
+    [
+        (Simulator, {"pace": "live", "autostart": False}, True),
+        (Player, {"bag": str(BAG), "autostart": False, "clock": True}, True),
+        (Player, {"bag": str(BAG), "autostart": False}, False),
+    ],
+)
+def test_two_clocks_are_told_by_each_node_that_writes_one(
+    build: Callable[[SharedRoom], object], given: dict[str, object], *, is_told: bool
+) -> None:
+    node, report = room_for(build, **given)
+    node.writers = {"/clock": ("bag_play", "simulator")}
+    report()
+    report()
+    told = "/clock: 2 nodes write it (bag_play, simulator); 1 may: stop the others"
+    assert node.lines.count(told) == int(is_told)
+    assert graded(node) == ((Level.WARN, told) if is_told else (Level.STALE, "no tick"))
+    node.writers = {"/clock": ("simulator",)}
+    report()
+    assert graded(node) == (Level.STALE, "no tick")
+
+
+def graded(node: SharedRoom) -> tuple[Level, str]:
+    """Return level and summary of a node's last report."""
+    last = node.published["/diagnostics"][-1]
+    assert isinstance(last, DiagnosticArray)
+    return Level(int.from_bytes(last.status[0].level)), last.status[0].message
 
 
 @pytest.mark.parametrize(("topic", "build"), [("model", interference_node.build), ("plan", mpc_node.build)])

@@ -1,6 +1,8 @@
 """What a node logs, and grades its health by, when vehicles are cut, alone or commanded by two nodes."""
 
 import math
+import socket
+from contextlib import closing
 from dataclasses import dataclass, field
 
 import pytest
@@ -18,6 +20,7 @@ from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_sim.ros.simulator_node import Simulator
 
 CUT = "motors cut by all/emergency: restart this node to fly"
 
@@ -81,6 +84,23 @@ def test_a_lost_vehicle_is_told_phase_by_phase_and_its_cut_is_an_error() -> None
         "cf1: motors cut, not measured for cut_s: restart this node to fly",
     ]
     assert (graded(wiring).level, graded(wiring).summary) == (Level.ERROR, node.lines[-1])
+
+
+def test_packets_that_vehicles_refuse_are_a_doubt_of_the_simulator_while_they_come() -> None:
+    node = RoomNode("simulator", {"crtp": True, "crtp_port": 0, "autostart": False}, {})
+    simulator = Simulator(node)
+    name, _, port = node.lines[0].replace(" listens at udp://127.0.0.1:", " ").partition(" ")
+    doubts = []
+    with closing(simulator), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+        client.settimeout(60.0)
+        client.connect(("127.0.0.1", int(port)))
+        for refused in (0, 2, 0):
+            for datagram in (*[b"\xac\x00"] * refused, b"\xff"):
+                client.send(datagram)
+            assert client.recv(64) == b"\xff"  # the probe is answered after what came before
+            simulator._diagnostics()
+            doubts.append(report(Health(), simulator._flight.health).summary)
+    assert doubts == ["no tick", f"CRTP of {name}: packets refused: 2 (port 10: not served)", "no tick"]
 
 
 @dataclass

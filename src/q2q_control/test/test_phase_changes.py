@@ -29,6 +29,8 @@ def test_each_phase_is_told_when_it_begins_and_when_the_controller_flies_again()
         ["cf1: failsafe CUT"],
     ]
     assert (changes.active, changes.cut, str(changes)) == (True, ("cf1",), "cf1: failsafe CUT")
+    changes.take(command(6 * TICK, CUT, LAND))
+    assert changes.brought_down == ("cf2", "cf1")
 
 
 @pytest.mark.parametrize("status", [OK, SATURATED, DEGRADED])

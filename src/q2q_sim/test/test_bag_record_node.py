@@ -18,7 +18,7 @@ from rclpy.node import Node
 from q2q_model.bag import BagError, BagReader
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.run import make_executor
-from q2q_model.ros.topics.qos import OUTSIDE, TICK_WRITER
+from q2q_model.ros.topics.qos import LATCHED, OUTSIDE, TICK_WRITER
 from q2q_model.signals import values
 from q2q_model.signals.cdr import encode
 from q2q_sim.processes.domain import own_domain
@@ -86,6 +86,58 @@ def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
         recorder.close()
         writing.destroy_node()
     assert [one.topic for one in BagReader(bag).raw()][:1] == ["/poses"]
+
+
+LATCHED_EXTRA = "extra:=['plan:q2q_msgs/msg/SwarmCommand']"
+"""A latched topic; any type of message will do."""
+
+
+@pytest.mark.parametrize("is_late", [True, False])
+def test_what_was_latched_before_and_after_the_recorder_began_is_recorded_once(
+    tmp_path: Path, *, is_late: bool
+) -> None:
+    bag, sent = tmp_path / "bag", [serialized_at(1), serialized_at(2)]
+    with recording(bag, LATCHED_EXTRA) as node:
+        writing = Node("writing")
+        executor = make_executor()
+        executor.add_node(node)
+        recorder = None if is_late else Recorder(node)
+        writer = writing.create_publisher(SwarmCommand, "plan", LATCHED)
+        writer.publish(sent[0])
+        recorder = recorder or Recorder(node)
+        deadline = monotonic() + PATIENCE_S
+        while recorder.health.ticks == 0 and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        writer.publish(sent[1])
+        while recorder.health.ticks < len(sent) and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        recorder.close()
+        writing.destroy_node()
+    assert [bytes(one.data) for one in BagReader(bag).raw()] == sent
+
+
+def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_it(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    with recording(bag, LATCHED_EXTRA) as node:
+        recorder, writing = Recorder(node), Node("writing")
+        executor = make_executor()
+        executor.add_node(node)
+        latching = writing.create_publisher(SwarmCommand, "plan", LATCHED)
+        latching.publish(serialized_at(1))
+        deadline = monotonic() + PATIENCE_S
+        while recorder.health.ticks == 0 and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        other = writing.create_publisher(SwarmCommand, "plan", TICK_WRITER)
+        while 0 in {one.get_subscription_count() for one in (latching, other)} and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        for writer, second in ((latching, 2), (other, 3)):
+            writer.publish(serialized_at(second))
+        while recorder.health.ticks < 3 and monotonic() < deadline:
+            executor.spin_once(timeout_sec=0.05)
+        recorder.close()
+        writing.destroy_node()
+    stored = [bytes(one.data) for one in BagReader(bag).raw()]
+    assert sorted(stored) == [serialized_at(second) for second in (1, 2, 3)]
 
 
 @pytest.mark.parametrize("extra", ["/two words:std_msgs/msg/String", "/words:std_msgs/msg/Nope", "words"])

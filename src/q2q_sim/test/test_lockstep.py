@@ -49,6 +49,24 @@ def test_live_a_late_or_a_fallback_command_counts_and_an_older_one_does_not() ->
     assert gate.offer(57, command(("cf1",), 1.0)) is not None
 
 
+def test_live_commands_stamped_ahead_make_those_of_the_following_ticks_no_older_ones() -> None:
+    """As those of a failsafe that went on by the wall clock while the room stood."""
+    gate = CommandGate(("cf1",), exact=False)
+    gate.expect(10)
+    taken = [gate.offer(stamp, command(("cf1",), 1.0)) is not None for stamp in (500, 600, 500)]
+    assert taken == [True, True, False]  # within the tick, the newest
+    gate.expect(20)
+    assert gate.offer(10, command(("cf1",), 1.0)) is None
+    assert gate.offer(20, command(("cf1",), 1.0)) is not None
+
+
+def test_live_commands_are_taken_on_after_the_stamps_of_frames_are_set_back() -> None:
+    gate = CommandGate(("cf1",), exact=False)
+    for stamp, taken in ((500, True), (10, False), (20, True), (30, True)):
+        gate.expect(stamp)
+        assert (gate.offer(stamp, command(("cf1",), 1.0)) is not None) is taken
+
+
 def test_live_a_controller_that_is_silent_keeps_back_no_other_vehicles_command() -> None:
     gate = CommandGate(("cf1", "cf2", "cf3"), exact=False)
     gate.expect(10)

@@ -114,6 +114,22 @@ def test_live_the_newest_command_is_flown() -> None:
         room.advance(None)
 
 
+def test_live_after_commands_stamped_ahead_those_of_the_next_frames_are_flown() -> None:
+    """A simulator that was stopped for 1 s finds the commands of the failsafe meanwhile."""
+    flown, room = flight(Wall(), replace(PARAMS, pace="live")), Room(SCENARIO, seed=1)
+    flown.start()
+    flown.on_timer()
+    for ahead in range(3, 101):
+        flown.receive(encode(command(0.2), ahead * TICK_NS))
+    for tick in range(1, 4):
+        room.capture()
+        room.advance(command(0.2 if tick == 1 else 0.4))
+        output = flown.on_timer()
+        np.testing.assert_array_equal(frame(output).pos, room.capture().frame.pos)
+        flown.receive(encode(command(0.4), tick * TICK_NS))
+    assert flown.health.missed == 1  # no command ahead answers its tick
+
+
 def test_in_lockstep_an_unanswered_frame_is_published_again_and_the_tick_is_missed_at_last() -> None:
     wall = Wall()
     flown = flight(wall)

@@ -59,6 +59,11 @@ class PhaseChanges:
         """Return the vehicles whose motors are off."""
         return self._having(CommandStatus.CUT)
 
+    @property
+    def brought_down(self) -> Names:
+        """Return the vehicles that the failsafe lands, or whose motors are off."""
+        return self._having(CommandStatus.LAND) + self.cut
+
     def __str__(self) -> str:
         """Return the vehicles in each phase in words; empty if there are none."""
         return "; ".join(str(PhaseChange(one, names)) for one in _PHASES if (names := self._having(one)))

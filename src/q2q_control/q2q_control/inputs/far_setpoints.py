@@ -2,10 +2,13 @@
 
 import numpy as np
 
-from q2q_model.signals.values import SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
+from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
 
 FAR_M = 1.0
 """Distance from a setpoint that is told [m]: no downwash or gust of a flight under control makes it."""
+
+_ELSEWHERE = "far from their setpoints: {}: does the plan begin where they fly?"
+_BROUGHT_DOWN = "far from their setpoints, brought down by the failsafe: {}"
 
 
 def far_setpoints(state: SwarmState, setpoint: SwarmSetpoint) -> dict[str, float]:
@@ -21,12 +24,26 @@ class FarSetpointMonitor:
 
     def __init__(self) -> None:
         self._told: frozenset[str] = frozenset()
+        self._brought_down: set[str] = set()  # by the failsafe, and not back since
 
-    def look(self, state: SwarmState, setpoint: SwarmSetpoint) -> tuple[str, bool]:
-        """Return who is far from its setpoint, empty if nobody is, and whether these were not told before."""
+    def look(self, state: SwarmState, setpoint: SwarmSetpoint, brought_down: Names = ()) -> tuple[str, bool]:
+        """Return who is far from its setpoint, empty if nobody is, and whether these were not told before.
+
+        Args:
+            state: measured vehicles.
+            setpoint: where they are to be.
+            brought_down: vehicles that the failsafe lands or cuts now.
+        """
         far = far_setpoints(state, setpoint)
+        self._brought_down = self._brought_down.intersection(far).union(brought_down)
         new, self._told = not self._told.issuperset(far), frozenset(far)
-        if not far:
-            return "", False
-        places = ", ".join(f"{name} {away:.1f} m" for name, away in far.items())
-        return f"far from their setpoints: {places}: does the plan begin where they fly?", new
+        return self._words(far), new
+
+    def _words(self, far: dict[str, float]) -> str:
+        """Return who is far, how far, and why."""
+        found = []
+        for is_down, words in ((False, _ELSEWHERE), (True, _BROUGHT_DOWN)):
+            those = [name for name in far if (name in self._brought_down) is is_down]
+            if those:
+                found.append(words.format(", ".join(f"{name} {far[name]:.1f} m" for name in those)))
+        return "; ".join(found)

@@ -74,7 +74,7 @@ class GuardedCommands:
     def _look_for_far_setpoints(self) -> None:
         """Tell vehicles that are far from their setpoints."""
         if self._flown is not None:
-            told, new = self._far.look(*self._flown)
+            told, new = self._far.look(*self._flown, self._changes.brought_down)
             self._wiring.health.doubts["setpoints"] = told
             if new:
                 self._node.get_logger().warning(told)

@@ -12,6 +12,7 @@ from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
 from q2q_control.failsafe.time_budget import TimeBudget
+from q2q_control.inputs.new_plans import NewPlanMonitor
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
@@ -36,6 +37,8 @@ from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSet
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import vehicle_by_name
 
+MISMATCH = "plan's course"
+"""Doubt of a plan that is not that of the setpoints."""
 NEIGHBOUR = "neighbour"
 """Vehicle of another node in the rehearsal of a distributed one."""
 
@@ -111,7 +114,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
 def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> None:
     """Let the block follow the plans on `plan`; an invalid one is refused, the last one kept."""
-    unplanned = UnplannedNames(node, wiring.health)
+    unplanned, new_plans = UnplannedNames(node, wiring.health), NewPlanMonitor()
 
     def take(message: Plan) -> None:
         try:
@@ -121,10 +124,18 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
             return
         block.follow(preview)
         unplanned.take_plan(preview.names)
+        new_plans.take_plan(preview)
+        wiring.health.doubts[MISMATCH] = ""
         came()
+
+    def compare(_: int, reference: Signal) -> None:
+        if isinstance(reference, SwarmSetpoint) and (told := new_plans.look(reference)):
+            wiring.health.doubts[MISMATCH] = told
+            node.get_logger().warning(f"{told} flown without looking ahead")
 
     came = expect_latched(node, node.create_subscription(Plan, "plan", take, LATCHED))
     wiring.listen("reference_safe", unplanned.look)
+    wiring.listen("reference_safe", compare)
     wiring.expect_one_writer("plan")
 
 

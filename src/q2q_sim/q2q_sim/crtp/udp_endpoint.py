@@ -15,6 +15,7 @@ from typing import Self
 
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.crtp.client_troubles import ClientTroubles
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
 from q2q_sim.crtp.vehicle import CrtpVehicle
@@ -74,6 +75,7 @@ class CrtpEndpoint:
         """
         self.traffic = Traffic()
         self._fleet = fleet
+        self._troubles = ClientTroubles(fleet.vehicles)
         self._now = now
         self._radios = Radios(link, len(fleet.vehicles), seed)
         self._up: DelayLine[tuple[int, Address, bytes]] = DelayLine()
@@ -97,6 +99,10 @@ class CrtpEndpoint:
         return {"crtp_packets": packets} | {
             f"crtp_{one.name}": _clients_of(one) for one in self._fleet.vehicles
         }
+
+    def troubles(self) -> str:
+        """Return what the vehicles have refused of clients since the last call; empty if nothing."""
+        return self._troubles.look()
 
     def __enter__(self) -> Self:
         """Return the endpoint."""

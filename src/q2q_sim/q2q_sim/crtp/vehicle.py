@@ -77,6 +77,8 @@ class CrtpVehicle:
         self.name = name
         self.firmware = firmware
         self.refusals = Refusals()
+        self.displaced = 0
+        """Clients that got nothing more because another came."""
         self._sessions: dict[Hashable, _Session] = {}
 
     @property
@@ -130,6 +132,7 @@ class CrtpVehicle:
             return known
         if len(self._sessions) >= MOST_CLIENTS:
             del self._sessions[min(self._sessions, key=lambda one: self._sessions[one].last_packet_ms)]
+            self.displaced += 1
             self.firmware.console += "Q2Q: the client silent for longest gets nothing more\n"
         self._sessions[client] = _Session(now)
         if len(self._sessions) > 1:

@@ -19,7 +19,13 @@ class CommandGate:
         self._rows: dict[str, tuple[SwarmCommand, int]] = {}
 
     def expect(self, stamp_ns: int) -> None:
-        """Wait for the commands of this tick; drop those collected for others."""
+        """Wait for the commands of this tick; drop those collected for others.
+
+        A command that was stamped ahead of its tick, by a controller whose clock went on while the room
+        stood, counts as stamped at the tick: those of the following ticks are newer.
+        """
+        past_ns = min(self._stamp_ns, stamp_ns)  # stamps of frames may be set back
+        self._done_ns = {name: min(done_ns, past_ns) for name, done_ns in self._done_ns.items()}
         self._stamp_ns = stamp_ns
         self._rows.clear()
 

@@ -4,7 +4,7 @@ The node exits at the end of the bag.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -20,6 +20,7 @@ from std_srvs.srv import Trigger
 from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic_map
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.input_warnings import SeveralWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
@@ -31,6 +32,7 @@ from q2q_sim.loop.lockstep import ResendTimer
 from q2q_sim.loop.playback import TICK_TOPIC, Playback, check_answer, check_start
 from q2q_sim.loop.topics import TYPE_NAMES
 
+CLOCK = "/clock"
 LOOK_S = 0.1
 """Period of the check for unanswered ticks [s]."""
 AGAIN_S = 2.0
@@ -80,7 +82,7 @@ class Player:
         waited = {topic for topic in wanted if not self._params.answer or topic.strip("/") == TICK_TOPIC}
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
-        self._clock = node.create_publisher(Clock, "/clock", TICK) if self._params.clock else None
+        self._clock = node.create_publisher(Clock, CLOCK, TICK) if self._params.clock else None
         self._over = node.create_publisher(String, "playback_over", LATCHED)
         self._messages: Iterator[RawMessage] = iter(())
         self._next: RawMessage | None = None
@@ -89,7 +91,8 @@ class Player:
         self._tick: RawMessage | None = None
         self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
         self._health = Health()
-        publish_health(node, self._health)
+        self._clocks = SeveralWriters(node, CLOCK)
+        publish_health(node, self._health, self._look)
         self._playback = Playback(0, 0.0, self._params.rate)
         node.create_service(Trigger, "~/start", self._on_start)
         if self._params.answer:
@@ -100,6 +103,11 @@ class Player:
             steady_timer(node, BEAT_S, self._on_beat)
         if self._params.autostart:
             self._begin()
+
+    def _look(self) -> Mapping[str, str]:
+        """Look for other writers of the clock, if this node writes it; return no values."""
+        self._health.doubts[CLOCK] = self._clocks.look() if self._clock is not None else ""
+        return {}
 
     def _wanted(self) -> dict[str, str]:
         chosen = {topic.strip("/") for topic in self._params.topics}

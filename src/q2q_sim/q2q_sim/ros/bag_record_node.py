@@ -15,10 +15,11 @@ from time import time_ns
 from rclpy.event_handler import (
     QoSMessageLostInfo,
     QoSRequestedIncompatibleQoSInfo,
+    QoSSubscriptionMatchedInfo,
     SubscriptionEventCallbacks,
 )
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile
 from rclpy.validate_topic_name import validate_topic_name
 
 from q2q_model.bag import BagError, BagWriter, facts_from_text
@@ -27,7 +28,7 @@ from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
-from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT
+from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED
 from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
@@ -87,17 +88,28 @@ class Recorder:
         publish_health(node, self.health)
 
     def _subscribe(self, node: Node, topic: str, kind: type, qos: QoSProfile) -> None:
-        """Record a topic; with `RECORD` until a publisher offers no more than best effort."""
+        """Record a topic; with `RECORD` until all publishers latch it, or one offers best effort only."""
         whole = node.resolve_topic_name(topic)
 
-        def take_best_effort(_: QoSRequestedIncompatibleQoSInfo) -> None:
+        def take_anew(offered: QoSProfile) -> None:
+            if node.destroy_subscription(subscription):  # else another event did
+                self._subscribe(node, topic, kind, offered)
+
+        def take_latched(_: QoSSubscriptionMatchedInfo) -> None:
+            if whole not in self._heard and _is_latched(node, whole):  # else the last one would come again
+                take_anew(RECORD_LATCHED)
+
+        def take_less(refused: QoSRequestedIncompatibleQoSInfo) -> None:
+            if refused.last_policy_kind == QoSPolicyKind.DURABILITY:
+                take_anew(RECORD)
+                return
             node.get_logger().info(f"{whole} is sent best effort, and recorded so")
-            node.destroy_subscription(subscription)
-            self._subscribe(node, topic, kind, RECORD_BEST_EFFORT)
+            take_anew(RECORD_BEST_EFFORT)
 
         events = SubscriptionEventCallbacks(
             message_lost=self._counting(whole),
-            incompatible_qos=take_best_effort if qos is RECORD else None,
+            incompatible_qos=None if qos is RECORD_BEST_EFFORT else take_less,
+            matched=take_latched if qos is RECORD else None,
         )
         subscription = node.create_subscription(
             kind, topic, self._storing(whole), qos, raw=True, event_callbacks=events
@@ -165,6 +177,12 @@ class Recorder:
             self.health.missed = sum(self._lost.values())
 
         return count
+
+
+def _is_latched(node: Node, topic: str) -> bool:
+    """Return whether a topic has publishers, all of which send their last messages to late subscribers."""
+    offered = {one.qos_profile.durability for one in node.get_publishers_info_by_topic(topic)}
+    return offered == {DurabilityPolicy.TRANSIENT_LOCAL}
 
 
 def _class_of(kind: str) -> type:

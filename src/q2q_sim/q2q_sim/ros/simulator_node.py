@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND, LOCKED = "command", "locked"
+COMMAND, CLOCK, CRTP, LOCKED = "command", "/clock", "crtp", "locked"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -76,7 +76,8 @@ class Simulator:
         self._writers = {
             topic: SignalPublisher(node, topic, signal, TICK_WRITER) for topic, signal in OUTPUTS.items()
         }
-        self._clock = node.create_publisher(Clock, "/clock", TICK)
+        self._clock = node.create_publisher(Clock, CLOCK, TICK)
+        self._clocks = SeveralWriters(node, CLOCK)
         self._clock_audience = Audience((self._clock,))
         self._summary = node.create_publisher(String, "flight_summary", LATCHED)
         if not params.crtp:
@@ -149,8 +150,11 @@ class Simulator:
         doubts, locked = self._flight.health.doubts, self._flight.locked
         if locked and locked != doubts.get(LOCKED):
             self._node.get_logger().warning(locked)
-        doubts |= {COMMAND: self._controllers.look(), LOCKED: locked}
-        return {**self._flight.clock.recent(), **(self._crtp.diagnostics() if self._crtp else {})}
+        doubts |= {COMMAND: self._controllers.look(), CLOCK: self._clocks.look(), LOCKED: locked}
+        if self._crtp is None:
+            return self._flight.clock.recent()
+        doubts[CRTP] = self._crtp.troubles()
+        return {**self._flight.clock.recent(), **self._crtp.diagnostics()}
 
 
 def main() -> None:

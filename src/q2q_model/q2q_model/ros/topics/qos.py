@@ -27,6 +27,11 @@ RECORD = QoSProfile(depth=100_000, reliability=ReliabilityPolicy.RELIABLE)
 RECORD_BEST_EFFORT = QoSProfile(depth=RECORD.depth, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Queue of the recorder for a topic that some publisher sends best effort, as drivers of sensors do."""
 
+RECORD_LATCHED = QoSProfile(
+    depth=RECORD.depth, reliability=RECORD.reliability, durability=DurabilityPolicy.TRANSIENT_LOCAL
+)
+"""Queue of the recorder for a topic that all publishers latch: it gets what they sent before."""
+
 SENSOR = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Sensors' samples from any publisher, each of which counts: 1 s at 100 Hz."""
 
