@@ -5,9 +5,10 @@ flight is flown to its end; its exit status is then 2.
 """
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from time import time_ns
@@ -15,7 +16,6 @@ from time import time_ns
 from rclpy.event_handler import (
     QoSMessageLostInfo,
     QoSRequestedIncompatibleQoSInfo,
-    QoSSubscriptionMatchedInfo,
     SubscriptionEventCallbacks,
 )
 from rclpy.node import Node
@@ -62,6 +62,9 @@ class Recorder:
         params = declare(node, RecordParams())
         if not params.bag:
             raise ValueError("parameter bag is empty: give the folder to write, e.g. -p bag:=out/my_flight")
+        self._node = node
+        self._take_latched: dict[str, Callable[[], None]] = {}
+        """How to subscribe anew to a topic that is not known to be latched."""
         self.health = Health()
         """Messages stored (ticks) and lost (missed)."""
         self._lost: dict[str, int] = {}
@@ -85,7 +88,7 @@ class Recorder:
                 bus.listen(topic, self._storing_signals(whole))
             else:
                 self._subscribe(node, topic, classes[topic], RECORD)
-        publish_health(node, self.health)
+        publish_health(node, self.health, self._look_for_latched)
 
     def _subscribe(self, node: Node, topic: str, kind: type, qos: QoSProfile) -> None:
         """Record a topic; with `RECORD` until all publishers latch it, or one offers best effort only."""
@@ -94,10 +97,6 @@ class Recorder:
         def take_anew(offered: QoSProfile) -> None:
             if node.destroy_subscription(subscription):  # else another event did
                 self._subscribe(node, topic, kind, offered)
-
-        def take_latched(_: QoSSubscriptionMatchedInfo) -> None:
-            if whole not in self._heard and _is_latched(node, whole):  # else the last one would come again
-                take_anew(RECORD_LATCHED)
 
         def take_less(refused: QoSRequestedIncompatibleQoSInfo) -> None:
             if refused.last_policy_kind == QoSPolicyKind.DURABILITY:
@@ -109,11 +108,25 @@ class Recorder:
         events = SubscriptionEventCallbacks(
             message_lost=self._counting(whole),
             incompatible_qos=None if qos is RECORD_BEST_EFFORT else take_less,
-            matched=take_latched if qos is RECORD else None,
         )
         subscription = node.create_subscription(
             kind, topic, self._storing(whole), qos, raw=True, event_callbacks=events
         )
+        self._take_latched.pop(whole, None)
+        if qos is RECORD:
+            self._take_latched[whole] = partial(take_anew, RECORD_LATCHED)
+
+    def _look_for_latched(self) -> Mapping[str, str]:
+        """Take topics of which nothing has come as they are latched, for what was sent before; no values.
+
+        Once a second: an event of the match would come at once, but to take one can block the process for
+        ever (ros2/rmw_fastrtps#890).
+        """
+        silent = self._take_latched.keys() - self._heard  # of others, the last message would come again
+        for topic in sorted(silent):
+            if _is_latched(self._node, topic):
+                self._take_latched[topic]()
+        return {}
 
     def close(self) -> None:
         """Close the bag; name the topics of which messages were lost, and those that never came.
