@@ -41,7 +41,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.downwash.interaction_model import EDGE, PairMotion, Reach
 from q2q_model.downwash.roles import BLEND
 from q2q_model.signals.values import Array
@@ -190,7 +190,7 @@ def law_of_numbers(numbers: Array) -> JetLaw:
     return JetLaw(*shape, width, spread, upper_ratio, travel_speed, carried, velocity_share, reach)
 
 
-@compiled
+@compiled(**HOT)
 def _drift(dz: float, vel: Array, axis: Array, law: JetLaw) -> tuple[float, float]:
     """Return the horizontal displacement of the air since it left its source [m]."""
     upright = max(axis[2], 0.5)
@@ -203,7 +203,7 @@ def _drift(dz: float, vel: Array, axis: Array, law: JetLaw) -> tuple[float, floa
     return law.carried * (vel[0] * tau - fall * sx / cut), law.carried * (vel[1] * tau - fall * sy / cut)
 
 
-@compiled
+@compiled(**HOT)
 def _push(pairs: JetPairs, k: int, above: float, law: JetLaw) -> float:
     """Return the downward acceleration [m/s^2] of the lower vehicle at place k; `above`: tanh(dz / BLEND)."""
     x, y, dz = pairs.rel_pos[k, 0], pairs.rel_pos[k, 1], pairs.rel_pos[k, 2]
@@ -224,7 +224,7 @@ def _push(pairs: JetPairs, k: int, above: float, law: JetLaw) -> float:
     return float(law.strength * decay * gaussian * meeting)
 
 
-@compiled
+@compiled(**BORROWING)
 def evaluate_pairs(pairs: JetPairs, law: JetLaw, push: Array, eta: Array) -> None:
     """Write the downward acceleration (p,) and eta (p, 3) [m/s^2]."""
     for k in range(push.size):

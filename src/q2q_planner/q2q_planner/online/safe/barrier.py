@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.broad_phase import Pairs
 
@@ -71,7 +71,7 @@ class BarrierLaw(NamedTuple):
     """The nearer to its reference, the more of a correction a vehicle takes; else each takes half."""
 
 
-@compiled
+@compiled(**HOT)
 def _nearest_face(rel_pos: tuple[float, float, float], eps: float, d: float, face: Array) -> float:
     """Write the nearest face of I(eps, d) to `face`, (4,); return h."""
     x, y, z = rel_pos
@@ -87,7 +87,7 @@ def _nearest_face(rel_pos: tuple[float, float, float], eps: float, d: float, fac
     return float(max(side, cap))
 
 
-@compiled
+@compiled(**HOT)
 def _required(
     states: BarrierStates, pair: tuple[int, int], wide: Array, law: BarrierLaw, face: Array
 ) -> float:
@@ -103,14 +103,14 @@ def _required(
     return float(-law.k_1 * rate - law.k_0 * h - turning)
 
 
-@compiled
+@compiled(**HOT)
 def _violation(acc: Array, i: int, j: int, required: float, face: Array) -> float:
     """Return by how much n.(a_i - a_j) is below `required` [m/s^2]."""
     flat = face[_X] * (acc[i, 0] - acc[j, 0]) + face[_Y] * (acc[i, 1] - acc[j, 1])
     return float(required - face[_FLAT] * flat - face[_UP] * (acc[i, 2] - acc[j, 2]))
 
 
-@compiled
+@compiled(**HOT)
 def _lead(ref: Array, i: int, j: int, face: Array, reach: float) -> float:
     """Return the signed share, within 1, of a push that leads around: full if the references are opposite."""
     goal_x, goal_y = ref[i, 0] - ref[j, 0], ref[i, 1] - ref[j, 1]
@@ -118,7 +118,7 @@ def _lead(ref: Array, i: int, j: int, face: Array, reach: float) -> float:
     return float(-opposite if goal_y * face[_X] - goal_x * face[_Y] < -TIE else opposite)
 
 
-@compiled
+@compiled(**HOT)
 def _shift(states: BarrierStates, row: int) -> float:
     """Return the distance of a vehicle from its reference [m], and SHIFTED."""
     x, y = states.pos[row, 0] - states.ref[row, 0], states.pos[row, 1] - states.ref[row, 1]
@@ -126,7 +126,7 @@ def _shift(states: BarrierStates, row: int) -> float:
     return float(np.sqrt(x * x + y * y + z * z) + SHIFTED)
 
 
-@compiled
+@compiled(**HOT)
 def _share(states: BarrierStates, i: int, j: int, law: BarrierLaw) -> float:
     """Return the share of a correction that vehicle i takes: all where j is external."""
     if j >= law.own:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.candidate_motions import PairedTraffic, new_motions, old_motions
@@ -55,7 +55,7 @@ class _Selection(NamedTuple):
     """Pairs of the swarm (n,) and external vehicles (m,) proven together before, (n, m)."""
 
 
-@compiled
+@compiled(**BORROWING)
 def _stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
     """Return whether a pair is proven to stay apart, by the law's kind of motion."""
     if law.jerk > 0.0:
@@ -124,7 +124,7 @@ def _near_pairs(new: Motions, old: Motions, pairs: Pairs, law: BrakingLaw) -> Ro
     return found[:count]
 
 
-@compiled
+@compiled(**BORROWING)
 def _is_proven(selection: _Selection, i: int, j: int, rule: ChoiceRule) -> bool:
     """Return whether the chosen motions of a pair are proven to stay apart; two old ones need no floor."""
     own, choice = selection.proven.shape[0], selection.choice

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 
 NEARER = 0.99
@@ -71,7 +71,7 @@ def zone_distance(x: float, y: float, z: float, law: BrakingLaw) -> float:
     return float(max(side, cap))
 
 
-@compiled
+@compiled(**BORROWING)
 def _speed(vel: Array, acc: Array, s: float) -> float:
     """Return |vel + acc s| [m/s]."""
     x, y, z = vel[0] + acc[0] * s, vel[1] + acc[1] * s, vel[2] + acc[2] * s
@@ -87,7 +87,7 @@ def _braking_share(s: float, hold: float, speed: float, brake: float) -> float:
     return u - 0.5 * brake * u * u / speed
 
 
-@compiled
+@compiled(**BORROWING)
 def _coordinate(motions: Motions, row: int, axis: int, s: float, share: float) -> float:
     """Return one coordinate of a motion at time s [m]; `share` is _braking_share there."""
     vel, acc = motions.vel[row, axis], motions.acc[row, axis]
@@ -96,7 +96,7 @@ def _coordinate(motions: Motions, row: int, axis: int, s: float, share: float) -
     return float(there + (vel + acc * first) * share)
 
 
-@compiled
+@compiled(**BORROWING)
 def stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
     """Return whether vehicles i and j are proven to stay out of each other's zone.
 

@@ -20,14 +20,40 @@ s = 2 L / (u + sqrt(u^2 + 2 B L)).
 | B | most | bound of both accelerations, Euclidean [m/s^2] |
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from q2q_model.compiled import compiled
+from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.stopping.braking import MOST_STEPS, NEARER, BrakingLaw, Motions, zone_distance
 
 Axis = tuple[float, float, float]
 """Position [m], velocity [m/s] and acceleration [m/s^2] of one axis."""
+
+
+class AxisMotion(NamedTuple):
+    """One axis of a motion: a held jerk, then the fastest stop."""
+
+    start: Axis
+    jerk: float
+    """Held [m/s^3]."""
+    hold: float
+    """[s]"""
+    held: Axis
+    """As the stop begins."""
+    sign: float
+    """Of the velocity that is stopped."""
+    first: float
+    """t_1 of the stop [s]."""
+    even: float
+    """t_2 [s]"""
+    last: float
+    """t_3 [s]"""
+
+
+Axes = tuple[AxisMotion, AxisMotion, AxisMotion]
+"""x, y and z of a motion."""
 
 
 @compiled
@@ -51,12 +77,11 @@ def _stop_phases(vel: float, acc: float, law: BrakingLaw) -> tuple[float, float,
     return sign, max(0.0, (a + peak) / law.jerk), even, peak / law.jerk
 
 
-@compiled
-def _stopped(start: Axis, s: float, law: BrakingLaw) -> Axis:
-    """Return an axis s [s] after the beginning of its fastest stop."""
-    sign, first, even, last = _stop_phases(start[1], start[2], law)
-    state = start
-    for jerk, span in ((-sign * law.jerk, first), (0.0, even), (sign * law.jerk, last)):
+@compiled(**HOT)
+def _stopped(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
+    """Return an axis s [s] after the beginning of its stop."""
+    state, push = motion.held, motion.sign * law.jerk
+    for jerk, span in ((-push, motion.first), (0.0, motion.even), (push, motion.last)):
         step = min(s, span)
         state = _held(state, jerk, step)
         s -= step
@@ -65,27 +90,46 @@ def _stopped(start: Axis, s: float, law: BrakingLaw) -> Axis:
     return state[0], 0.0, 0.0
 
 
-@compiled
-def axis_at(motions: Motions, row: int, axis: int, s: float, law: BrakingLaw) -> Axis:
-    """Return one axis of a motion at time s [s]."""
-    hold = min(s, motions.hold[row])
+@compiled(**HOT)
+def axis_motion(motions: Motions, row: int, axis: int, law: BrakingLaw) -> AxisMotion:
+    """Return one axis of a motion."""
     start = motions.pos[row, axis], motions.vel[row, axis], motions.acc[row, axis]
-    state = _held(start, motions.jerk[row, axis], hold)
-    return _stopped(state, s - hold, law) if s > hold else state
+    held = _held(start, motions.jerk[row, axis], motions.hold[row])
+    sign, first, even, last = _stop_phases(held[1], held[2], law)
+    return AxisMotion(start, motions.jerk[row, axis], motions.hold[row], held, sign, first, even, last)
 
 
-@compiled
+@compiled(**HOT)
+def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
+    """Return one axis of a motion at time s [s]."""
+    if s > motion.hold:
+        return _stopped(motion, s - motion.hold, law)
+    return _held(motion.start, motion.jerk, s)
+
+
+@compiled(**HOT)
+def axes_of(motions: Motions, row: int, law: BrakingLaw) -> Axes:
+    """Return x, y and z of a motion."""
+    x, y = axis_motion(motions, row, 0, law), axis_motion(motions, row, 1, law)
+    return x, y, axis_motion(motions, row, 2, law)
+
+
+@compiled(**HOT)
+def _rest_of(axes: Axes) -> float:
+    """Return the time at which a motion rests [s]."""
+    longest = 0.0
+    for motion in axes:
+        longest = max(longest, motion.first + motion.even + motion.last)
+    return float(axes[0].hold + longest)
+
+
+@compiled(**BORROWING)
 def rest_time(motions: Motions, row: int, law: BrakingLaw) -> float:
     """Return the time at which a motion rests [s]."""
-    longest, hold = 0.0, motions.hold[row]
-    for axis in range(3):
-        _, vel, acc = axis_at(motions, row, axis, hold, law)
-        _, first, even, last = _stop_phases(vel, acc, law)
-        longest = max(longest, first + even + last)
-    return float(hold + longest)
+    return _rest_of(axes_of(motions, row, law))
 
 
-@compiled
+@compiled(**BORROWING)
 def _acceleration_bound(motions: Motions, row: int, law: BrakingLaw) -> float:
     """Return a bound of |r''| of a motion [m/s^2]."""
     square = 0.0
@@ -114,25 +158,39 @@ def stop_reach(motions: Motions, law: BrakingLaw, longest: float) -> Array:
     return reach
 
 
-@compiled
+@compiled(**HOT)
+def _relative_motion(one: Axes, other: Axes, s: float, law: BrakingLaw) -> tuple[Axis, float]:
+    """Return the position of one motion from another at time s [m], and the speed between them [m/s]."""
+    x, u = _relative_axis(one[0], other[0], s, law)
+    y, v = _relative_axis(one[1], other[1], s, law)
+    z, w = _relative_axis(one[2], other[2], s, law)
+    return (x, y, z), np.sqrt(u * u + v * v + w * w)
+
+
+@compiled(**HOT)
+def _relative_axis(one: AxisMotion, other: AxisMotion, s: float, law: BrakingLaw) -> tuple[float, float]:
+    """Return position [m] and velocity [m/s] of one axis from another at time s [s]."""
+    here, there = axis_at(one, s, law), axis_at(other, s, law)
+    return here[0] - there[0], here[1] - there[1]
+
+
+@compiled(**BORROWING)
 def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
     """Return whether vehicles i and j are proven to stay out of each other's zone; as `braking.stays_out`."""
     growth = motions.growth
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     most = _acceleration_bound(motions, i, law) + _acceleration_bound(motions, j, law)
-    end = max(rest_time(motions, i, law), rest_time(motions, j, law)) + lateness(rate, law)
-    rel, closing = np.empty(3), np.empty(3)
+    one, other = axes_of(motions, i, law), axes_of(motions, j, law)
+    end = max(_rest_of(one), _rest_of(other)) + lateness(rate, law)
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
-        for axis in range(3):
-            here, there = axis_at(motions, i, axis, s, law), axis_at(motions, j, axis, s, law)
-            rel[axis], closing[axis] = here[0] - there[0], here[1] - there[1]
-        left = zone_distance(rel[0], rel[1], rel[2], law) - wide - rate * s
+        (x, y, z), closing = _relative_motion(one, other, s, law)
+        left = zone_distance(x, y, z, law) - wide - rate * s
         if step == 0:
             keep = min(floor, NEARER * left)
         if not (left >= keep and left >= 0.0):  # NaN too
             return False
-        speed = rate + np.sqrt((closing * closing).sum())
+        speed = rate + closing
         free = left - 0.5 * keep  # half of `keep` remains until then
         s += 2.0 * free / (speed + np.sqrt(speed * speed + 2.0 * most * free)) if free > 0.0 else 0.0
         if s >= end:
@@ -146,7 +204,7 @@ def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Ar
     pos, vel, acc = np.empty_like(motions.pos), np.empty_like(motions.pos), np.empty_like(motions.pos)
     for row in range(motions.hold.size):
         for axis in range(3):
-            state = axis_at(motions, row, axis, s, law)
+            state = axis_at(axis_motion(motions, row, axis, law), s, law)
             pos[row, axis], vel[row, axis], acc[row, axis] = state
     return pos, vel, acc
 
