@@ -5,11 +5,9 @@ import time
 from argparse import Namespace
 from dataclasses import asdict
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.outliers import check_metres
 from q2q_model.tools.recordings import topic_map
 from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.evidence.fitted import Fitted
@@ -21,9 +19,6 @@ def run(args: Namespace) -> int:
     """Learn an air, write and print it, and return the exit status."""
     began = time.process_time()
     recordings, notes = read_flights(args.flights, topic_map(args.topics))
-    for flight in (one.flight for one in recordings):
-        pos = np.where(np.isfinite(flight.pos), flight.pos, flight.mocap_pos)
-        check_metres(tuple(f"{name} in {flight.name}" for name in flight.names), pos)
     flown = vehicle_of(args.flights, args.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found = learn_air(recordings, flown.vehicle, _tell_step)
