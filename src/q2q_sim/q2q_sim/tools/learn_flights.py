@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 from threadpoolctl import threadpool_limits
 
+from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_model.tools.recordings import topic_map
 from q2q_sim.air.air_file import save
@@ -28,7 +29,8 @@ def run(args: Namespace) -> int:
     for note in (*notes, *filter(None, [flown.note]), *found.notes):
         print(f"learn_air: {note}", file=sys.stderr)
     print(table(found))
-    print(f"air: {args.out}, {len(found.air.flights)} flights, {time.process_time() - began:.0f} s of CPU")
+    flights = counted(len(found.air.flights), "flight")
+    print(f"air: {args.out}, {flights}, {time.process_time() - began:.0f} s of CPU")
     return 0
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
 from q2q_model.flights.metres import check_flight_metres
 from q2q_model.flights.outliers import find_outliers, repair
@@ -146,7 +147,7 @@ def _remark_on_holes(name: str, t: Array, seconds: Array, left_out: int) -> str:
     worst = int(np.argmax(seconds))
     which = f"hole of {seconds[worst]:.1f} s at t = {t[worst]:.2f} s"
     several = f"{len(t)} holes, the longest a {which}" if len(t) > 1 else which
-    short = f"; {left_out} pieces shorter than {SHORTEST:g} s are left out" if left_out else ""
+    short = f"; without {counted(left_out, 'piece')} shorter than {SHORTEST:g} s" if left_out else ""
     return f"{name}: {several}, or a jump of the clock: nothing is inferred across it{short}"
 
 
