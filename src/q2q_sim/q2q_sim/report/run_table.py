@@ -49,7 +49,7 @@ def run_table(runs: Sequence[FlightRun]) -> Table:
 
 
 def run_notes(runs: Sequence[FlightRun]) -> list[str]:
-    """Return zone time and timing of each flight."""
+    """Return zone time and timing of each flight, in lines for a terminal of 80 columns."""
     return [_note(run) for run in runs]
 
 
@@ -63,8 +63,8 @@ def _note(run: FlightRun) -> str:
     latency, tail = significant(timing.latency_p50_ms, 2), significant(timing.latency_p99_ms, 2)
     return (
         f"{MODE_WORDS[run.request.mode]}: {significant(run.metrics.zone_time_s)} s in the zone, "
-        f"{significant(timing.real_time_factor, 2)} x real time, {missed} missed, "
-        f"mocap to command {latency} ms in the median, {tail} ms at p99"
+        f"{significant(timing.real_time_factor, 2)} x real time, {missed} missed,\n"
+        f"    mocap to command {latency} ms in the median, {tail} ms at p99"
     )
 
 
