@@ -23,7 +23,7 @@ from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
-from q2q_model.ros.node.input_warnings import UnplannedNames
+from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
 from q2q_model.ros.node.run import run
@@ -111,7 +111,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
 def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> None:
     """Let the block follow the plans on `plan`; an invalid one is refused, the last one kept."""
-    unplanned = UnplannedNames(node, wiring.health)
+    unplanned = AbsentNames(node, "plan", "{}: flown without looking ahead", wiring.health)
 
     def take(message: Plan) -> None:
         try:
@@ -120,7 +120,7 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
             wiring.health.refuse(f"plan, the last one is kept: {refusal}")
             return
         block.follow(preview)
-        unplanned.take_plan(preview.names)
+        unplanned.take_source(preview.names)
         came()
 
     came = expect_latched(node, node.create_subscription(Plan, "plan", take, LATCHED))
