@@ -13,8 +13,8 @@ from rclpy.node import Node
 
 from q2q_model.ros.node.input_warnings import (
     FRAMES,
+    AbsentNames,
     StandingStamps,
-    UnmeasuredNames,
     warn_of_missing_names,
     warn_of_unknown_names,
 )
@@ -91,11 +91,11 @@ def test_vehicles_that_a_topic_lacks_are_told_once(node: Node) -> None:
 
 
 def test_setpoints_of_vehicles_that_no_state_has_are_told_once_and_only_after_a_state(node: Node) -> None:
-    names = UnmeasuredNames(node, "reference_safe")
+    names = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?")
     names.look(0, frame("cf7", "cf1"))
     assert warnings(node) == []
     for measured in (("cf1", "cf2"), ("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2", "cf7")):
-        names.take_state(0, frame(*measured))
+        names.take_source(measured)
         names.look(0, frame("cf7", "cf1"))
     told = "reference_safe: cf7 not in state, which has cf1, cf2: is the plan for these vehicles?"
     assert warnings(node) == [told]

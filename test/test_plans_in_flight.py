@@ -13,7 +13,7 @@ from room_node import RoomNode
 
 from q2q_control.ros import mpc_node
 from q2q_model.node.health import Health, Level, report
-from q2q_model.ros.node.input_warnings import UnplannedNames
+from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.values import Names, SwarmSetpoint
@@ -71,15 +71,15 @@ def test_a_plan_far_from_the_references_is_a_doubt_until_another_one_comes_and_o
 @pytest.mark.parametrize("plan_first", [True, False])
 def test_references_that_the_plan_does_not_have_are_told_once_and_kept_in_health(plan_first: bool) -> None:
     node, health = RoomNode("mpc", {}, {}), Health()
-    names = UnplannedNames(node, health)
+    names = AbsentNames(node, "plan", "{}: flown without looking ahead", health)
     if plan_first:
-        names.take_plan(("x", "cf2"))
+        names.take_source(("x", "cf2"))
     for _ in range(3):
         names.look(0, setpoint(("cf1", "cf2")))
     assert plan_first or node.lines == []  # no plan has come: nothing is missing from it
-    names.take_plan(("x", "cf2"))
+    names.take_source(("x", "cf2"))
     assert node.lines == ["cf1 not in plan, which has x, cf2: flown without looking ahead"]
     assert report(Health(), health).summary == "cf1 not in plan, which has x, cf2"
-    names.take_plan(("cf2", "cf1"))
+    names.take_source(("cf2", "cf1"))
     assert report(Health(), health).level is Level.STALE
     assert len(node.lines) == 1

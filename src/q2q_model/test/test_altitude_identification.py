@@ -118,7 +118,7 @@ def test_the_ground_and_holes_in_the_positions_do_not_move_the_gains():
 
 def test_a_flight_without_commands_is_refused_with_the_way_out():
     record = record_of(CALM)
-    with pytest.raises(ValueError, match="0 rows with thrust commands in 1 flights, 200 needed"):
+    with pytest.raises(ValueError, match="0 rows with thrust commands in 1 flight, 200 needed"):
         gains_from_commands([replace(record, commanded_acc=np.full_like(record.commanded_acc, np.nan))])
 
 
@@ -281,7 +281,7 @@ def test_nothing_is_inferred_across_a_hole():
     found, remarks = altitude_records(holed, CRAZYFLIE_2_0)
     assert len(remarks) == 1
     assert remarks[0].startswith("pass: 2 holes, the longest a hole of 1.0 s at t = 9.99 s, or a jump")
-    assert remarks[0].endswith("1 pieces shorter than 2 s are left out")
+    assert remarks[0].endswith("; without 1 piece shorter than 2 s")
     assert [one.t.size for one in found] == [1000, 1800]  # 0.2 s without a tick are interpolated
     for one, first in zip(found, (0, 1200), strict=True):
         rows = slice(first, first + one.t.size)

@@ -226,7 +226,7 @@ def test_strays_repeats_and_disorder_are_stated(tmp_path: Path):
     text = " | ".join(str(one.message) for one in lines)
     assert "1 of 2 messages on state match no tick" in text
     assert "command" not in text  # a live controller commands on after the last tick
-    assert "1 stamps on mocap repeat" in text
+    assert "1 repeated stamp on mocap" in text
     assert "stamps on mocap are out of order" in text
     assert len(flight.t) == 5
 

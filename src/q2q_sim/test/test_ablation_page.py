@@ -97,7 +97,7 @@ def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:
     del made.flights[key(PASSAGE, "on board")]
     text = page(made, "the command", "images/a.png")
     assert "the command" in text
-    assert "1 flights were not flown" in text
+    assert "1 flight not flown" in text
     assert text.count("\n| MPC + correction |") == len(PATHS) + len(PLANTS) * len(SHOWN)
     assert text.count("\n| on board |") == len(PATHS) + len(PLANTS) * len(SHOWN) - 1
     assert "| on board | - |" in text
@@ -129,7 +129,7 @@ def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
     asked = ["--seeds", "1", "--json", str(file), "--out", str(out), "--table-only"]
     assert main(asked) == 0
     written = out.read_text()
-    assert "1 flights were not flown" in written
+    assert "1 flight not flown" in written
     assert "--table-only" not in written
     assert (tmp_path / "images" / "page.png").stat().st_size > 10_000
     assert main([*asked, "--airs", "rom"]) == 1

@@ -161,6 +161,19 @@ def test_another_vector_of_a_lone_vehicle_is_no_vehicle(tmp_path: Path, capsys: 
     assert np.all(log.column("gyro_x") == 1.0)
 
 
+@pytest.mark.parametrize(("up", "doubted"), [("z", False), ("y", True)])
+def test_a_table_whose_y_is_up_is_doubted(
+    up: str, *, doubted: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    columns = _vectors("") | {"y": np.linspace(-1.0, 1.0, 40), "z": np.ones(40)}
+    if up == "y":
+        columns |= {"y": columns["z"], "z": -columns["y"]}
+    _write_csv(columns, tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    told = "  z is below -0.1 m in 45% of the positions and y in 0%: is y up?"
+    assert (told in capsys.readouterr().out) is doubted
+
+
 def test_an_estimate_of_a_vehicle_is_in_the_log_of_that_vehicle():
     table = flight_table(_vectors("cf1_", "cf1_est_", "cf2_", "cf2_est_"))
     assert table.names == ("cf1", "cf2")

@@ -20,6 +20,7 @@ from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import verdict_of
 from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.report.run_table import run_notes
 from q2q_sim.scenarios import library
 from q2q_sim.tools import demo_real
 from q2q_sim.tools.demo_flights import key_numbers, passage, write_demo_page
@@ -130,8 +131,18 @@ def test_the_demo_shows_replay_numbers_and_table_in_this_order(runs: list[Flight
     order = ["<h1>", "<q2q-replay>", f"<b>{pushed.value}</b>", f"<b>{left.value}</b>", "<table>", "<img "]
     places = [html.index(one) for one in order]
     assert places == sorted(places)
-    assert "10 x real time, 0 ticks missed, mocap to command 1.0 ms in the median, 2.0 ms at p99" in html
+    words = " ".join(html.split())
+    assert "10 x real time, 0 ticks missed, mocap to command 1.0 ms in the median, 2.0 ms at p99" in words
     assert html.count("<img ") == 4  # altitude and thrust of two vehicles
+
+
+def test_the_timing_of_a_flight_fits_a_terminal_of_80_columns(runs: list[FlightRun]) -> None:
+    slow = FlightTiming(360_000, 123_456, 0.012, latency_p50_ms=123.4, latency_p99_ms=1234.5)
+    far = replace(runs[0].metrics, zone_time_s=1234.5)
+    request = replace(runs[0].request, mode="aware_unlimited")
+    (told,) = run_notes([replace(runs[0], timing=slow, metrics=far, request=request)])
+    assert told.startswith("no limit: 1230 s in the zone, 0.012 x real time, 123456 ticks missed,\n")
+    assert max(map(len, told.splitlines())) <= 80
 
 
 def test_the_page_on_recorded_flights_pictures_the_typical_one_and_lists_all(

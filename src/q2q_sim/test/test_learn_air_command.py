@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter
-from q2q_model.signals.values import MocapFrame
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import air_path
 from q2q_sim.air.learning.jet.jet_table import momentum_share
@@ -66,15 +65,6 @@ def test_an_empty_bag_is_refused_in_one_sentence(tmp_path: Path, capsys: pytest.
     refused = capsys.readouterr().err.splitlines()
     assert len(refused) == 1
     assert "empty" in refused[0]
-
-
-def test_a_bag_in_millimetres_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with BagWriter(tmp_path / "mm") as bag:
-        for tick in range(5):
-            frame = MocapFrame(0.01 * tick, ("cf1",), np.full((1, 3), 1000.0), np.full((1, 4), 0.5))
-            bag.write_signal("/mocap", 10_000_000 * tick, frame)
-    assert main([str(tmp_path / "mm"), "--out", str(tmp_path / "mm.air")]) == 1
-    assert "x, y, z of cf1 in mm reach 1000 in the median, 50 m is the most" in capsys.readouterr().err
 
 
 def test_the_shipped_air_names_its_flights_and_gives_no_more_momentum_than_it_may() -> None:

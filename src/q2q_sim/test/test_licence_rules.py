@@ -252,7 +252,7 @@ def test_a_collision_with_a_vehicle_that_lost_its_link_is_a_remark():
     assert report_text(found).splitlines() == [
         "pass  radio lost, cf2 at 4.0 s",
         f"      {remark.sentence}",
-        "PASS two.py: 1 flights in 1 s; 1 remark",
+        "PASS two.py: 1 flight in 1 s; 1 remark",
     ]
     assert f"<system-out>{remark.sentence}</system-out>" in junit_xml(found)
     assert "<failure" not in junit_xml(found)

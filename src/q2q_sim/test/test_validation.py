@@ -205,9 +205,30 @@ def test_a_flight_without_commands_is_refused(flight: TrackedFlight):
 def test_gains_that_stabilise_no_vehicle_are_not_flown_again(
     k_d: tuple[float, ...], k_i: float, axis: str
 ) -> None:
-    check_stable("sound", LAW)
+    check_stable("sound", LAW, CRAZYFLIE_2_0.thrust_lag, 60.0)
     with pytest.raises(ValueError, match=f"flight shaky cannot .* gains of {axis} .* are unstable"):
-        check_stable("shaky", replace(LAW, k_d=np.array(k_d), k_i=np.full(3, k_i)))
+        check_stable(
+            "shaky", replace(LAW, k_d=np.array(k_d), k_i=np.full(3, k_i)), CRAZYFLIE_2_0.thrust_lag, 60.0
+        )
+
+
+def growth(law: OnboardLaw) -> float:
+    """Return how much larger horizontal errors are in the last third of 24 s without downwash than before."""
+    plan = passes(24.0)
+    flown = redrawn(ReadFlight(plan, law), CRAZYFLIE_2_0.mass, air(0.0), [0])
+    error = np.abs(flown.pos[0] - plan.ref_pos)[..., :2]
+    return float(error[-800:].max() / error[:800].max())
+
+
+def test_a_law_by_which_vehicles_run_away_is_not_flown_again() -> None:
+    """Gains read from bags/table2_1, with its attitude loop of 15 rad/s, and with a quick one."""
+    quick = replace(LAW, k_p=np.array([18.7, 18.7, 10.0]), k_d=np.array([8.55, 8.55, 5.0]))
+    slow = replace(quick, attitude=replace(LOOP, frequency=15.0))
+    assert growth(quick) < 1.0
+    check_stable("quick", quick, CRAZYFLIE_2_0.thrust_lag, 24.0)
+    assert growth(slow) > np.exp(16.0 / 13.0)  # the ticks of the controller delay it further
+    with pytest.raises(ValueError, match=r"gains of x and y .* errors grow e-fold in 13 s of 24 s"):
+        check_stable("slow", slow, CRAZYFLIE_2_0.thrust_lag, 24.0)
 
 
 def test_a_flight_whose_law_cannot_be_read_is_left_out_and_the_others_are_compared(

@@ -9,7 +9,7 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
 from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
 from q2q_control.ros.guarded_commands import GuardedCommands
-from q2q_model.ros.node.input_warnings import UnmeasuredNames, warn_of_missing_names
+from q2q_model.ros.node.input_warnings import AbsentNames, warn_of_missing_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
@@ -91,8 +91,8 @@ def wire_controller(
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
     for topic in ("state", "reference_safe"):
         wiring.listen(topic, warn_of_missing_names(node, topic, params.vehicles))
-    unmeasured = UnmeasuredNames(node, "reference_safe")
-    wiring.listen("state", unmeasured.take_state)
+    unmeasured = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?")
+    wiring.listen("state", lambda _, state: unmeasured.take_source(state.names))
     wiring.listen("reference_safe", unmeasured.look)
     fallback = declare(node, FallbackParams())
     guarded = GuardedCommands(controller, fallback, vehicle.hover_thrust, live=params.live)

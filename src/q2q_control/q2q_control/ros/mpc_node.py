@@ -24,7 +24,7 @@ from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
-from q2q_model.ros.node.input_warnings import UnplannedNames
+from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
 from q2q_model.ros.node.run import run
@@ -114,7 +114,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
 def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> None:
     """Let the block follow the plans on `plan`; an invalid one is refused, the last one kept."""
-    unplanned, new_plans = UnplannedNames(node, wiring.health), NewPlanMonitor()
+    unplanned = AbsentNames(node, "plan", "{}: flown without looking ahead", wiring.health)
+    new_plans = NewPlanMonitor()
 
     def take(message: Plan) -> None:
         try:
@@ -123,7 +124,7 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
             wiring.health.refuse(f"plan, the last one is kept: {refusal}")
             return
         block.follow(preview)
-        unplanned.take_plan(preview.names)
+        unplanned.take_source(preview.names)
         new_plans.take_plan(preview)
         wiring.health.doubts[MISMATCH] = ""
         came()

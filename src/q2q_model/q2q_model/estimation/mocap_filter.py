@@ -39,7 +39,6 @@ from q2q_model.estimation.usual_tick import (
     QUAT_AT,
     no_poses,
     remember_poses,
-    repeated_poses,
     usual_tick,
     with_more,
 )
@@ -159,26 +158,23 @@ class MocapFilter:
         pos, vel, ang_vel_body = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         quat, age = np.empty((n, 4)), np.zeros(n)
         out = pos, vel, quat, ang_vel_body
-        outcome, turned = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
+        outcome, turned, repeated = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
             self._wrong = ()
             self._count_nominal()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
-        state = self._gapped(t, poses, self._tracked(t, outcome, poses, out), turned)
-        remember_poses(poses, self._recent)
-        return state
-
-    def _tracked(self, t: float, outcome: int, poses: Array, out: tuple[Array, ...]) -> TrackUpdate:
-        if outcome != UNUSUAL:
-            return self._positions.usual(outcome, poses[:, :QUAT_AT], out[0], out[1])
-        return self._positions.unusual(t, poses[:, :QUAT_AT].copy(), repeated_poses(poses, self._recent)[0])
-
-    def _gapped(self, t: float, poses: Array, tracked: TrackUpdate, turned: bool) -> SwarmState:
-        """Return the state of a tick that is not nominal; `turned` is whether attitudes have been taken."""
+        if outcome == UNUSUAL:
+            tracked = self._positions.unusual(t, poses[:, :QUAT_AT].copy(), repeated)
+        else:
+            tracked = self._positions.usual(outcome, poses[:, :QUAT_AT], pos, vel)
         if not turned:
-            old = repeated_poses(poses, self._recent)[0]
-            quat = self._quat_of(tracked, np.where(old[:, None], np.nan, poses[:, QUAT_AT:]))
+            quat = self._quat_of(tracked, np.where(repeated[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)
+        remember_poses(poses, self._recent)
+        return self._gapped(t, poses, tracked)
+
+    def _gapped(self, t: float, poses: Array, tracked: TrackUpdate) -> SwarmState:
+        """Return the state of a tick that is not nominal, after its positions and attitudes were taken."""
         faults = pose_faults(poses, self._params.pos_max)
         self._wrong = tracked.lent, tracked.frozen, *faults
         self._count(~faults.missing, tracked)

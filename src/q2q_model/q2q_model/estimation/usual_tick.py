@@ -78,8 +78,10 @@ def usual_tick(
     params: tuple[Floats, Floats],
     memory: Memory,
     out: tuple[Array, Array, Array, Array],
-) -> tuple[int, bool]:
-    """Take the poses of a usual tick; return the outcome for positions, and whether attitudes are usual, too.
+) -> tuple[int, bool, Mask]:
+    """Take the poses of a usual tick.
+
+    Returns the outcome for positions, whether attitudes are usual, too, and which poses repeat, (n,).
 
     Args:
         t: Time [s].
@@ -102,4 +104,4 @@ def usual_tick(
         quat[:], ang_vel_body[:] = attitudes["quat"], attitudes["ang_vel_body"]
     if turned and outcome == WHOLE:
         remember_poses(now, recent)
-    return outcome, turned
+    return outcome, turned, repeated

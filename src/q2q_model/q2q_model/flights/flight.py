@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_model.signals.values import Array, Names, index_of
@@ -221,7 +222,7 @@ def _remarks(topic: str, found: Sequence[SignalRows], t: Array, ticks_of: str) -
         )
     repeated = _repeated(found)
     if repeated:
-        remarks.append(f"{repeated} stamps on {topic} repeat: the last message is used")
+        remarks.append(f"{counted(repeated, 'repeated stamp')} on {topic}: the last message is used")
     if np.any(np.diff(stamps) < 0.0):
         remarks.append(f"stamps on {topic} are out of order: sorted")
     return remarks

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.outliers import check_metres
+from q2q_model.flights.metres import check_metres
 from q2q_model.flights.table_vehicles import vehicle_prefixes
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal

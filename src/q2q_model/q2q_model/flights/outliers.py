@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.signals.values import Array, Mask, Names, Rows
+from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.tunable import check_bounds, tunable
 
 MEDIAN_REACH = 5
@@ -75,19 +75,6 @@ def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = N
     tracks = pos.reshape(len(t), -1, 3)
     found = [_outliers_of_track(t, tracks[:, column], limits) for column in range(tracks.shape[1])]
     return np.stack(found, axis=1).reshape(pos.shape[:-1]) if found else np.zeros(pos.shape[:-1], dtype=bool)
-
-
-def check_metres(names: Names, pos: Array) -> None:
-    """Raise ValueError if most positions of a vehicle, (T, n, 3), lie beyond the largest that is believed."""
-    pos_max = OutlierThresholds().pos_max
-    for row, name in enumerate(names):
-        finite = pos[np.isfinite(pos[:, row]).all(axis=1), row]
-        reach = np.abs(finite).max(axis=1)
-        if reach.size and np.median(reach) > pos_max:
-            raise ValueError(
-                f"x, y, z of {name} reach {np.median(reach):g} in the median, {pos_max:g} m is the most: are "
-                "they in metres? A column map scales those of a table (bag_import --columns)"
-            )
 
 
 def repair(t: Array, values: Array, bad: Mask) -> Array:

@@ -20,6 +20,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.counted import counted
 from q2q_model.signals.values import Array
 
 MAGIC = 0xBC
@@ -69,7 +70,7 @@ def usd_log(data: bytes) -> UsdLog:
         raise UsdLogError(f"its header is damaged: {damage}") from damage
     rising = np.flatnonzero(np.diff(np.maximum.accumulate(t), prepend=-np.inf) > 0.0)
     if len(rising) < len(t):
-        repairs.append(f"{len(t) - len(rising)} rows whose time does not rise")
+        repairs.append(f"{counted(len(t) - len(rising), 'row')} whose time does not rise")
     if not len(rising):
         raise UsdLogError("it holds no row")
     names = [name for name in rows.dtype.names or () if name != "tick"]
@@ -94,9 +95,9 @@ def _blocks(data: bytes) -> tuple[Array, Records, list[str]]:
     while at < len(data):
         end = at + 1 + data[at] * kind.itemsize + 4
         if end > len(data):
-            repairs.append(f"{len(data) - at} bytes of a block that was cut off")
+            repairs.append(f"{counted(len(data) - at, 'byte')} of a block that was cut off")
         elif crc32(data[at:end]) != GOOD_CRC:
-            repairs.append(f"{data[at]} rows of a block with a wrong CRC")
+            repairs.append(f"{counted(data[at], 'row')} of a block with a wrong CRC")
         else:
             found.append(np.frombuffer(data[at + 1 : end - 4], kind))
         at = end
@@ -143,7 +144,7 @@ def _rows_of_events(
         key = int.from_bytes(data[at : at + 2], "little")
         end = at + kinds[key].itemsize if key in kinds else len(data) + 1
         if end > len(data):
-            repairs.append(f"{len(data) - at} bytes at the end that are no event")
+            repairs.append(f"{counted(len(data) - at, 'byte')} at the end without an event")
             return
         yield key, data[at:end]
         at = end

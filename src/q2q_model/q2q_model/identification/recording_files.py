@@ -8,6 +8,7 @@ from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.flight_table import flight_table, log_of, signals_of
+from q2q_model.flights.metres import check_flight_metres
 from q2q_model.flights.table_file import read_columns
 from q2q_model.identification.filtered_states import with_filtered_states
 
@@ -22,14 +23,26 @@ def recording_of_table(path: Path) -> Recording:
 
 
 def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
-    """Return the flight in a bag, by a map if other software wrote it; raise BagError if it is not valid."""
-    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+    """Return the flight in a bag with its log, as `flight_of_bag` reads it; BagError if they do not fit."""
+    flight = flight_of_bag(bag, topics)
     log = _log(bag)
     try:
         own = log_at(log, flight.t, flight.names) if log else None
     except ValueError as misfit:
         raise BagError(f"bag {bag}: {misfit}") from misfit
     return _recording(flight, own)
+
+
+def flight_of_bag(bag: Path, topics: TopicMap | None = None) -> Flight:
+    """Return the flight in a bag, by a map if other software wrote it.
+
+    Raises:
+        BagError: the bag cannot be read.
+        ValueError: its positions are not in metres.
+    """
+    flight = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+    check_flight_metres(flight)
+    return flight
 
 
 def _recording(flight: Flight, log: FlightLog | None) -> Recording:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from q2q_model.counted import counted
+
 
 class Level(IntEnum):
     """Diagnostic level of a node (diagnostic_msgs/DiagnosticStatus)."""
@@ -77,7 +79,7 @@ def report(before: Health, now: Health) -> HealthReport:
         return HealthReport(Level.WARN, "; ".join(warnings), values)
     if ticks == 0:
         return HealthReport(Level.STALE, "no tick", values)
-    return HealthReport(Level.OK, f"{ticks} ticks", values)
+    return HealthReport(Level.OK, counted(ticks, "tick"), values)
 
 
 def _warnings(before: Health, now: Health) -> list[str]:

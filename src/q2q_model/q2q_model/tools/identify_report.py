@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 
+from q2q_model.counted import counted
 from q2q_model.documents.plain_values import Plain
 from q2q_model.downwash.jet import Jet
 from q2q_model.files.model_file import RoleScores
@@ -68,9 +69,10 @@ def _spans(found: Sequence[tuple[str, Interval]]) -> list[tuple[str, list[float]
 def summary(found: Identification) -> str:
     """Return the results as text."""
     gains, held = found.gains, found.held_out
-    outliers = sum(one.outliers for one in every_record(found.evidence))
+    flights = counted(len(found.evidence), "flight")
+    outliers = counted(sum(one.outliers for one in every_record(found.evidence)), "outlier")
     lines = [
-        f"{len(found.evidence)} flights, {outliers} outliers; 95 % intervals in brackets",
+        f"{flights}, {outliers}; 95 % intervals in brackets",
         _gain("K_p", gains.k_p, "1/s^2"),
         _gain("K_d", gains.k_d, "1/s"),
     ]
@@ -82,7 +84,7 @@ def summary(found: Identification) -> str:
             f"zone from the downwash, |eta| >= {found.zone.threshold} m/s^2: "
             f"{found.zone.eps:.2f} m horizontally, {found.zone.d:.2f} m vertically"
         )
-    lines.append(f"model: {found.chosen.name} ({found.chosen.parameters} parameters)")
+    lines.append(f"model: {found.chosen.name} ({counted(found.chosen.parameters, 'parameter')})")
     if held.r2.lower is not None:
         lines.append(f"  on flights left out: R2 {held.r2.lower:.3f} of the lower vehicle's downwash")
     lines += [f"  {name} {_ranged(one, UNITS.get(name, ''))}" for name, one in found.spread]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import Self
 
+from q2q_model.counted import counted
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.client_troubles import ClientTroubles
@@ -197,7 +198,7 @@ class CrtpEndpoint:
 
 
 def _clients_of(vehicle: CrtpVehicle) -> str:
-    counts = f"{len(vehicle.clients)} clients, {vehicle.refusals.count} refused"
+    counts = f"{counted(len(vehicle.clients), 'client')}, {vehicle.refusals.count} refused"
     return f"{counts}: {vehicle.refusals.last}" if vehicle.refusals.last else counts
 
 

@@ -6,6 +6,7 @@ from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
+from q2q_model.counted import counted
 from q2q_sim.flight.scenario_flight import FlightRun
 from q2q_sim.monitors.flight_verdict import verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics
@@ -48,7 +49,7 @@ def run_table(runs: Sequence[FlightRun]) -> Table:
 
 
 def run_notes(runs: Sequence[FlightRun]) -> list[str]:
-    """Return zone time and timing of each flight."""
+    """Return zone time and timing of each flight, in lines for a terminal of 80 columns."""
     return [_note(run) for run in runs]
 
 
@@ -58,12 +59,12 @@ def run_verdicts(runs: Sequence[FlightRun]) -> str:
 
 
 def _note(run: FlightRun) -> str:
-    timing = run.timing
+    timing, missed = run.timing, counted(run.timing.missed_ticks, "tick")
     latency, tail = significant(timing.latency_p50_ms, 2), significant(timing.latency_p99_ms, 2)
     return (
         f"{MODE_WORDS[run.request.mode]}: {significant(run.metrics.zone_time_s)} s in the zone, "
-        f"{significant(timing.real_time_factor, 2)} x real time, {timing.missed_ticks} ticks missed, "
-        f"mocap to command {latency} ms in the median, {tail} ms at p99"
+        f"{significant(timing.real_time_factor, 2)} x real time, {missed} missed,\n"
+        f"    mocap to command {latency} ms in the median, {tail} ms at p99"
     )
 
 

@@ -23,6 +23,7 @@ from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile
 from rclpy.validate_topic_name import validate_topic_name
 
 from q2q_model.bag import BagError, BagWriter, facts_from_text
+from q2q_model.counted import counted
 from q2q_model.node.health import Health
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
@@ -141,7 +142,8 @@ class Recorder:
         if silence := told_of_silence(self._asked, self._heard):
             print(f"bag_record: {silence}", file=sys.stderr)
         for topic, count in self._lost.items():
-            print(f"bag_record: lost {count} messages of {topic}: this machine is too busy", file=sys.stderr)
+            lost = f"lost {counted(count, 'message')} of {topic}"
+            print(f"bag_record: {lost}: this machine is too busy", file=sys.stderr)
         if self.is_full:
             raise BagError(f"bag {self._writer.path} lacks what came after its disk took no more")
 

@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
+from q2q_model.counted import counted
 from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped_table
-from q2q_model.flights.flight_table import CARRIED, FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.flight_table import CARRIED, POS, FlightTable, flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.flights.table_vehicles import vehicle_prefixes
+from q2q_model.flights.up_axis import doubt_of_height
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
@@ -23,9 +25,9 @@ def run(args: Namespace) -> int:
     counts = write_bag(table, args.out, FlightFacts(vehicle=args.vehicle))
     _print_vehicles(columns, len(table.t), args.out)
     for topic, count in counts.items():
-        print(f"  {topic}: {count} messages")
-    print(f"  {int(table.gap.sum())} samples lie in gaps of the source: not in /mocap")
-    for note in notes:
+        print(f"  {topic}: {counted(count, 'message')}")
+    print(f"  {counted(int(table.gap.sum()), 'sample')} in gaps of the source: not in /mocap")
+    for note in filter(None, [*notes, doubt_of_height(table.vectors(POS))]):
         print(f"  {note}")
     if not args.vehicle:
         print("  its vehicle is not named; --vehicle names it for the tools that read the bag")
@@ -36,7 +38,7 @@ def _print_vehicles(columns: Mapping[str, Array], ticks: int, out: Path) -> None
     """Print which columns became positions of a vehicle, and which are of none."""
     prefixes = vehicle_prefixes(tuple(columns), CARRIED)
     placed = [f"{name} ({key}x, {key}y, {key}z)" for name, key in prefixes.items()]
-    print(f"{out}: {ticks} ticks of {', '.join(placed)}")
+    print(f"{out}: {counted(ticks, 'tick')} of {', '.join(placed)}")
     lost = [name for name in columns if name != "t" and not name.startswith(tuple(prefixes.values()))]
     if lost:
         print(f"  left out, as of no vehicle: {', '.join(lost)}")

@@ -5,11 +5,10 @@ import time
 from argparse import Namespace
 from dataclasses import asdict
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
+from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.outliers import check_metres
 from q2q_model.tools.recordings import topic_map
 from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.evidence.fitted import Fitted
@@ -21,9 +20,6 @@ def run(args: Namespace) -> int:
     """Learn an air, write and print it, and return the exit status."""
     began = time.process_time()
     recordings, notes = read_flights(args.flights, topic_map(args.topics))
-    for flight in (one.flight for one in recordings):
-        pos = np.where(np.isfinite(flight.pos), flight.pos, flight.mocap_pos)
-        check_metres(tuple(f"{name} in {flight.name}" for name in flight.names), pos)
     flown = vehicle_of(args.flights, args.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found = learn_air(recordings, flown.vehicle, _tell_step)
@@ -33,7 +29,8 @@ def run(args: Namespace) -> int:
     for note in (*notes, *filter(None, [flown.note]), *found.notes):
         print(f"learn_air: {note}", file=sys.stderr)
     print(table(found))
-    print(f"air: {args.out}, {len(found.air.flights)} flights, {time.process_time() - began:.0f} s of CPU")
+    flights = counted(len(found.air.flights), "flight")
+    print(f"air: {args.out}, {flights}, {time.process_time() - began:.0f} s of CPU")
     return 0
 
 

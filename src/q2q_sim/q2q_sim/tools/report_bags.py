@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.bag import TopicMap, read_flight, read_mapped_flight
+from q2q_model.bag import TopicMap
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
+from q2q_model.identification.recording_files import flight_of_bag
 from q2q_model.signals.values import CommandStatus
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
@@ -82,7 +83,7 @@ def run(args: Namespace) -> int:
 
 def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, name: str = "") -> Reported:
     """Return a bag's flight with its metrics, under a `name`; `topics` maps the topics of a foreign bag."""
-    read = read_flight(bag) if topics is None else read_mapped_flight(bag, topics)
+    read = flight_of_bag(bag, topics)
     flight = replace(read, name=name or read.name)
     verdict = bag_verdict(bag, flight, flown.vehicle)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)

@@ -10,6 +10,7 @@ from pathlib import Path
 from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
+from q2q_model.counted import counted
 from q2q_model.signals.stamps import time_from_stamp
 
 
@@ -71,7 +72,7 @@ def salvage(file: Path) -> Salvage:
             else:
                 collector.add(found)
     if collector.orphans:
-        losses.append(f"{file.name}: {collector.orphans} messages of unknown channels are dropped")
+        losses.append(f"{file.name}: {counted(collector.orphans, 'message')} of unknown channels dropped")
     return Salvage(tuple(collector.messages), collector.definitions, tuple(losses))
 
 

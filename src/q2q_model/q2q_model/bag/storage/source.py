@@ -16,6 +16,7 @@ from rosbags.rosbag2 import Reader
 from q2q_model.bag.storage.fault import BagError
 from q2q_model.bag.storage.indexed_mcap import IndexedFile, NotIndexedError, indexed_files, logged
 from q2q_model.bag.storage.salvage import salvage
+from q2q_model.counted import counted
 
 STORAGES = (".mcap", ".db3")
 ROS1_SUFFIX = ".bag"
@@ -128,7 +129,7 @@ def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> S
                     done += 1
                     yield RawMessage(channel.topic, stamp_ns, data, channel.type_name)
         except Exception as damage:
-            raise BagError(f"bag {bag} is damaged after {done} messages: {damage}") from damage
+            raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
 
     return Source(bag, tuple(channels.values()), read, repairs)
 
@@ -149,7 +150,7 @@ def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
                     done += 1
                     yield RawMessage(connection.topic, stamp_ns, bytes(data), connection.msgtype)
         except Exception as damage:
-            raise BagError(f"bag {bag} is damaged after {done} messages: {damage}") from damage
+            raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
 
     return Source(bag, channels, read, repairs, ros1)
 
@@ -175,7 +176,7 @@ def _salvaged(bag: Path, why: str) -> Source:
     channels = tuple(Channel(*key, definitions[key[0]], count) for key, count in counts.items())
     raw = [RawMessage(found.topic, found.stamp_ns, found.data, found.type_name) for found in messages]
     repairs = (
-        f"bag {bag}: {why}; recovered {len(raw)} messages",
+        f"bag {bag}: {why}; recovered {counted(len(raw), 'message')}",
         *(loss for one in recovered for loss in one.losses),
     )
     return Source(

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.compiled import compiled
+from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog
@@ -52,7 +53,7 @@ def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | 
 def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
     """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
     count = sum(not _has_force_log(one) for one in recordings)
-    told = f"force of {count} flights is from imu and command, with a thrust lag of {lag:g} s"
+    told = f"force of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
     return [told] if count else []
 
 

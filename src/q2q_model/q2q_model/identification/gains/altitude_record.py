@@ -15,8 +15,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
-from q2q_model.flights.outliers import check_metres, find_outliers, repair
+from q2q_model.flights.metres import check_flight_metres
+from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -145,7 +147,7 @@ def _remark_on_holes(name: str, t: Array, seconds: Array, left_out: int) -> str:
     worst = int(np.argmax(seconds))
     which = f"hole of {seconds[worst]:.1f} s at t = {t[worst]:.2f} s"
     several = f"{len(t)} holes, the longest a {which}" if len(t) > 1 else which
-    short = f"; {left_out} pieces shorter than {SHORTEST:g} s are left out" if left_out else ""
+    short = f"; without {counted(left_out, 'piece')} shorter than {SHORTEST:g} s" if left_out else ""
     return f"{name}: {several}, or a jump of the clock: nothing is inferred across it{short}"
 
 
@@ -160,7 +162,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
             upright.
     """
     check_upright(flight)
-    _check_metres(flight)
+    check_flight_metres(flight)
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
     visible, placed = _finite_rows(mocap), _placed(flight)
     bad = find_outliers(flight.t, mocap)
@@ -200,12 +202,6 @@ def check_upright(flight: Flight) -> None:
                 f"flight {flight.name}: body z of {name} points {median:.2f} upwards in the median, "
                 f"{LEAST_UP:g} or more is expected: are quaternions in the order x y z w, and is z up?"
             )
-
-
-def _check_metres(flight: Flight) -> None:
-    """Raise ValueError if positions are not in metres: filtered ones, else those of motion capture."""
-    known = np.where(_finite_rows(flight.pos)[..., None], flight.pos, flight.mocap_pos)
-    check_metres(tuple(f"{name} in {flight.name}" for name in flight.names), known)
 
 
 def _altitude_reference(flight: Flight) -> Array:

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import fdtrc
 
+from q2q_model.counted import counted
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, clusters, intervals
 from q2q_model.signals.values import Array
@@ -85,7 +86,8 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     system = _stacked(records)
     if system.target.size < FEWEST:
         raise ValueError(
-            f"{system.target.size} rows with thrust commands in {len(records)} flights, {FEWEST} needed: "
+            f"{counted(system.target.size, 'row')} with thrust commands in "
+            f"{counted(len(records), 'flight')}, {FEWEST} needed: "
             "record the topic command, or fit the gains to trajectories"
         )
     terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, OFFSET]

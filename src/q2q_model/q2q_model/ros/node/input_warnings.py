@@ -49,61 +49,39 @@ def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Ca
     return look
 
 
-class UnmeasuredNames:
-    """Warning, once for the same names, of a topic's vehicles that no state has."""
+class AbsentNames:
+    """Warning, once for the same names, of vehicles with a setpoint that a source of vehicles has not."""
 
-    def __init__(self, node: Node, topic: str) -> None:
-        """Compare a topic with the states."""
-        self._node, self._topic = node, topic
-        self._measured: Names = ()
-        self._compared: tuple[Names, Names] = (), ()
+    def __init__(self, node: Node, source: str, warning: str, health: Health | None = None) -> None:
+        """Compare setpoints with a source once it is there: "cf7 not in source ..." is {} in the warning.
+
+        A `health` has it too, as long as it is so.
+        """
+        self._node, self._source, self._warning, self._health = node, source, warning, health
+        self._there: Names = ()
+        self._asked: Names = ()
         self._told: set[Names] = {()}
 
-    def take_state(self, _: int, state: Signal) -> None:
-        """Take the names of a state."""
-        self._measured = state.names
+    def take_source(self, names: Names) -> None:
+        """Take the vehicles that the source has now."""
+        if names != self._there:
+            self._there = names
+            self._compare()
 
-    def look(self, _: int, signal: Signal) -> None:
-        """Take a message of the topic."""
-        pair = signal.names, self._measured
-        if pair == self._compared or not self._measured:
-            return
-        self._compared = pair
-        unmeasured = tuple(sorted(set(signal.names) - set(self._measured)))
-        if unmeasured not in self._told:
-            self._told.add(unmeasured)
-            told = f"{', '.join(unmeasured)} not in state, which has {', '.join(self._measured)}"
-            self._node.get_logger().warning(f"{self._topic}: {told}: is the plan for these vehicles?")
-
-
-class UnplannedNames:
-    """Warning, once for the same names, of references that the plan does not have; `health` keeps it."""
-
-    def __init__(self, node: Node, health: Health) -> None:
-        """Compare the plan, once it is there, with the references."""
-        self._node, self._health = node, health
-        self._planned: Names = ()
-        self._referred: Names = ()
-        self._told: set[Names] = {()}
-
-    def take_plan(self, names: Names) -> None:
-        """Take the names of a plan."""
-        self._planned = names
-        self._compare()
-
-    def look(self, _: int, reference: Signal) -> None:
-        """Take a reference."""
-        if reference.names != self._referred:
-            self._referred = reference.names
+    def look(self, _: int, setpoint: Signal) -> None:
+        """Take a setpoint."""
+        if setpoint.names != self._asked:
+            self._asked = setpoint.names
             self._compare()
 
     def _compare(self) -> None:
-        unplanned = tuple(sorted(set(self._referred) - set(self._planned))) if self._planned else ()
-        told = f"{', '.join(unplanned)} not in plan, which has {', '.join(self._planned)}"
-        self._health.doubts["plan's vehicles"] = told if unplanned else ""
-        if unplanned not in self._told:
-            self._told.add(unplanned)
-            self._node.get_logger().warning(f"{told}: flown without looking ahead")
+        absent = tuple(sorted(set(self._asked) - set(self._there))) if self._there else ()
+        told = f"{', '.join(absent)} not in {self._source}, which has {', '.join(self._there)}"
+        if self._health is not None:
+            self._health.doubts[f"{self._source}'s vehicles"] = told if absent else ""
+        if absent not in self._told:
+            self._told.add(absent)
+            self._node.get_logger().warning(self._warning.format(told))
 
 
 class StandingStamps:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_sim.experiments.ablation.ablation_cases import CASES, LAW, PATHS, PLANTS, SHOWN, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.conclusion import (
@@ -52,7 +53,7 @@ UNDER_WORST = "rms error under another vehicle / worst error [mm]"
 def page(numbers: Numbers, command: str, picture: str) -> str:
     """Return the page; `picture` is the path of the plot from it."""
     missing = sum(len(NAMES) - len(flown_in(numbers, case)) for case in CASES)
-    rest = f"{missing} flights were not flown: the same command flies them." if missing else ""
+    rest = f"{counted(missing, 'flight')} not flown: the same command flies the rest." if missing else ""
     parts = [
         "# Ablation",
         f"Made by `{command}`; do not edit.",

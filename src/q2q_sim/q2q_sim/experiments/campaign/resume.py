@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import outcomes
@@ -85,7 +86,8 @@ def tell(outcome: RunOutcome, console: Console) -> None:
 def show(flown: Sequence[RunOutcome], seconds: float) -> None:
     """Print the table of a campaign."""
     total = summary(flown, seconds)
-    table = Table(title=f"{total['runs']} runs, {total['through_nodes']} through the nodes, {seconds:.0f} s")
+    runs = counted(len(flown), "run")
+    table = Table(title=f"{runs}, {total['through_nodes']} through the nodes, {seconds:.0f} s")
     table.add_column("policy")
     table.add_column("runs that violate it", justify="right")
     counts = total["by_policy"]

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from rich.table import Table
 
+from q2q_model.counted import counted
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.endurance.growth import Growth, WatchedQuantity, growth
 from q2q_sim.experiments.endurance.long_flight import LongFlight
@@ -63,9 +64,8 @@ def bag_rate(t: Array, size: Array) -> Growth:
 def growth_table(flight: LongFlight, found: Sequence[Growth]) -> Table:
     """Return the growth of every quantity as a table."""
     kind, minutes = "live" if flight.live else "lockstep", flight.samples[-1].flown / 60.0
-    made = Table(
-        title=f"{flight.vehicles} vehicles, {minutes:.1f} min, {kind}, {len(flight.samples)} samples"
-    )
+    vehicles, samples = counted(flight.vehicles, "vehicle"), len(flight.samples)
+    made = Table(title=f"{vehicles}, {minutes:.1f} min, {kind}, {samples} samples")
     for column in ("quantity", "mean", "an hour", "95 % interval", "unit", ""):
         left = column in ("quantity", "unit", "")
         made.add_column(column, justify="left" if left else "right", no_wrap=column != "quantity")
@@ -83,7 +83,7 @@ def is_flat(flight: LongFlight, found: Sequence[Growth]) -> bool:
 def sentence(flight: LongFlight, found: Sequence[Growth]) -> str:
     """Return what a flight showed, in one line."""
     timing, speed = flight.timing, flight.timing.real_time_factor
-    flown = f"{flight.samples[-1].flown / 60.0:.0f} min of {flight.vehicles} vehicles"
+    flown = f"{flight.samples[-1].flown / 60.0:.0f} min of {counted(flight.vehicles, 'vehicle')}"
     pace = f"{timing.missed_ticks} of {timing.ticks} ticks missed, {speed or 0.0:.1f} times real time"
     rest = [f"{one.what} {one.verdict}" for one in found if one.verdict != "flat"]
     if flight.unfinished:

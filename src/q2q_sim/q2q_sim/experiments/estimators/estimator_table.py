@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from q2q_model.counted import counted
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
 from q2q_sim.firmware.estimator import DT
@@ -25,7 +26,7 @@ def print_whole(table: Table) -> None:
 def error_table(found: Sequence[ReplayedErrors]) -> Table:
     """Return the errors over all flights."""
     flights = len({one.flight for one in found})
-    made = Table(title=Text(f"Distance from motion capture [mm], {flights} flights"))
+    made = Table(title=Text(f"Distance from motion capture [mm], {counted(flights, 'flight')}"))
     for column in ("motion capture", "estimator", "median", "95 % interval", "p95", "worst", "diverged"):
         left = column in ("motion capture", "estimator")
         made.add_column(column, justify="left" if left else "right", no_wrap=True)

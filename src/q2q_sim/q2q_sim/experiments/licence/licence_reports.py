@@ -5,6 +5,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
 from q2q_sim.experiments.licence.licence_log import LicenceLog
@@ -32,8 +33,8 @@ def verdict_words(found: Licence) -> str:
         return f"FAIL {name}: no time for {len(found.left_out)} of {count + len(found.left_out)} flights"
     grounded = "" if found.flew else "; no vehicle flew"
     remarks = sum(len(one.findings) for one in found.flights)
-    noted = f"; {remarks} remark{'s' * (remarks > 1)}" if remarks else ""
-    return f"PASS {name}: {count} flights in {found.seconds:.0f} s{grounded}{noted}"
+    noted = f"; {counted(remarks, 'remark')}" if remarks else ""
+    return f"PASS {name}: {counted(count, 'flight')} in {found.seconds:.0f} s{grounded}{noted}"
 
 
 def report_text(found: Licence) -> str:

@@ -94,13 +94,13 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     """Return the law of a flight's vehicles, and the flight with the whole acceleration reference.
 
     Raises:
-        ValueError: fewer than 2 s of commands, or unstable gains.
+        ValueError: fewer than 2 s of commands, or an unstable law.
     """
     limited = limited_rows(flight)
     law = _regression(flight, limited, vehicle.mass)
-    check_stable(flight.name, law)
     known = _known(flight, law)  # (T, n, 3)
     attitude = _attitude(flight, known, _steady(flight, limited), vehicle.thrust_lag)
+    check_stable(flight.name, replace(law, attitude=attitude), vehicle.thrust_lag, float(flight.t[-1]))
     commanded = _commanded(flight, attitude, vehicle)
     constant = np.stack(
         [
@@ -119,15 +119,21 @@ def feedback(law: OnboardLaw, error: Array, rate: Array, integral: Array) -> Arr
     return np.asarray(law.k_p * error + law.k_d * rate + law.k_i * integral)
 
 
-def check_stable(name: str, law: OnboardLaw) -> None:
-    """Raise ValueError if the gains read from a flight stabilise no vehicle, even one without lag (Routh)."""
-    for axis, row in (("x and y", 0), ("z", 2)):
+def check_stable(name: str, law: OnboardLaw, lag: float, seconds: float) -> None:
+    """Raise ValueError if errors grow e-fold within a flight [s] by its law and rotors of a lag [s].
+
+    They grow as the fastest root of D(s) s^3 + K_d s^2 + K_p s + K_i, D: delay of the tilt or the thrust. The
+    recorded vehicles flew by another law, and a comparison with ones that run away says nothing of an air.
+    """
+    for axis, row, late in (("x and y", 0, _tilt_delay(law.attitude, lag)), ("z", 2, np.array([lag, 1.0]))):
         k_p, k_d, k_i = (float(gains[row]) for gains in (law.k_p, law.k_d, law.k_i))
-        if k_p <= 0.0 or k_d <= 0.0 or k_p * k_d <= k_i:
+        growth = np.roots(np.polyadd(np.append(late, np.zeros(3)), [k_d, k_p, k_i])).real.max()
+        if growth * seconds > 1.0:
             raise ValueError(
                 f"flight {name} cannot be flown again: the gains of {axis} read from its thrust commands, "
-                f"K_p {k_p:.2f}, K_d {k_d:.2f}, K_i {k_i:.2f}, are unstable; K_p > 0, K_d > 0 and "
-                f"K_p K_d > K_i are needed: give a flight whose errors along {axis} show in its thrust"
+                f"K_p {k_p:.2f}, K_d {k_d:.2f}, K_i {k_i:.2f}, are unstable: errors grow e-fold in "
+                f"{1.0 / growth:.2g} s of {seconds:.0f} s; give a flight whose errors along {axis} show in "
+                "its thrust"
             )
 
 
@@ -225,18 +231,19 @@ def _attitude(flight: TrackedFlight, known: Array, rows: Mask, lag: float) -> At
     band = butter(2, TILT_BAND, "bandpass", fs=1.0 / flight.dt, output="sos")
 
     def miss(frequency: float) -> float:
-        missed = sosfiltfilt(band, _tilted(wanted, frequency, lag, flight.dt) - tilt, axis=0)
+        slow = _tilt_delay(replace(LOOP, frequency=frequency), lag)
+        over, under, _ = cont2discrete((np.ones(1), slow), flight.dt)
+        missed = sosfiltfilt(band, lfilter(over.ravel(), under, wanted, axis=0) - tilt, axis=0)
         return float(np.median(np.abs(missed)[rows]))
 
     return replace(LOOP, frequency=min(FREQUENCIES, key=miss))
 
 
-def _tilted(wanted: Array, frequency: float, lag: float, dt: float) -> Array:
-    """Return the tilt (T, n, 2) after the attitude loop and the rotors (q2q_control.attitude).
+def _tilt_delay(loop: AttitudeParams, lag: float) -> Array:
+    """Return D of a tilt after the attitude loop and the rotors, which is 1 / D(s) of the wanted one, (4,).
 
-    With a lead l and a lag T it is 1 / (1 + (2 zeta / w + l) s + (1 / w^2 + 2 zeta l / w) s^2 + T / w^2 s^3).
+    With a lead l and a lag T, D is 1 + (2 zeta / w + l) s + (1 / w^2 + 2 zeta l / w) s^2 + T / w^2 s^3; its
+    highest power comes first.
     """
-    lead, damped = LOOP.lead_ratio * lag, 2.0 * LOOP.damping / frequency
-    slow = np.array([lag * frequency**-2, frequency**-2 + damped * lead, damped + lead, 1.0])
-    over, under, _ = cont2discrete((np.ones(1), slow), dt)
-    return np.asarray(lfilter(over.ravel(), under, wanted, axis=0))
+    lead, damped = loop.lead_ratio * lag, 2.0 * loop.damping / loop.frequency
+    return np.array([lag * loop.frequency**-2, loop.frequency**-2 + damped * lead, damped + lead, 1.0])

@@ -1,0 +1,26 @@
+"""Refusal of flights whose positions are not in metres, as of motion capture that gives millimetres."""
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.signals.values import Array, Names
+
+
+def check_flight_metres(flight: Flight) -> None:
+    """Raise ValueError if positions are not in metres: filtered ones, else those of motion capture."""
+    known = np.where(np.isfinite(flight.pos).all(axis=-1, keepdims=True), flight.pos, flight.mocap_pos)
+    check_metres(tuple(f"{name} in {flight.name}" for name in flight.names), known)
+
+
+def check_metres(names: Names, pos: Array) -> None:
+    """Raise ValueError if most positions of a vehicle, (T, n, 3), lie beyond the largest that is believed."""
+    pos_max = OutlierThresholds().pos_max
+    for row, name in enumerate(names):
+        finite = pos[np.isfinite(pos[:, row]).all(axis=1), row]
+        reach = np.abs(finite).max(axis=1)
+        if reach.size and np.median(reach) > pos_max:
+            raise ValueError(
+                f"x, y, z of {name} reach {np.median(reach):g} in the median, {pos_max:g} m is the most: are "
+                "they in metres? A column map scales those of a table (bag_import --columns)"
+            )
