@@ -88,6 +88,20 @@ def test_a_settled_track_goes_on_by_its_motion_whatever_its_samples_are_called()
     assert made.update(4 * SETTLED * DT, PLACES, NOBODY).source.tolist() == [0, 1]
 
 
+@pytest.mark.parametrize(("off", "believed"), [(0.25 - NEAR, [True, True]), (0.25 + NEAR, [False, True])])
+def test_a_first_sample_of_another_name_is_believed_near_the_path_of_one_that_coasts(
+    off: float, believed: list[bool]
+) -> None:
+    """Beyond 0.25 m it may be an outlier that is there by chance, until a second one agrees."""
+    made = flown(SETTLED)
+    for k in range(SETTLED, SETTLED + 12):  # 0.19 s: the gate grows to 0.29 m
+        made.update(k * DT, np.stack([PLACES[0], NONE]), NOBODY)
+    called_wrong = np.stack([PLACES[1] + [off, 0.0, 0.0], NONE])
+    found = [made.update(k * DT, called_wrong, NOBODY) for k in (SETTLED + 12, SETTLED + 13)]
+    assert [one.lent.tolist() for one in found] == [[False, lent] for lent in believed]
+    assert [one.accepted[0] for one in found] == [False, False]
+
+
 def test_a_jump_that_lasts_is_believed_with_the_velocity_it_has() -> None:
     made = flown(6)
     output = []

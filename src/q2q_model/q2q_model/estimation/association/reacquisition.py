@@ -54,7 +54,7 @@ class Reacquisition:
 
         `patience` (n,) is how long each candidate must have lasted [s].
         """
-        one, joins = self._candidates, rejected & self._joins(t, pos)
+        one, joins = self._candidates, rejected & self.joins(t, pos)
         starts = rejected & ~joins
         one["first_time"][starts], one["first_pos"][starts] = t, pos[starts]
         one["gap"][starts] = 0.0
@@ -74,7 +74,7 @@ class Reacquisition:
         """
         noted = self._candidates["ambiguous"]
         noted &= unmatched.either.sum() > unmatched.either  # another one
-        noted &= self._joins(t, pos) | ~unmatched.rejected
+        noted &= self.joins(t, pos) | ~unmatched.rejected
         noted |= suspected_swaps(Suspicion(t, pos, last, self._candidates, self._limits), unmatched)
         return noted.copy()
 
@@ -82,7 +82,7 @@ class Reacquisition:
         """Return the mean velocity of every candidate [m/s], (n, 3); zero for a single sample."""
         return mean_velocity(self._candidates)
 
-    def _joins(self, t: float, pos: Array) -> Mask:
+    def joins(self, t: float, pos: Array) -> Mask:
         """Return which samples at pos [m] (n, 3) join the candidates of their rows, (n,)."""
         away = np.linalg.norm(pos - self._candidates["last_pos"], axis=-1)
         return joined(self._candidates, t, away, self._limits)

@@ -10,7 +10,8 @@ q2q_model.estimation.position. Data association of a sample that its own track r
 2. The sample may belong to another vehicle (marker_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
-   are exchanged for good are exchanged by the server.
+   are exchanged for good are exchanged by the server. Where such a sample is further than
+   jump_max from a track that coasts, a second one must agree.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
    does at a thaw (position_steps); later if they may be of another vehicle
    (suspected_swaps).
@@ -167,6 +168,7 @@ class PositionTracks:
             known = tracks.seen & (tracks.confirmed | ~present)
             missing = known & ~at.lost & ~own & _may_borrow(tracks)
             borrowed = swapped_sources(at.samples, at.state[:, 0], at.reach, rejected, missing)
+            borrowed = np.where(self._by_chance(t, at, borrowed), -1, borrowed)
             source = np.where(borrowed >= 0, borrowed, source)
             rejected &= (source < 0) & ~np.isin(rows, borrowed)
         self._reacquisition.forget(source >= 0)
@@ -176,6 +178,15 @@ class PositionTracks:
         if (began | jumped | at.thawed).any():
             self._restart(t, at, began | jumped | at.thawed, jumped)
         return Association(np.where(jumped, rows, source), began, jumped | at.thawed)
+
+    def _by_chance(self, t: float, at: Prediction, borrowed: Rows) -> Mask:
+        """Return the tracks whose sample of another name may be an outlier that is there by chance, (n,).
+
+        It is further than jump_max from the prediction of a track that coasts, and the first one there.
+        """
+        away = np.linalg.norm(at.samples[borrowed] - at.state[:, 0], axis=1)
+        first = ~self._reacquisition.joins(t, at.samples)[borrowed]
+        return np.asarray((borrowed >= 0) & (away > self._params.jump_max) & first)
 
     def _refutes_first(self, at: Prediction, present: Mask) -> Mask:
         """Return the samples that show the unconfirmed first one of their tracks to be wrong, (n,).
