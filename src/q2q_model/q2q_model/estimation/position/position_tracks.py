@@ -10,11 +10,10 @@ q2q_model.estimation.position. Data association of a sample that its own track r
 2. The sample may belong to another vehicle (marker_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
-   are exchanged for good are exchanged by the server. Where such a sample is further than
-   jump_max from a track that coasts, a second one must agree.
+   are exchanged for good are exchanged by the server. Where such a sample is further than jump_max from a
+   track that coasts, a second one must agree.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
-   does at a thaw (position_steps); later if they may be of another vehicle
-   (suspected_swaps).
+   does at a thaw (position_steps); later if they may be of another vehicle (suspected_swaps).
 
 Without samples a track coasts for `coast_s`; then it is lost, with its position held and zero velocity.
 """
