@@ -26,13 +26,15 @@ SERVICES = {
     "q2q_model/commands/quiet_end.py",
     "q2q_model/commands/recording_options.py",
     "q2q_model/compiled.py",
+    "q2q_model/counted.py",
     "q2q_model/node/lean_imports.py",
     "q2q_model/signals/repeated_stamp.py",
     "q2q_model/signals/stamps.py",
     "q2q_model/signals/values.py",
     "q2q_model/tunable.py",
 }
-"""Services that every block or command uses: parsing, parameters, compilation, stamps, rows by name."""
+"""Services that every block or command uses: parsing, parameters, compilation, counts in words, stamps, rows by
+name."""
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/fault.py",
@@ -42,6 +44,8 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
     "q2q_model/files/sealed_json.py",
+    "q2q_model/flights/metres.py",
+    "q2q_model/flights/up_axis.py",
     "q2q_model/forked.py",
     "q2q_model/geometry/rotations.py",
     "q2q_model/identification/filtered_states.py",
