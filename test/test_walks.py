@@ -33,8 +33,7 @@ SERVICES = {
     "q2q_model/signals/values.py",
     "q2q_model/tunable.py",
 }
-"""Services that every block or command uses: parsing, parameters, compilation, counts in words, stamps, rows by
-name."""
+"""Services that every block or command uses: parsing, parameters, compilation, stamps, rows and words."""
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/fault.py",
