@@ -25,7 +25,8 @@ class CommandGate:
         stood, counts as stamped at the tick: those of the following ticks are newer.
         """
         past_ns = min(self._stamp_ns, stamp_ns)  # stamps of frames may be set back
-        self._done_ns = {name: min(done_ns, past_ns) for name, done_ns in self._done_ns.items()}
+        if max(self._done_ns.values(), default=past_ns) > past_ns:
+            self._done_ns = {name: min(done_ns, past_ns) for name, done_ns in self._done_ns.items()}
         self._stamp_ns = stamp_ns
         self._rows.clear()
 
