@@ -81,14 +81,15 @@ def usual_tick(
 ) -> tuple[int, bool, Mask]:
     """Take the poses of a usual tick.
 
-    Returns the outcome for positions, whether attitudes are usual, too, and which poses repeat, (n,).
-
     Args:
         t: Time [s].
         poses: Of this frame, (n, 7), and those before, which a wholly usual tick joins.
         params: Of TrackParams and AttitudeGateParams.
         memory: Of positions and attitudes.
         out: Written as far as usual: pos, vel, quat and ang_vel_body of the state, (n, 3) or (n, 4) each.
+
+    Returns:
+        The outcome for positions, whether attitudes are usual, too, and which poses repeat, (n,).
 
     Parameters and memory come as plain tuples: numba takes named ones in three times the time.
     """

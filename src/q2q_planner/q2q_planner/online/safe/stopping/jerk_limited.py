@@ -91,7 +91,7 @@ def _stopped(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 
 @compiled(**HOT)
-def axis_motion(motions: Motions, row: int, axis: int, law: BrakingLaw) -> AxisMotion:
+def _axis_motion(motions: Motions, row: int, axis: int, law: BrakingLaw) -> AxisMotion:
     """Return one axis of a motion."""
     start = motions.pos[row, axis], motions.vel[row, axis], motions.acc[row, axis]
     held = _held(start, motions.jerk[row, axis], motions.hold[row])
@@ -100,7 +100,7 @@ def axis_motion(motions: Motions, row: int, axis: int, law: BrakingLaw) -> AxisM
 
 
 @compiled(**HOT)
-def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
+def _axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
     """Return one axis of a motion at time s [s]."""
     if s > motion.hold:
         return _stopped(motion, s - motion.hold, law)
@@ -108,10 +108,10 @@ def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 
 @compiled(**HOT)
-def axes_of(motions: Motions, row: int, law: BrakingLaw) -> Axes:
+def _axes_of(motions: Motions, row: int, law: BrakingLaw) -> Axes:
     """Return x, y and z of a motion."""
-    x, y = axis_motion(motions, row, 0, law), axis_motion(motions, row, 1, law)
-    return x, y, axis_motion(motions, row, 2, law)
+    x, y = _axis_motion(motions, row, 0, law), _axis_motion(motions, row, 1, law)
+    return x, y, _axis_motion(motions, row, 2, law)
 
 
 @compiled(**HOT)
@@ -126,7 +126,7 @@ def _rest_of(axes: Axes) -> float:
 @compiled(**BORROWING)
 def rest_time(motions: Motions, row: int, law: BrakingLaw) -> float:
     """Return the time at which a motion rests [s]."""
-    return _rest_of(axes_of(motions, row, law))
+    return _rest_of(_axes_of(motions, row, law))
 
 
 @compiled(**BORROWING)
@@ -170,7 +170,7 @@ def _relative_motion(one: Axes, other: Axes, s: float, law: BrakingLaw) -> tuple
 @compiled(**HOT)
 def _relative_axis(one: AxisMotion, other: AxisMotion, s: float, law: BrakingLaw) -> tuple[float, float]:
     """Return position [m] and velocity [m/s] of one axis from another at time s [s]."""
-    here, there = axis_at(one, s, law), axis_at(other, s, law)
+    here, there = _axis_at(one, s, law), _axis_at(other, s, law)
     return here[0] - there[0], here[1] - there[1]
 
 
@@ -180,7 +180,7 @@ def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor:
     growth = motions.growth
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     most = _acceleration_bound(motions, i, law) + _acceleration_bound(motions, j, law)
-    one, other = axes_of(motions, i, law), axes_of(motions, j, law)
+    one, other = _axes_of(motions, i, law), _axes_of(motions, j, law)
     end = max(_rest_of(one), _rest_of(other)) + lateness(rate, law)
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
@@ -204,7 +204,7 @@ def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Ar
     pos, vel, acc = np.empty_like(motions.pos), np.empty_like(motions.pos), np.empty_like(motions.pos)
     for row in range(motions.hold.size):
         for axis in range(3):
-            state = axis_at(axis_motion(motions, row, axis, law), s, law)
+            state = _axis_at(_axis_motion(motions, row, axis, law), s, law)
             pos[row, axis], vel[row, axis], acc[row, axis] = state
     return pos, vel, acc
 
