@@ -4,7 +4,7 @@
 |---|---|
 | states | pos, vel [m, m/s], quat x y z w of every vehicle, (n, 10) |
 | now | pos, vel, body z of every vehicle, (n, 9) |
-| keys | n i + j of every pair in reach, vehicle i exposed to source j, (p,) |
+| i, j | rows of every pair in reach, vehicle i exposed to source j, (p,) each |
 """
 
 import math
@@ -14,8 +14,8 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.jet import JetPairs, evaluate_pairs, law_of_numbers
-from q2q_model.downwash.pairs_in_reach import sweep
-from q2q_model.signals.values import Array, InterferenceStatus, Mask, Rows, Status, TrackStatus
+from q2q_model.downwash.pairs_in_reach import Pairs, sweep
+from q2q_model.signals.values import Array, InterferenceStatus, Mask, Status, TrackStatus
 
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
 _TRACKED, _STALE_SOURCE = int(TrackStatus.TRACKED), int(InterferenceStatus.STALE_SOURCE)
@@ -59,8 +59,8 @@ def body_z(state: Array, axis: Array) -> None:
 
 
 @compiled
-def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) -> Rows:
-    """Write `now` and return keys, for horizontal and vertical reach [m] and largest delay [s]."""
+def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) -> Pairs:
+    """Write `now` and return the pairs, for horizontal and vertical reach [m] and largest delay [s]."""
     horizontal, vertical, max_delay = bounds
     pos, fastest = np.empty((states.shape[0], 3)), 0.0
     for i in range(states.shape[0]):
@@ -80,15 +80,15 @@ def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) ->
 
 @compiled
 def sum_over_sources(
-    keys: Rows, answers: PairInteractions, states: Array, known: bool, sums: InteractionSums
+    pairs: Pairs, answers: PairInteractions, states: Array, known: bool, sums: InteractionSums
 ) -> None:
     """Write the sums; `known` is whether there is a model."""
-    eta, deviation, stale = answers
+    (feels, _), (eta, deviation, stale) = pairs, answers
     acc, std, status = sums
     n = states.shape[0]
     acc[:], std[:], status[:] = 0.0, 0.0, _VALID
-    for p in range(keys.size):
-        i = keys[p] // n
+    for p in range(feels.size):
+        i = feels[p]
         for k in range(3):
             acc[i, k] += eta[p, k]
             std[i, k] += deviation[p, k] * deviation[p, k]
@@ -123,18 +123,19 @@ def write_present(
         law: numbers of the JetLaw of one pair, (12,).
         sums: written.
     """
-    n, now = len(states), np.empty((len(states), 9))
-    keys = find_pairs(states, now, bounds)
-    shape, stale = (keys.size, 3), np.empty(keys.size, np.bool_)
+    now = np.empty((len(states), 9))
+    found = find_pairs(states, now, bounds)
+    feels, causes = found
+    shape, stale = (feels.size, 3), np.empty(feels.size, np.bool_)
     pairs = JetPairs(np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
-    for p in range(keys.size):
-        i, j = keys[p] // n, keys[p] % n
+    for p in range(feels.size):
+        i, j = feels[p], causes[p]
         stale[p] = track[j] != _TRACKED
         for k in range(3):
             pairs.rel_pos[p, k] = now[j, k] - now[i, k]
             pairs.source_vel[p, k], pairs.source_axis[p, k] = now[j, 3 + k], now[j, 6 + k]
             pairs.vel[p, k] = now[i, 3 + k]
     eta = np.empty(shape)
-    evaluate_pairs(pairs, law_of_numbers(law), np.empty(keys.size), eta)
+    evaluate_pairs(pairs, law_of_numbers(law), np.empty(feels.size), eta)
     answers = PairInteractions(eta, np.full(shape, np.nan), stale)
-    sum_over_sources(keys, answers, states, bounds[0] > 0.0, InteractionSums(*sums))
+    sum_over_sources(found, answers, states, bounds[0] > 0.0, InteractionSums(*sums))

@@ -34,6 +34,7 @@ from q2q_model.downwash.pairs import (
     sum_over_sources,
     write_present,
 )
+from q2q_model.downwash.pairs_in_reach import Pairs
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
@@ -44,7 +45,7 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.signals.repeated_stamp import is_repeated
-from q2q_model.signals.values import Array, Interference, Mask, Names, Rows, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 
 _TRACKED = int(TrackStatus.TRACKED)  # numpy takes 5 us to read an enumeration
 _NO_PAIR = PairInteractions(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.bool_))
@@ -92,13 +93,13 @@ class InteractionPredictor:
     def _sum(self, state: SwarmState, states: Array, sums: InteractionSums) -> None:
         """Write the sums over all sources, whose past the model may need."""
         now = np.empty((len(state.names), 9))
-        keys = find_pairs(states, now, self._bounds)
+        pairs = find_pairs(states, now, self._bounds)
         self._remember(state, now)
         try:
-            answers = self._answers(state, now, keys) if keys.size else _NO_PAIR
+            answers = self._answers(state, now, pairs) if pairs[0].size else _NO_PAIR
         except ModelAnswerError as error:
-            raise _with_names(error, state, keys) from error
-        sum_over_sources(keys, answers, states, self._bounds[0] > 0.0, sums)
+            raise _with_names(error, state, pairs) from error
+        sum_over_sources(pairs, answers, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
         if state.t < self._history.oldest:
@@ -111,9 +112,9 @@ class InteractionPredictor:
         if state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _answers(self, state: SwarmState, now: Array, keys: Rows) -> PairInteractions:
+    def _answers(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""
-        i, j = np.divmod(keys, len(now))
+        i, j = pairs
         stale: Mask = np.not_equal(state.status[j], _TRACKED)
 
         def past(delay: Array) -> SourceStates:
@@ -125,16 +126,16 @@ class InteractionPredictor:
         rel_pos, motion = retarded_pairs(self.model, now[i, :3], now[i, 3:6], _sources(now[j]), past)
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
         if self._terms != PAIRS_ALONE:
-            thrust = self._thrust_ratio(state.t, now, keys, self._terms)
+            thrust = self._thrust_ratio(state.t, now, pairs, self._terms)
             share = strengths(i, j, eta[:, 2:].copy(), thrust, self._terms)
             eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
 
-    def _thrust_ratio(self, t: float, now: Array, keys: Rows, terms: SourceTerms) -> Array:
+    def _thrust_ratio(self, t: float, now: Array, pairs: Pairs, terms: SourceTerms) -> Array:
         """Return thrust over weight of each pair's source when its air left it, (p, 1); 1 where unknown."""
+        i, j = pairs
         if terms.loading == 0.0:
-            return np.ones((keys.size, 1))
-        i, j = np.divmod(keys, len(now))
+            return np.ones((j.size, 1))
         left = t - self.model.delay(now[j, :3] - now[i, :3])
         before, after = left - HALF_SPAN_S, np.minimum(left + HALF_SPAN_S, t)
         vel = [self._history.at(when, j)[:, 3:6] for when in (before, after)]
@@ -143,11 +144,11 @@ class InteractionPredictor:
         return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
 
 
-def _with_names(error: ModelAnswerError, state: SwarmState, keys: Rows) -> ModelAnswerError:
+def _with_names(error: ModelAnswerError, state: SwarmState, pairs: Pairs) -> ModelAnswerError:
     """Return the error with its time, and with the vehicles of its pair."""
     if error.pair is None:
         return ModelAnswerError(f"at {state.t:.3f} s: {error}")
-    feels, causes = (state.names[row] for row in divmod(int(keys[error.pair]), len(state.names)))
+    feels, causes = (state.names[rows[error.pair]] for rows in pairs)
     return ModelAnswerError(f"{feels} in the downwash of {causes} at {state.t:.3f} s: {error}", error.pair)
 
 

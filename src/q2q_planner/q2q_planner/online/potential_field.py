@@ -131,8 +131,8 @@ class PotentialField:
 
 def push_force(rel_pos: Array, params: PotentialFieldParams) -> Array:
     """Return F_s of (19) [m/s^2], (..., 3), on the vehicle at r_1, for rel_pos = r_1 - r_2 (..., 3)."""
-    exponent = (rel_pos**2 / params.variance).sum(axis=-1)
-    return np.asarray(np.exp(-0.5 * exponent)[..., None] * np.asarray(params.k_s) * rel_pos)
+    x, y, z = np.moveaxis(rel_pos**2 / params.variance, -1, 0)
+    return np.asarray(np.exp(-0.5 * (x + y + z))[..., None] * np.asarray(params.k_s) * rel_pos)
 
 
 def swarm_push(pos: Array, params: PotentialFieldParams) -> Array:
@@ -141,8 +141,10 @@ def swarm_push(pos: Array, params: PotentialFieldParams) -> Array:
     if not params.enabled:
         return push
     i, j = pairs_in_reach(pos, params.reach)
-    if len(i):
-        np.add.at(push, i, push_force(pos[i] - pos[j], params))
+    if i.size:
+        force = push_force(pos.take(i, axis=0) - pos.take(j, axis=0), params)
+        for axis in range(3):
+            push[:, axis] = np.bincount(i, force[:, axis], len(pos))
     return push
 
 

@@ -51,6 +51,8 @@ class _Selection(NamedTuple):
     chosen: Motions
     choice: Choices
     """OLD, NEW or BROKEN, (rows,)."""
+    changes: Rows
+    """How often each choice has changed, (rows,)."""
     proven: Proven
     """Pairs of the swarm (n,) and external vehicles (m,) proven together before, (n, m)."""
 
@@ -139,6 +141,7 @@ def _is_proven(selection: _Selection, i: int, j: int, rule: ChoiceRule) -> bool:
 @compiled
 def _take(selection: _Selection, motions: Motions, row: int, choice: int) -> None:
     selection.choice[row] = choice
+    selection.changes[row] += 1
     selection.chosen.acc[row] = motions.acc[row]
     selection.chosen.jerk[row] = motions.jerk[row]
     selection.chosen.hold[row] = motions.hold[row]
@@ -157,6 +160,24 @@ def _resolve(selection: _Selection, i: int, j: int, turn: int) -> bool:
     for row in (i, j):
         if row < own and selection.choice[row] == OLD:
             _take(selection, selection.new, row, BROKEN)
+            changed = True
+    return changed
+
+
+@compiled
+def _sweep(selection: _Selection, pairs: Pairs, near: Rows, checked: Rows, rule: ChoiceRule) -> bool:
+    """Resolve the pairs of rows `near` that fail; return whether any choice changed.
+
+    `checked` (k,) counts the changes of both when a pair was last proven: it is proven again if one changed.
+    """
+    changed = False
+    for k in range(near.size):
+        i, j = pairs.i[near[k]], pairs.j[near[k]]
+        changes = selection.changes[i] + selection.changes[j]
+        if changes == checked[k]:
+            continue
+        checked[k] = changes
+        if not _is_proven(selection, i, j, rule) and _resolve(selection, i, j, rule.turn):
             changed = True
     return changed
 
@@ -185,15 +206,11 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
     """
     chosen = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth, new.jerk.copy())
     choice = np.full(new.hold.size, NEW, np.int8)
-    selection = _Selection(new, old, chosen, choice, proven)
+    selection = _Selection(new, old, chosen, choice, np.zeros(choice.size, np.intp), proven)
     near = _near_pairs(new, old, pairs, rule.law)
-    changed = True
-    while changed:
-        changed = False
-        for row in near:
-            i, j = pairs.i[row], pairs.j[row]
-            if not _is_proven(selection, i, j, rule) and _resolve(selection, i, j, rule.turn):
-                changed = True
+    checked = np.full(near.size, -1, np.intp)
+    while _sweep(selection, pairs, near, checked, rule):
+        pass
     _record_proven(selection, pairs, rule)
     return choice
 

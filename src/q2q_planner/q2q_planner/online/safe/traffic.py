@@ -8,7 +8,6 @@ that times A + hold; neither changes by more than `speed_max` allows; and it may
 brakes from `hold` after its message on, since any other choice was proven against us.
 """
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -34,8 +33,6 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
 
 NO_PAIRS = Pairs(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))
-BOTH_WAYS = math.sqrt(2.0)
-"""Horizontal and vertical closing speed of a pair add up to at most this times its relative speed [-]."""
 _EMPTY = np.zeros((0, 3))
 
 
@@ -96,14 +93,13 @@ class TrafficLimits(NamedTuple):
     acc: float
     eps: float
     d: float
-    margin: float
     pole: float
 
 
 def limits_of(params: SafeReplannerParams) -> TrafficLimits:
     """Return the limits of a replanner's parameters."""
     steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
-    zone = params.eps, params.d, params.margin, params.approach
+    zone = params.eps, params.d, params.approach
     return TrafficLimits(follow_bounds(params), steady, params.hold, ramps, params.acc_max, *zone)
 
 
@@ -205,12 +201,8 @@ def pairs_of(own: int, rows: TrafficRows, limits: TrafficLimits) -> Pairs:
     if count < 2:
         none = np.zeros(0, np.intp)
         return Pairs(none, none)
-    stopping, speed = stopping_distances(rows, limits)
-    closing = BOTH_WAYS * 2.0 * speed + 2.0 * rows.growth[:, 1].max()
-    approach = 2.0 * closing / limits.pole + 2.0 * limits.acc / limits.pole**2
-    apart = max(2.0 * stopping.max(), 2.0 * rows.growth[:, 0].max() + approach)
-    reach = limits.eps + limits.margin + apart
-    sweep = SweepLimits(own, limits.eps, limits.d, reach, limits.pole, 2.0 * limits.acc)
+    sweep = SweepLimits(own, limits.eps, limits.d, limits.pole, 2.0 * limits.acc)
+    stopping = stopping_distances(rows, limits)
     return broad_phase(rows.pos, rows.vel, StoppingSpace(stopping, rows.growth), sweep)
 
 
@@ -220,8 +212,8 @@ def _longest_ramps(params: SafeReplannerParams) -> float:
 
 
 @compiled
-def stopping_distances(rows: TrafficRows, limits: TrafficLimits) -> tuple[Array, float]:
-    """Return the stopping distance of each row with growth [m], (rows,), and the largest speed [m/s]."""
+def stopping_distances(rows: TrafficRows, limits: TrafficLimits) -> Array:
+    """Return the stopping distance of each row with growth [m], (rows,)."""
     hold, most, vel = limits.hold + limits.ramps, limits.acc, rows.vel
     fast = np.empty(len(vel))
     for row in range(fast.size):
@@ -229,4 +221,4 @@ def stopping_distances(rows: TrafficRows, limits: TrafficLimits) -> tuple[Array,
     top, rate = float(fast.max()), 2.0 * float(rows.growth[:, 1].max())
     rest = hold + (top + rate) / most
     stopping: Array = fast * (hold + 0.5 * fast / most) + rows.growth[:, 0] + rows.growth[:, 1] * rest
-    return stopping, top
+    return stopping

@@ -20,6 +20,9 @@ from q2q_planner.online.safe.stopping.approach_speed import LAG, ApproachLaw, ap
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
 from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, in_pairs
 
+Vector = tuple[float, float, float]
+"""x, y and z, world."""
+
 FLOOR = 1e-3
 """Distance that a new motion keeps from the zone, added to all growth [m]."""
 RETURN_BRAKE = 0.75
@@ -123,25 +126,33 @@ def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _WantedL
 @compiled
 def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: int, law: _WantedLaw) -> None:
     """Add the acceleration by which the shift e of a row follows e' = -w(|e|) e / |e| (approach_speed)."""
-    shift, rate = rows.pos[row] - reference.pos[row], rows.vel[row] - reference.vel[row]
-    far = max(length(shift[0], shift[1], shift[2]), TINY)
+    (x, y, z), (u, v, w) = _apart_by(rows.pos, reference.pos, row), _apart_by(rows.vel, reference.vel, row)
+    far = max(length(x, y, z), TINY)
     speed, slope = approach_speed(far, law.back)
-    most = _most_closing(shift / far, reference.vel[row], law.speed)
+    ahead = reference.vel[row, 0], reference.vel[row, 1], reference.vel[row, 2]
+    most = _most_closing((x / far, y / far, z / far), ahead, law.speed)
     if speed > most:
         speed, slope = most, 0.0
-    along = (shift * rate).sum() / far
+    along = (x * u + y * v + z * w) / far
     turning = speed / far
-    for axis in range(3):
-        out = shift[axis] / far
-        aside = rate[axis] - along * out
-        acc[row, axis] -= law.back.pole * (rate[axis] + speed * out) + slope * along * out + turning * aside
+    for axis, shift, rate in ((0, x, u), (1, y, v), (2, z, w)):
+        out = shift / far
+        aside = rate - along * out
+        acc[row, axis] -= law.back.pole * (rate + speed * out) + slope * along * out + turning * aside
 
 
 @compiled
-def _most_closing(out: Array, vel: Array, most: float) -> float:
+def _apart_by(some: Array, other: Array, row: int) -> Vector:
+    """Return the difference of a row of two arrays (n, 3)."""
+    return some[row, 0] - other[row, 0], some[row, 1] - other[row, 1], some[row, 2] - other[row, 2]
+
+
+@compiled
+def _most_closing(out: Vector, vel: Vector, most: float) -> float:
     """Return the largest w, 0 or more, at which a reference's velocity less w `out` is within `most`."""
-    along = (out * vel).sum()
-    left = along * along + most * most - (vel * vel).sum()
+    (x, y, z), (u, v, w) = out, vel
+    along = x * u + y * v + z * w
+    left = along * along + most * most - (u * u + v * v + w * w)
     return max(0.0, along + np.sqrt(left)) if left > 0.0 else 0.0
 
 

@@ -153,7 +153,8 @@ def stop_reach(motions: Motions, law: BrakingLaw, longest: float) -> Array:
     late = longest + lateness(motions.growth[:, 1].max(), law)
     for row in range(motions.hold.size):
         most, growth = _acceleration_bound(motions, row, law), motions.growth[row]
-        speed = np.sqrt((motions.vel[row] ** 2).sum()) + most * (motions.hold[row] + most / law.jerk)
+        x, y, z = motions.vel[row, 0], motions.vel[row, 1], motions.vel[row, 2]
+        speed = np.sqrt(x * x + y * y + z * z) + most * (motions.hold[row] + most / law.jerk)
         reach[row] = speed * rest_time(motions, row, law) + growth[0] + 2.0 * growth[1] * late
     return reach
 
