@@ -48,6 +48,18 @@ def test_one_that_is_driven_ahead_turns_across_unless_the_other_may_climb_to_its
     assert (aside > 0.3) == across
 
 
+def test_one_that_is_sent_far_past_the_other_does_not_turn_at_every_tick() -> None:
+    """cf1 is found at rest on the floor; both ahead of it and across, the setpoint of cf2 is far off."""
+    evasion, sent = DescentEvasion(), np.array([UPPER, (-0.69, 0.88, 1.5)])
+    accelerations = []
+    for k in range(200):
+        low = UPPER[2] if k < 100 else 0.1
+        state = state_of(np.array([(*UPPER[:2], low), (0.05, -0.25, 1.5)]))
+        output = evasion.update(setpoint_of(k * TICK, sent), state, flown(2, 0) if k < 100 else flown(2), {})
+        accelerations.append(output.acc[1, :2])
+    assert np.abs(np.diff(accelerations[101:], axis=0)).max() < 1.0
+
+
 @pytest.mark.parametrize(("end", "aside"), [(0.5, 0.5), (0.7, 0.0)])
 def test_who_has_moved_past_a_lost_one_goes_back_to_its_setpoint(end: float, aside: float) -> None:
     """The setpoint of cf2 is 0.1 m beside the lost vehicle for 2 s, then moves on to a distance along x."""

@@ -11,7 +11,7 @@ from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL, beyond
+from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL, beyond, share_given
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 H = 1.0 / PHYSICS_RATE
@@ -183,3 +183,16 @@ def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
     assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum())  # cut one by one
     np.testing.assert_allclose(given - given.mean(), np.array(commanded) - np.mean(commanded))
     assert beyond(commanded, (math.inf,) * 4) == 0.0
+
+
+@pytest.mark.parametrize(
+    "commanded", [(1.535, 0.0, 0.0014, 1.5456), (0.30, 0.02, 0.02, 0.30), (0.4, 0.0, 0.0, 0.0)]
+)
+def test_rotors_that_cannot_lose_alike_give_together_what_each_gives_by_itself(
+    commanded: tuple[float, float, float, float],
+) -> None:
+    ceilings = (0.155, 0.15, 0.16, 0.155)
+    lost = beyond(commanded, ceilings)
+    given = share_given(commanded, ceilings, lost) * np.maximum(np.array(commanded) - lost, 0.0)
+    assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum(), rel=1e-12)
+    assert share_given((0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13), 0.0075) == 1.0

@@ -39,6 +39,18 @@ def test_the_ceiling_of_thrust_falls_with_the_battery() -> None:
     assert swarm.state[0, ROTORS].sum() / HOVER == pytest.approx(1.1 + 0.001, abs=3e-4)
 
 
+def test_a_vehicle_whose_attitude_is_asked_to_jump_gives_no_more_than_its_ceilings() -> None:
+    """Pitch is asked for 0.3 rad forth and back at 100 Hz, with nearly no thrust: three weights were given."""
+    own = VehicleTerm(0.0, 0.0, thrust_lag_s=0.1, headroom=1.9, headroom_per_volt=0.0, discharge_v_per_s=0.0)
+    swarm = swarm_in(RoomAir(vehicle=own), [(0.0, 0.0, 5.0)])
+    given = []
+    for k in range(100):
+        command = np.array([0.05 * HOVER, 0.0, 0.3 if k % 2 else -0.3, 0.0])
+        swarm.step(np.tile(command, (5, 1, 1)), np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]]))
+        given.append(swarm.state[0, ROTORS].sum() / HOVER)
+    assert max(given) <= 1.9
+
+
 def test_a_rooms_thrust_lag_replaces_the_vehicles() -> None:
     own = VehicleTerm(0.0, 0.0, 0.04, headroom=9.0, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     swarm = swarm_in(RoomAir(vehicle=own), [(0.0, 0.0, 1.0)])

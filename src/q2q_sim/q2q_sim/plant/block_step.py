@@ -116,14 +116,21 @@ def _commanded(block: Array, lane: int, body: Body) -> tuple[Four, bool]:
 
 
 @compiled(**IN_LOOP)
-def _lagged(block: Array, lane: int, commanded: Four, decay: float) -> Four:
-    """Return the rotor thrusts [N] of a lane after the step."""
+def _lagged(block: Array, lane: int, commanded: Four, decay: float) -> tuple[Four, bool]:
+    """Return the rotor thrusts [N] of a lane after the step, and whether all of them lose alike."""
     f1, f2, f3, f4 = _four(block, F1, lane)
     gain = _four(block, DRIVE + GAIN1, lane)
     lost = beyond(commanded, _four(block, CEILING1, lane))
     t1, t2 = gain[0] * max(commanded[0] - lost, 0.0), gain[1] * max(commanded[1] - lost, 0.0)
     t3, t4 = gain[2] * max(commanded[2] - lost, 0.0), gain[3] * max(commanded[3] - lost, 0.0)
-    return t1 + (f1 - t1) * decay, t2 + (f2 - t2) * decay, t3 + (f3 - t3) * decay, t4 + (f4 - t4) * decay
+    alike = min(min(commanded[0], commanded[1]), min(commanded[2], commanded[3])) >= lost
+    after = (
+        t1 + (f1 - t1) * decay,
+        t2 + (f2 - t2) * decay,
+        t3 + (f3 - t3) * decay,
+        t4 + (f4 - t4) * decay,
+    )
+    return after, alike
 
 
 @compiled(**IN_LOOP)
@@ -159,10 +166,10 @@ def _step_block(block: Array, body: Body) -> None:
     """Advance all lanes by a step; write which of them are valid."""
     for lane in range(LANES):
         commanded, unlimited = _commanded(block, lane, body)
-        rotors = _lagged(block, lane, commanded, body.decay)
+        rotors, alike = _lagged(block, lane, commanded, body.decay)
         acc, vel, pos = _translated(block, lane, rotors, body)
         rate, quat, exact = _rotated(block, lane, rotors, body)
-        valid = 1.0 if unlimited & exact & (pos[Z] >= 0.0) else 0.0
+        valid = 1.0 if unlimited & alike & exact & (pos[Z] >= 0.0) else 0.0
         _put_three(block, X, lane, pos)  # all is read before anything is written: else no vectors
         _put_three(block, VX, lane, vel)
         _put_four(block, QX, lane, quat)

@@ -254,7 +254,7 @@ def _stand(row: Array, body: Body) -> None:
 def beyond(commanded: Four, ceilings: Four) -> float:
     """Return a quarter of what the rotors are asked for beyond their ceilings [N].
 
-    Every rotor loses as much: rotors at their limit cost the vehicle thrust, not attitude.
+    Every rotor that gives as much loses it: rotors at their limit cost the vehicle thrust, not attitude.
     """
     one, two = max(commanded[0] - ceilings[0], 0.0), max(commanded[1] - ceilings[1], 0.0)
     three, four = max(commanded[2] - ceilings[2], 0.0), max(commanded[3] - ceilings[3], 0.0)
@@ -262,12 +262,29 @@ def beyond(commanded: Four, ceilings: Four) -> float:
 
 
 @compiled(**BORROWING)
+def share_given(commanded: Four, ceilings: Four, lost: float) -> float:
+    """Return the share of its thrust, less what is `lost` [N], that every rotor gives.
+
+    It is 1 unless a rotor is asked for less than is lost: then together they give what each could by itself.
+    """
+    one, two, three, four = commanded
+    if min(min(one, two), min(three, four)) >= lost:
+        return 1.0
+    able = max(min(one, ceilings[0]), 0.0) + max(min(two, ceilings[1]), 0.0)
+    able += max(min(three, ceilings[2]), 0.0) + max(min(four, ceilings[3]), 0.0)
+    asked = max(one - lost, 0.0) + max(two - lost, 0.0) + max(three - lost, 0.0) + max(four - lost, 0.0)
+    return able / asked if able < asked else 1.0
+
+
+@compiled(**BORROWING)
 def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
     ceilings = (row[CEILING1], row[CEILING2], row[CEILING3], row[CEILING4])
-    lost = beyond((commanded[0], commanded[1], commanded[2], commanded[3]), ceilings)
+    asked = (commanded[0], commanded[1], commanded[2], commanded[3])
+    lost = beyond(asked, ceilings)
+    share = share_given(asked, ceilings, lost)
     for k in range(4):
-        target = drive[GAIN1 + k] * max(commanded[k] - lost, 0.0)
+        target = drive[GAIN1 + k] * share * max(commanded[k] - lost, 0.0)
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay
     _push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA]), body)
     _turn(row, body)

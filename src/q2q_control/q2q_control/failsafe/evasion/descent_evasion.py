@@ -100,7 +100,8 @@ class DescentEvasion:
         """Evade vehicles that are measured again where they are.
 
         - One that climbs, and is more than BACK above, is evaded no more.
-        - A vehicle that one of them drives further than FARTHEST ahead gets across its path,
+        - A vehicle that one of them drives further than FARTHEST ahead gets across its path, if that is less
+          far,
         - unless that one is below by less than CROSSING: it might climb into the vehicle on its way across.
         """
         xy = state.pos[:, :2]
@@ -111,11 +112,9 @@ class DescentEvasion:
                     del shift.directions[other]
                 elif other not in shift.returning:
                     shift.directions[other] = evasion_direction(xy, (i, j), xy[j], REACH)
-                elif (
-                    REACH - (sent[i, :2] - xy[j]) @ shift.directions[other] > FARTHEST
-                    and not 0.0 < state.pos[i, 2] - state.pos[j, 2] < CROSSING
-                ):
-                    shift.directions[other] = across(shift.directions[other], xy[i] - xy[j])
+                elif not 0.0 < state.pos[i, 2] - state.pos[j, 2] < CROSSING:
+                    ahead, aside = shift.directions[other], xy[i] - xy[j]
+                    shift.directions[other] = _nearer_way(sent[i, :2] - xy[j], ahead, across(ahead, aside))
             shift.returning = set(back & shift.directions.keys())
 
     def _ask(self, pairs: list[tuple[int, int]], names: Names, pos: Array, rest: Array) -> None:
@@ -149,6 +148,18 @@ class DescentEvasion:
             pos[row, :2] += shift.pos
             vel[row, :2] += shift.vel
         return replace(setpoint, pos=pos, vel=vel, acc=acc)
+
+
+def _nearer_way(sent: Array, ahead: Array, across_it: Array) -> Array:
+    """Return the direction in which a vehicle evades: ahead, or across if that is nearer than FARTHEST ahead.
+
+    Args:
+        sent: where it is sent, from the other [m], (2,).
+        ahead: direction in which the other drives it, (2,).
+        across_it: direction across that, (2,).
+    """
+    further, aside = REACH - float(sent @ ahead), REACH - float(sent @ across_it)
+    return across_it if further > max(FARTHEST, aside) else ahead
 
 
 def _places(state: SwarmState, known: Mapping[str, Reckoned]) -> tuple[Array, Array]:
