@@ -1,5 +1,7 @@
 """Old stamps of which the newest rises are a clock set back; old stamps that come now and then are not."""
 
+import numpy as np
+
 from q2q_model.estimation.clock_resets import CONFIRM_STAMPS, ClockResetDetector
 
 
@@ -37,6 +39,21 @@ def test_an_old_frame_that_is_delivered_again_does_not_hide_a_new_time() -> None
     assert not any(old.rise(t) for t in (4.41, 4.41, 4.01, *[4.41] * 13))
     output = [old.rise(4.15 + k * 0.01) for k in range(3)]
     assert output == [False, True, True]
+
+
+def test_a_late_frame_of_the_time_before_does_not_hide_a_new_time() -> None:
+    """Frames of 4.84 and 4.85 s change places, and the clock is set back to 4.41 s between them."""
+    old = ClockResetDetector()
+    assert not any(old.rise(t) for t in (4.83, 4.84, 4.41, 4.85, *np.arange(4.42, 4.505, 0.01)))
+    assert old.rise(4.51)
+
+
+def test_frames_lost_in_a_new_time_beside_the_one_before_do_not_end_it() -> None:
+    """Set back by 0.1 s only: after a gap its stamps are nearer to those before, and go on."""
+    old = ClockResetDetector()
+    assert not any(old.rise(t) for t in (4.83, 4.84, 4.74, 4.75))
+    assert not old.rise(4.83)
+    assert [old.rise(t) for t in (4.84, 4.85, 4.86)] == [False, True, True]
 
 
 def test_reordered_stamps_do_not_hide_a_new_time() -> None:

@@ -123,3 +123,34 @@ def test_braking_is_judged_unless_an_ignored_downwash_has_pushed(
     pushes = tuple(push if begin <= k < end else calm for k, calm in enumerate(ticks.pushes))
     flown = replace(run, options=replace(run.options, mode=mode))
     assert bool(brake(flown, replace(ticks, pushes=pushes)).violations) == judged
+
+
+def aware_in(air: str) -> Run:
+    """Return the run in an air, by a controller that knows the downwash."""
+    run = two_vehicles()
+    return replace(run, document={**run.document, "air": air}, options=replace(run.options, mode="aware"))
+
+
+@pytest.mark.parametrize(
+    ("air", "gust", "steady", "judged"),
+    [("room", 0.0, 0.5, True), ("room", 0.2, 0.0, True), ("room", 0.5, 0.0, False), ("", 0.5, 0.0, True)],
+)
+def test_in_another_air_a_vehicle_is_not_judged_that_a_gust_has_blown_by_more_than_can_be_known(
+    air: str, gust: float, steady: float, *, judged: bool
+) -> None:
+    """The gust [m/s^2] begins with the last measurement, half a second before cf1 is blind."""
+    ticks, run = level_flight(1.0, 0.0), aware_in(air)
+    pushed = [
+        replace(one, acc=np.array([[steady + (gust if k > LAST else 0.0), 0.0, 0.0], [0.0, 0.0, 0.0]]))
+        for k, one in enumerate(ticks.pushes)
+    ]
+    assert bool(brake(run, replace(ticks, pushes=tuple(pushed))).violations) == judged
+
+
+@pytest.mark.parametrize(("aside", "judged"), [(0.2, False), (0.3, True)])
+def test_in_another_air_a_vehicle_that_was_below_another_is_not_judged(aside: float, *, judged: bool) -> None:
+    """Its wake tilts cf1, which nobody measures."""
+    ticks = level_flight(1.0, 0.0)
+    above = np.array([[0.0, 0.0, 1.0], [aside, 0.0, 1.5]])
+    flown = replace(ticks, truth=tuple(replace(one, pos=above) for one in ticks.truth))
+    assert bool(brake(aware_in("room"), flown).violations) == judged

@@ -40,7 +40,7 @@ def test_the_ceiling_of_thrust_falls_with_the_battery() -> None:
 
 
 def test_a_vehicle_whose_attitude_is_asked_to_jump_gives_no_more_than_its_ceilings() -> None:
-    """Pitch is asked for 0.3 rad forth and back at 100 Hz, with nearly no thrust: three weights were given."""
+    """Pitch is asked for 0.3 rad forth and back at 100 Hz, with hardly any thrust: it gave three weights."""
     own = VehicleTerm(0.0, 0.0, thrust_lag_s=0.1, headroom=1.9, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     swarm = swarm_in(RoomAir(vehicle=own), [(0.0, 0.0, 5.0)])
     given = []

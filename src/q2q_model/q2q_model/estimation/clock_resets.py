@@ -2,7 +2,7 @@
 
 Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
 times and for PATIENCE_S are the new time, also when frames between them come in another order. A frame from
-before that is delivered again is none of them.
+before is none of them, whether it is delivered again or late: one whose stamp is nearer to those before.
 """
 
 from math import inf
@@ -28,6 +28,7 @@ class ClockResetDetector:
         """Forget the old stamps: a newer one has come."""
         self._first, self._newest, self._count = inf, inf, 0
         self._before = inf  # newest of the old stamps before they went back
+        self._was_late = False
 
     @property
     def first(self) -> float:
@@ -41,6 +42,12 @@ class ClockResetDetector:
             self._first = self._newest = t
             self._count = 1
         elif t > self._newest and t != self._before:
-            self._newest = t
-            self._count += 1
+            self._was_late = self._is_late(t)
+            if not self._was_late:
+                self._newest = t
+                self._count += 1
         return self._count >= CONFIRM_STAMPS and self._newest - self._first >= PATIENCE_S - ROUNDING
+
+    def _is_late(self, t: float) -> bool:
+        """Return whether a stamp is of the time before; two in a row are not: frames may have been lost."""
+        return not self._was_late and abs(t - self._before) < t - self._newest

@@ -34,6 +34,7 @@ from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import (
+    blown,
     deceived,
     last_measured,
     outdated,
@@ -99,5 +100,5 @@ def _judged(run: Run, ticks: RunTicks) -> Mask:
     """Return where a vehicle is blind and nothing hides its motion from dead reckoning, (T, n)."""
     faults = run.scenario.faults
     hidden = deceived(ticks, faults) | outdated(ticks, faults) | unbalanced(ticks, faults)
-    hidden |= untold(ticks, aware=run.options.aware)
+    hidden |= untold(ticks, aware=run.options.aware) | blown(ticks, air=run.scenario.air)
     return np.asarray(is_blind(ticks.command_status) & ~hidden)

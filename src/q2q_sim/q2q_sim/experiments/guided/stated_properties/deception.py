@@ -7,14 +7,17 @@
 | late, stale | if it was last measured with the velocity of an earlier frame |
 | weak_rotor | from the change of a rotor on, unless measured for LEARNT_S since then |
 | none, but the controller ignores the downwash | from a push of PUSH after its last measurement on |
+| none, but another air than the scenario's | once blown or tilted since its last measurement, or in it |
 
+Blown is a vehicle whose velocity gusts have changed by BLOWN; a gust counts by what it differs from the mean
+of the BALANCE_S before the last measurement, which is learned. Tilted is one below another, by its wake.
 Jumps of the clock may add up: each counts as longer by the sum of their sizes on both ends.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.values import Mask
+from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck
 from q2q_sim.faults.faults import Fault
@@ -26,6 +29,13 @@ OF_SENSORS = ("jump", "swap")
 """Faults that mislead the last measurement."""
 OF_MOTION = ("clock_jump", "radio_loss")
 """Faults that mislead dead reckoning from it, too: times or commands are not those reckoned with."""
+BLOWN = 0.15
+"""Velocity by gusts from which a motion is not known [m/s]: half of what the reckoned one may be wrong by."""
+BALANCE_S = 0.5
+"""Time over which a steady push is learned [s]: the observer's time constant, horizontally."""
+IN_WAKE = 0.25
+"""Horizontal distance from one above within which its wake tilts a vehicle [m]: that of its edge, 0.06, and
+what its axis may be carried away by."""
 LEARNT_S = 1.5
 """Time in which 95 % of a balance is learned [s]: three of the observer's time constants, horizontally."""
 
@@ -78,6 +88,28 @@ def untold(ticks: RunTicks, *, aware: bool) -> Mask:
         return np.zeros((len(ticks.t), len(ticks.names)), dtype=np.bool_)
     pushed = np.linalg.norm(over_ticks(ticks.pushes, "acc"), axis=2) > PUSH
     return np.asarray(_last(pushed, otherwise=-1) > last_measured(ticks))
+
+
+def blown(ticks: RunTicks, *, air: str) -> Mask:
+    """Return where gusts or the torque of a wake hide a motion in another air than the scenario's, (T, n)."""
+    last, t = last_measured(ticks), np.arange(len(ticks.t))[:, None]
+    if not air:
+        return np.zeros(last.shape, dtype=np.bool_)
+    gained = TICK_S * np.cumsum(over_ticks(ticks.pushes, "acc")[..., :2], axis=0)
+    seen = np.take_along_axis(gained, last[..., None], axis=0)
+    first = np.maximum(last - round(BALANCE_S / TICK_S), 0)
+    before = seen - np.take_along_axis(gained, first[..., None], axis=0)
+    steady = before / np.maximum(last - first, 1)[..., None]
+    unknown = gained - seen - steady * (t - last)[..., None]
+    tilted = _last(_below_another(over_ticks(ticks.truth, "pos")), otherwise=-1) >= last
+    return np.asarray((np.linalg.norm(unknown, axis=2) > BLOWN) | tilted)
+
+
+def _below_another(pos: Array) -> Mask:
+    """Return which vehicles at pos (T, n, 3) are below another, within IN_WAKE of its axis, (T, n)."""
+    away = pos[:, None] - pos[:, :, None]  # (T, n, m, 3): m from n
+    near = np.hypot(away[..., 0], away[..., 1]) < IN_WAKE
+    return np.asarray((near & (away[..., 2] > 0.0)).any(axis=2))
 
 
 def _last(when: Mask, otherwise: int) -> NDArray[np.intp]:
