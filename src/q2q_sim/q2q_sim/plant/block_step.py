@@ -123,7 +123,7 @@ def _lagged(block: Array, lane: int, commanded: Four, decay: float) -> tuple[Fou
     lost = beyond(commanded, _four(block, CEILING1, lane))
     t1, t2 = gain[0] * max(commanded[0] - lost, 0.0), gain[1] * max(commanded[1] - lost, 0.0)
     t3, t4 = gain[2] * max(commanded[2] - lost, 0.0), gain[3] * max(commanded[3] - lost, 0.0)
-    alike = min(min(commanded[0], commanded[1]), min(commanded[2], commanded[3])) >= lost
+    alike = min(commanded[0], commanded[1], commanded[2], commanded[3]) >= lost
     after = (
         t1 + (f1 - t1) * decay,
         t2 + (f2 - t2) * decay,

@@ -268,7 +268,7 @@ def share_given(commanded: Four, ceilings: Four, lost: float) -> float:
     It is 1 unless a rotor is asked for less than is lost: then together they give what each could by itself.
     """
     one, two, three, four = commanded
-    if min(min(one, two), min(three, four)) >= lost:
+    if min(one, two, three, four) >= lost:
         return 1.0
     able = max(min(one, ceilings[0]), 0.0) + max(min(two, ceilings[1]), 0.0)
     able += max(min(three, ceilings[2]), 0.0) + max(min(four, ceilings[3]), 0.0)
