@@ -1,8 +1,10 @@
 """Vehicles that are far from their setpoints: a plan began elsewhere, or they were carried off."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from q2q_model.signals.values import Names, SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
 
 FAR_M = 1.0
 """Distance from a setpoint that is told [m]: no downwash or gust of a flight under control makes it."""
@@ -14,9 +16,19 @@ _BROUGHT_DOWN = "far from their setpoints, brought down by the failsafe: {}"
 def far_setpoints(state: SwarmState, setpoint: SwarmSetpoint) -> dict[str, float]:
     """Return the distances from their setpoints [m] of the measured vehicles that are FAR_M away or more."""
     aim = rows_by_name(setpoint.pos, setpoint.names, state.names, np.nan)
-    away = np.linalg.norm(aim - state.pos, axis=1)
-    far = (state.status == TrackStatus.TRACKED) & (away >= FAR_M)
-    return {state.names[row]: float(away[row]) for row in np.flatnonzero(far)}
+    aim[state.status != TrackStatus.TRACKED] = np.nan
+    return far_apart(state.names, aim, state.pos)
+
+
+def far_apart(names: Names, aim: Array, pos: Array) -> dict[str, float]:
+    """Return the distances [m] between two positions (n, 3) of vehicles where they are FAR_M or more."""
+    away = np.linalg.norm(aim - pos, axis=1)
+    return {names[row]: float(away[row]) for row in np.flatnonzero(away >= FAR_M)}
+
+
+def in_words(away: Mapping[str, float]) -> str:
+    """Return vehicles with their distances [m]: "cf1 1.2 m, cf2 3.0 m"."""
+    return ", ".join(f"{name} {distance:.1f} m" for name, distance in away.items())
 
 
 class FarSetpointMonitor:
@@ -43,7 +55,7 @@ class FarSetpointMonitor:
         """Return who is far, how far, and why."""
         found = []
         for is_down, words in ((False, _ELSEWHERE), (True, _BROUGHT_DOWN)):
-            those = [name for name in far if (name in self._brought_down) is is_down]
+            those = {name: away for name, away in far.items() if (name in self._brought_down) is is_down}
             if those:
-                found.append(words.format(", ".join(f"{name} {far[name]:.1f} m" for name in those)))
+                found.append(words.format(in_words(those)))
         return "; ".join(found)

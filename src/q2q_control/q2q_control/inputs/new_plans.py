@@ -6,7 +6,7 @@ A preview of another plan, or of one in other time, is not followed: setpoints o
 
 import numpy as np
 
-from q2q_control.inputs.far_setpoints import FAR_M
+from q2q_control.inputs.far_setpoints import far_apart, in_words
 from q2q_control.inputs.preview import SampledPreview
 from q2q_model.signals.values import SwarmSetpoint
 
@@ -21,10 +21,9 @@ def plan_mismatch(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:
     if over > OVER_S:
         found.append(f"it ended {over:.1f} s before it came: does it start by the stamps of mocap?")
     planned = plan.at(setpoint.names, np.array([setpoint.t]))[:, 0, :3]
-    away = np.linalg.norm(planned - setpoint.pos, axis=1)
-    far = [f"{setpoint.names[row]} {away[row]:.1f} m" for row in np.flatnonzero(away >= FAR_M)]
+    far = far_apart(setpoint.names, planned, setpoint.pos)
     if far:
-        found.append(f"it is far from the setpoints: {', '.join(far)}: is it the plan they come from?")
+        found.append(f"it is far from the setpoints: {in_words(far)}: is it the plan they come from?")
     return f"plan: {' '.join(found)}" if found else ""
 
 
