@@ -32,6 +32,7 @@ SERVICES = {
     "q2q_model/signals/stamps.py",
     "q2q_model/signals/values.py",
     "q2q_model/tunable.py",
+    "q2q_model/writable_places.py",
 }
 """Services that every block or command uses: parsing, parameters, compilation, stamps, rows and words."""
 BESIDE_IDENTIFICATION = {

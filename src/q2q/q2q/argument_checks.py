@@ -1,30 +1,26 @@
 """Checks of arguments that Python would take as they are: errors say what was given and what is allowed."""
 
-import os
 from math import inf
 from pathlib import Path
 
 import numpy as np
 
+from q2q_model.writable_places import writable_folder
 
-def writable_folder(name: str, given: object) -> Path:
-    """Return the path of a folder to write to, which is created if it is not there.
+
+def folder_to_write(name: str, given: object) -> Path:
+    """Return the path of a folder to write to.
 
     Raises:
         TypeError: the argument is no path.
-        ValueError: there is no such folder and none can be created, or it cannot be written to.
+        ValueError: it is a file, is to lie in a file, or cannot be written.
     """
     if not isinstance(given, str | Path):
         raise TypeError(f"{name} = {given!r}: the path of a folder is expected")
-    path = Path(given)
     try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as refusal:
-        told = f"{name} = {path}: no such folder, and none can be made ({refusal.strerror})"
-        raise ValueError(told) from refusal
-    if not os.access(path, os.W_OK):
-        raise ValueError(f"{name} = {path}: the folder cannot be written to; give another")
-    return path
+        return writable_folder(Path(given))
+    except ValueError as refusal:
+        raise ValueError(f"{name}: {refusal}") from refusal
 
 
 def check_flags(**given: object) -> None:

@@ -58,6 +58,8 @@ def test_a_wrong_number_gets_no_hint(capsys: pytest.CaptureFixture[str]):
     [
         (["--json", "{folder}"], "argument --json: {folder} is a folder; give a file"),
         (["--out", "{file}"], "argument --out: {file} is a file; give a folder"),
+        (["--out", "/dev/null"], "argument --out: /dev/null is a file; give a folder"),
+        (["--out", "/dev/null/a"], "argument --out: /dev/null is a file; it cannot hold a"),
         (["--json", "{file}/a/b.json"], "argument --json: {file} is a file; it cannot hold a/b.json"),
     ],
 )

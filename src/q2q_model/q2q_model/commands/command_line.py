@@ -7,7 +7,6 @@ Parsing and checking need the standard library only, so help and errors appear w
 
 import argparse
 import math
-import os
 import re
 import sys
 import warnings
@@ -22,6 +21,7 @@ from typing import NoReturn
 from q2q_model.commands.help_text import HelpText
 from q2q_model.commands.quiet_end import drop_output, ending_at_once, output_is_read
 from q2q_model.node.lean_imports import lean_imports
+from q2q_model.writable_places import writable_file, writable_folder
 
 ROS_ARGS = "--ros-args"
 """Start of the arguments for ROS, which a launch file adds to every program."""
@@ -202,28 +202,20 @@ def positive_number(given: str) -> float:
 
 def output_file(given: str) -> Path:
     """Return the path of a file to write: a type of arguments, refused if it is a folder."""
-    path = Path(given)
-    if path.is_dir():
-        raise argparse.ArgumentTypeError(f"{path} is a folder; give a file")
-    return _below_folders(path)
+    return _in_its_words(writable_file, given)
 
 
 def output_folder(given: str) -> Path:
     """Return the path of a folder to write to: a type of arguments, refused if it is a file."""
-    path = Path(given)
-    if path.is_file():
-        raise argparse.ArgumentTypeError(f"{path} is a file; give a folder")
-    return _below_folders(path)
+    return _in_its_words(writable_folder, given)
 
 
-def _below_folders(path: Path) -> Path:
-    above = next((one for one in path.parents if one.is_file()), None)
-    if above is not None:
-        raise argparse.ArgumentTypeError(f"{above} is a file; it cannot hold {path.relative_to(above)}")
-    there = next(one for one in (path, *path.parents) if one.exists())
-    if not os.access(there, os.W_OK):
-        raise argparse.ArgumentTypeError(f"{there} cannot be written (permission denied); give another place")
-    return path
+def _in_its_words(check: Callable[[Path], Path], given: str) -> Path:
+    """Return a checked path, or refuse it in the words of the check: argparse drops those of a ValueError."""
+    try:
+        return check(Path(given))
+    except ValueError as refusal:
+        raise argparse.ArgumentTypeError(str(refusal)) from refusal
 
 
 def outside_ros(arguments: Sequence[str] | None) -> list[str]:

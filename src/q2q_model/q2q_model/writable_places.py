@@ -1,0 +1,35 @@
+"""Places to write to, checked before the work whose result goes there; missing folders may be created."""
+
+import os
+from pathlib import Path
+
+
+def writable_file(path: Path) -> Path:
+    """Return the path of a file to write.
+
+    Raises:
+        ValueError: it is a folder, is to lie in a file, or cannot be written.
+    """
+    if path.is_dir():
+        raise ValueError(f"{path} is a folder; give a file")
+    return _permitted(path)
+
+
+def writable_folder(path: Path) -> Path:
+    """Return the path of a folder to write to.
+
+    Raises:
+        ValueError: it is a file, is to lie in a file, or cannot be written.
+    """
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"{path} is a file; give a folder")
+    return _permitted(path)
+
+
+def _permitted(path: Path) -> Path:
+    there = next(one for one in (path, *path.parents) if one.exists())
+    if there != path and not there.is_dir():
+        raise ValueError(f"{there} is a file; it cannot hold {path.relative_to(there)}")
+    if not os.access(there, os.W_OK):
+        raise ValueError(f"{there} cannot be written (permission denied); give another place")
+    return path
