@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from q2q_model.files.find_model import shipped_models
+from q2q_model.files.model_names import shipped_models
 from q2q_model.trajectory import plan_file
 from q2q_sim.air.air_names import air_path
 from q2q_sim.loop import assembly

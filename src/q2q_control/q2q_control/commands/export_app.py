@@ -10,7 +10,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.commands.command_line import CommandLine, Work, output_folder, run_command
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 
@@ -25,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     vehicle_by_name(args.vehicle, args.firmware)
-    check_model(args.model)
+    check_model_name(args.model)
     from q2q_control.tools.write_firmware_app import run
 
     return run

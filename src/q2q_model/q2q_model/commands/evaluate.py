@@ -17,7 +17,7 @@ from pathlib import Path
 
 from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
 from q2q_model.commands.recording_options import add_recording_options
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 
 EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
 
@@ -28,7 +28,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    check_model(args.model)
+    check_model_name(args.model)
     require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
     from q2q_model.tools.score_model import run
 

@@ -15,7 +15,7 @@ from q2q_model.commands.command_line import (
     run_command,
 )
 from q2q_model.commands.recording_options import add_recording_options
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
   ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
@@ -32,7 +32,7 @@ def _prepare(args: Namespace) -> Work:
     if bool(args.bags) == args.live:
         raise UsageError("give bags of recorded flights, or --live with --model, not both")
     if args.live:
-        check_model(args.model)
+        check_model_name(args.model)
     require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
     from q2q_model.tools.identify_flights import run
 

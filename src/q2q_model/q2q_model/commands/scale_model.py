@@ -10,7 +10,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, output_file, run_command
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 
 EXAMPLE = """  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 --out b.q2q
   ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 \\
@@ -25,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if (args.below_mass is None) != (args.below_rotor_radius is None):
         raise UsageError("give --below-mass and --below-rotor-radius together")
-    check_model(args.model)
+    check_model_name(args.model)
     from q2q_model.tools.scale_jet import run
 
     return run

@@ -1,7 +1,6 @@
 """Lookup of interaction models by name or path."""
 
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.files.model_choice import shipped_models
 from q2q_model.files.model_file import ModelFile, load
 from q2q_model.files.model_names import model_path
 
@@ -12,5 +11,5 @@ def find_model(name: str) -> ModelFile:
     Raises:
         ModelFileError: the model does not exist, or its file is not valid.
     """
-    path = model_path(name, shipped_models())
+    path = model_path(name)
     return ModelFile(interaction=NoInteraction()) if path is None else load(path)

@@ -1,8 +1,8 @@
-"""Lookup of an interaction model's file by name, without reading it."""
+"""Names of interaction models and their files, checked without the imports that models need."""
 
 from pathlib import Path
 
-from q2q_model.files.shipped_folder import shipped_or_given
+from q2q_model.files.shipped_folder import shipped_folder, shipped_or_given
 
 SUFFIX = ".q2q"
 NONE = "none"
@@ -13,19 +13,26 @@ class ModelFileError(ValueError):
     """Error for a model file that does not exist or is not valid."""
 
 
-def model_path(name: str, shipped: Path) -> Path | None:
-    """Return the file of a model, given by the name of a shipped one or by its path; None for "none".
+def check_model_name(name: str) -> None:
+    """Raise ModelFileError if no shipped model or file has this name."""
+    model_path(name)
 
-    Args:
-        name: name or path.
-        shipped: folder of the shipped files.
+
+def model_path(name: str) -> Path | None:
+    """Return the file of a model, given by the name of a shipped one or by its path; None for "none".
 
     Raises:
         ModelFileError: the model does not exist.
     """
     if name == NONE:
         return None
+    shipped = shipped_models()
     if (found := shipped_or_given(name, shipped / f"{name}{SUFFIX}")) is not None:
         return found
     known = ", ".join(sorted({NONE} | {path.stem for path in shipped.glob(f"*{SUFFIX}")}))
     raise ModelFileError(f"no model {name!r}: give one of {known}, or the path of a {SUFFIX} file")
+
+
+def shipped_models() -> Path:
+    """Return the folder of the shipped `.q2q` files."""
+    return shipped_folder(Path(__file__).resolve().parents[1])

@@ -17,7 +17,7 @@ from q2q_model.commands.command_line import (
     require_existing,
     run_command,
 )
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
@@ -40,7 +40,7 @@ def _prepare(args: Namespace) -> Work:
     if args.vehicle:
         vehicle_by_name(args.vehicle)
     if args.model:
-        check_model(args.model)
+        check_model_name(args.model)
     require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
     written = {"--out": args.out, "--json": args.json, "--csv": args.csv}
     folders = {"--upload": args.upload, "--figures": args.figures}

@@ -13,7 +13,7 @@ from q2q_model.commands.command_line import (
     run_command,
     whole_number,
 )
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios import scenario_files
@@ -42,7 +42,7 @@ def _prepare(args: Namespace) -> Work:
         if args.wake:
             raise ValueError(f"--wake {args.wake} and --air {args.air}: give one of them")
     if args.model:
-        check_model(args.model)
+        check_model_name(args.model)
     if args.bag and args.bag.exists():
         raise ValueError(f"bag {args.bag} exists: choose another folder or delete it")
     if not args.list:

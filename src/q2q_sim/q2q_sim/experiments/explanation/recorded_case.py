@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import FlightFacts, read_facts, read_flight
-from q2q_model.files.model_choice import check_model
+from q2q_model.files.model_names import check_model_name
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
@@ -114,7 +114,7 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
             f"{bag}: seed {facts.seed!r} in its metadata: a whole number, 0 or above, is allowed"
         )
     try:
-        check_model(facts.model)
+        check_model_name(facts.model)
         check_air(facts.air.partition(" without ")[0] or "none")
         Options(facts.mode, facts.controller)
     except ValueError as unknown:
