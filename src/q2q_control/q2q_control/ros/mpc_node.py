@@ -12,7 +12,7 @@ from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
 from q2q_control.failsafe.time_budget import TimeBudget
-from q2q_control.inputs.new_plans import NewPlanMonitor
+from q2q_control.inputs.plan_mismatch import PlanMismatchMonitor
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
@@ -115,7 +115,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> None:
     """Let the block follow the plans on `plan`; an invalid one is refused, the last one kept."""
     unplanned = AbsentNames(node, "plan", "{}: flown without looking ahead", wiring.health)
-    new_plans = NewPlanMonitor()
+    mismatch = PlanMismatchMonitor()
 
     def take(message: Plan) -> None:
         try:
@@ -125,12 +125,12 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
             return
         block.follow(preview)
         unplanned.take_source(preview.names)
-        new_plans.take_plan(preview)
+        mismatch.take_plan(preview)
         wiring.health.doubts[MISMATCH] = ""
         came()
 
     def compare(_: int, reference: Signal) -> None:
-        if isinstance(reference, SwarmSetpoint) and (told := new_plans.look(reference)):
+        if isinstance(reference, SwarmSetpoint) and (told := mismatch.look(reference)):
             wiring.health.doubts[MISMATCH] = told
             node.get_logger().warning(f"{told} flown without looking ahead")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pid_swarms import swarm
 
-from q2q_control.inputs.new_plans import NewPlanMonitor, plan_mismatch
+from q2q_control.inputs.plan_mismatch import PlanMismatchMonitor, plan_mismatch
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview
 from q2q_model.signals.values import SwarmSetpoint
@@ -47,7 +47,7 @@ def test_a_plan_of_another_place_is_told_with_the_vehicles_that_are_far_from_it(
 
 
 def test_only_the_first_setpoint_after_a_plan_is_compared_with_it() -> None:
-    monitor, here, far = NewPlanMonitor(), setpoint(12.0, 2.0, 2.0), setpoint(12.01, 2.0, 9.0)
+    monitor, here, far = PlanMismatchMonitor(), setpoint(12.0, 2.0, 2.0), setpoint(12.01, 2.0, 9.0)
     assert monitor.look(far) == ""  # without a plan
     monitor.take_plan(plan(10.0))
     assert [monitor.look(one) for one in (here, far)] == ["", ""]

@@ -1,4 +1,4 @@
-"""Whether a plan that comes is that of the setpoints, as the first setpoint after it shows.
+"""Mismatch of a plan that comes and the setpoints, as the first setpoint after it shows.
 
 A preview of another plan, or of one in other time, is not followed: setpoints off their plan are extrapolated
 (q2q_control.inputs.preview). A replanner moves setpoints off their plan later: only the first is compared.
@@ -27,14 +27,14 @@ def plan_mismatch(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:
     return f"plan: {' '.join(found)}" if found else ""
 
 
-class NewPlanMonitor:
-    """Plan that came after the last setpoint."""
+class PlanMismatchMonitor:
+    """Plan that came after the last setpoint, to be compared with the next one."""
 
     def __init__(self) -> None:
         self._new: SampledPreview | None = None
 
     def take_plan(self, plan: SampledPreview) -> None:
-        """Take a plan, to compare it with the next setpoint."""
+        """Take a plan that has come."""
         self._new = plan
 
     def look(self, setpoint: SwarmSetpoint) -> str:
