@@ -19,7 +19,7 @@ from std_srvs.srv import Empty, Trigger
 
 from q2q_control.radio import cflib_link
 from q2q_control.radio.firmware_params import POSE_STD, difference, firmware_params
-from q2q_control.radio.node_params import RadioNodeParams
+from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_TICK

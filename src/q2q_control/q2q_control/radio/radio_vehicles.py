@@ -7,9 +7,9 @@ from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_file
 from q2q_control.radio.firmware_params import firmware_params
-from q2q_control.radio.node_params import RadioNodeParams
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor
+from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import full_states, level_rpyt, names_cut, rpyt_setpoints
