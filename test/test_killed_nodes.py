@@ -7,8 +7,8 @@ import pytest
 
 from q2q_model.bag import BagReader
 from q2q_model.signals.values import CommandStatus, SwarmCommand
+from q2q_sim.flight.process_faults import ProcessFault, Waiting, fly_with_process_faults
 from q2q_sim.flight.scenario_flight import FlightRequest
-from q2q_sim.flight.strikes import Strike, Waiting, fly_struck
 from q2q_sim.monitors.policies import POLICIES, Circumstances, Evidence, judge
 from q2q_sim.scenarios import library
 from q2q_sim.tools.judge_bags import evidence_in
@@ -38,9 +38,9 @@ def end_of(bag: Path, topic: str) -> float:
 
 
 def test_nodes_that_are_killed_or_stopped_in_turn_take_their_places_in_flight(tmp_path: Path) -> None:
-    killed = [Strike(node, tick=400 * k) for k, node in enumerate(ROAD, start=1)]
-    stopped = Strike("replanner", tick=2400, how="stop")
-    timing = fly_struck(FlightRequest(TABLE6, seed=3), [*killed, stopped], tmp_path)
+    killed = [ProcessFault(node, tick=400 * k) for k, node in enumerate(ROAD, start=1)]
+    stopped = ProcessFault("replanner", tick=2400, how="stop")
+    timing = fly_with_process_faults(FlightRequest(TABLE6, seed=3), [*killed, stopped], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
     assert timing.missed_ticks == 0
     assert len(evidence.t) == 5000
@@ -50,8 +50,8 @@ def test_nodes_that_are_killed_or_stopped_in_turn_take_their_places_in_flight(tm
 
 
 def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(tmp_path: Path) -> None:
-    strike = Strike("bag_record", tick=1000, comes_back=False)
-    timing = fly_struck(FlightRequest(LOW, seed=3), [strike], tmp_path)
+    fault = ProcessFault("bag_record", tick=1000, comes_back=False)
+    timing = fly_with_process_faults(FlightRequest(LOW, seed=3), [fault], tmp_path)
     assert timing.missed_ticks == 0
     evidence = evidence_in(tmp_path / "bag")
     # a chunk is a second of bag time: what was in the last one is lost
@@ -61,10 +61,11 @@ def test_a_recorder_that_is_killed_leaves_a_bag_that_is_readable_up_to_its_end(t
 
 
 def test_without_a_controller_the_firmware_levels_and_cuts(tmp_path: Path) -> None:
-    strike = Strike("pid", tick=1, comes_back=False)
+    fault = ProcessFault("pid", tick=1, comes_back=False)
     short = tmp_path / "short_hover.yaml"
     short.write_text(Path(LOW).read_text().replace("14.0", "7.0"))
-    fly_struck(FlightRequest(str(short)), [strike], tmp_path / "flight", Waiting(0.01, 0.5))
+    waiting = Waiting(0.01, 0.5)
+    fly_with_process_faults(FlightRequest(str(short)), [fault], tmp_path / "flight", waiting)
     evidence = evidence_in(tmp_path / "flight" / "bag")
     assert len(evidence.t) == 700
     assert violations(evidence, str(short), "return", "floor") == []  # they come down
@@ -78,11 +79,12 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     tmp_path: Path,
 ) -> None:
     reference, states = (
-        Strike(node, tick, comes_back=False) for node, tick in (("trajectory", 200), ("mocap_filter", 700))
+        ProcessFault(node, tick, comes_back=False)
+        for node, tick in (("trajectory", 200), ("mocap_filter", 700))
     )
-    long = tmp_path / "long_hover.yaml"  # a busy machine may strike seconds late
+    long = tmp_path / "long_hover.yaml"  # faults may begin seconds late on a busy machine
     long.write_text(Path(LOW).read_text().replace("14.0", "24.0"))
-    fly_struck(FlightRequest(str(long), live=True), [reference, states], tmp_path)
+    fly_with_process_faults(FlightRequest(str(long), live=True), [reference, states], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
     no_reference, no_state = (end_of(tmp_path / "bag", topic) for topic in ("/reference_safe", "/state"))
     assert violations(evidence, LOW, "return", "floor") == []  # they come down
@@ -118,8 +120,8 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
 def test_live_a_controller_whose_middleware_hangs_leaves_its_vehicles_safe(
     tmp_path: Path, comes_back: bool
 ) -> None:
-    strike = Strike("pid", tick=200, how="hang", comes_back=comes_back)
-    fly_struck(FlightRequest(LOW, live=True), [strike], tmp_path)
+    fault = ProcessFault("pid", tick=200, how="hang", comes_back=comes_back)
+    fly_with_process_faults(FlightRequest(LOW, live=True), [fault], tmp_path)
     evidence = evidence_in(tmp_path / "bag")
     assert violations(evidence, LOW, "return", "floor") == []  # without states they come down
     seen = {one for both in statuses(tmp_path / "bag", after=0.0) for one in both}
@@ -130,6 +132,6 @@ def test_live_a_controller_whose_middleware_hangs_leaves_its_vehicles_safe(
         np.testing.assert_allclose(evidence.true_pos[-1, :, 2], 0.0, atol=1e-9)
 
 
-def test_a_strike_at_no_node_of_the_flight_is_refused(tmp_path: Path) -> None:
+def test_a_fault_of_no_node_of_the_flight_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no node 'filter' in this flight; there are bag_record, mocap_fil"):
-        fly_struck(FlightRequest(LOW), [Strike("filter", 1)], tmp_path)
+        fly_with_process_faults(FlightRequest(LOW), [ProcessFault("filter", 1)], tmp_path)

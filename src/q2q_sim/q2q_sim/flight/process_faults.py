@@ -24,16 +24,16 @@ from q2q_sim.processes.processes import NodeSpec, Processes
 MIDDLEWARE = "dds."
 """Names of Fast DDS's threads begin so: receivers, events, asynchronous writer."""
 LOOKS = 20
-"""Polls of the flight director (50 ms each) from a strike to the return."""
+"""Polls of the flight director (50 ms each) from a fault to the return."""
 
 
 @dataclass(frozen=True, slots=True)
-class Strike:
+class ProcessFault:
     """Fault of one node's process."""
 
     node: str
     tick: int
-    """First tick of the strike; earlier strikes must be over."""
+    """First tick of the fault; earlier faults must be over."""
     how: Literal["kill", "stop", "hang"] = "kill"
     comes_back: bool = True
 
@@ -46,10 +46,10 @@ class Waiting:
     give_up_s: float = 60.0
 
 
-def fly_struck(
-    request: FlightRequest, strikes: Sequence[Strike], folder: Path, waiting: Waiting | None = None
+def fly_with_process_faults(
+    request: FlightRequest, faults: Sequence[ProcessFault], folder: Path, waiting: Waiting | None = None
 ) -> FlightTiming:
-    """Fly a scenario into `folder`/bag with strikes; return its wall-clock timing.
+    """Fly a scenario into `folder`/bag with faults; return its wall-clock timing.
 
     Raises:
         ValueError: an unknown scenario, node or tick.
@@ -61,11 +61,11 @@ def fly_struck(
         _patient(spec, waiting or Waiting()) for spec in node_specs(scenario, request, folder, folder / "bag")
     ]
     known = {spec.executable: spec for spec in specs}
-    for strike in strikes:
-        if strike.node not in known:
-            raise ValueError(f"no node {strike.node!r} in this flight; there are {', '.join(known)}")
+    for fault in faults:
+        if fault.node not in known:
+            raise ValueError(f"no node {fault.node!r} in this flight; there are {', '.join(known)}")
     with running_nodes(specs, folder) as running:
-        progresses = [_Progress(running.processes, known[strike.node], strike) for strike in strikes]
+        progresses = [_Progress(running.processes, known[fault.node], fault) for fault in faults]
         running.director.follow_clock()
         running.director.start()
         try:
@@ -74,12 +74,12 @@ def fly_struck(
             for one in progresses:
                 one.release()
     if not all(one.done for one in progresses):
-        raise ValueError("the flight ended before every node was struck and back: strike earlier")
+        raise ValueError("the flight ended before every fault was over: let them begin earlier")
     return timing_of(summary)
 
 
 def _look(progresses: Sequence["_Progress"], ticks: int) -> None:
-    """Advance the first strike that is not done."""
+    """Advance the first fault that is not over."""
     for one in progresses:
         if not one.done:
             one.look(ticks)
@@ -87,22 +87,22 @@ def _look(progresses: Sequence["_Progress"], ticks: int) -> None:
 
 
 class _Progress:
-    """Progress of a strike."""
+    """Progress of a fault."""
 
-    def __init__(self, processes: Processes, spec: NodeSpec, strike: Strike) -> None:
-        self._processes, self._spec, self._strike = processes, spec, strike
+    def __init__(self, processes: Processes, spec: NodeSpec, fault: ProcessFault) -> None:
+        self._processes, self._spec, self._fault = processes, spec, fault
         self._frozen: FrozenThreads | None = None
         self._looks = -1
-        """Polls since the strike; below 0 before it."""
+        """Polls since the fault began; below 0 before it."""
 
     @property
     def done(self) -> bool:
-        """Return whether the strike is over, including the return of the node."""
-        return self._looks >= (LOOKS if self._strike.comes_back else 0)
+        """Return whether the fault is over, including the return of the node."""
+        return self._looks >= (LOOKS if self._fault.comes_back else 0)
 
     def look(self, ticks: int) -> None:
-        """Strike at the tick, and bring the node back some polls later."""
-        if self._looks < 0 and ticks < self._strike.tick:
+        """Begin the fault at its tick, and bring the node back some polls later."""
+        if self._looks < 0 and ticks < self._fault.tick:
             return
         self._looks += 1
         if self._looks == 0:
@@ -111,11 +111,11 @@ class _Progress:
             self._come_back()
 
     def _begin(self) -> None:
-        if self._strike.how == "hang":
+        if self._fault.how == "hang":
             self._frozen = FrozenThreads(self._processes.pid(self._spec.executable), MIDDLEWARE)
             return
         self._processes.expect_exit(self._spec.executable)
-        self._send(signal.SIGKILL if self._strike.how == "kill" else signal.SIGSTOP)
+        self._send(signal.SIGKILL if self._fault.how == "kill" else signal.SIGSTOP)
 
     def release(self) -> None:
         """Let frozen threads go on: a process with one cannot end."""
@@ -123,11 +123,11 @@ class _Progress:
             self._frozen.release()
 
     def _come_back(self) -> None:
-        if self._strike.how == "hang":
+        if self._fault.how == "hang":
             self.release()
             return
         self._processes.expect(self._spec.executable)
-        if self._strike.how == "kill":
+        if self._fault.how == "kill":
             self._processes.start(self._spec)
         else:
             self._send(signal.SIGCONT)
