@@ -18,7 +18,12 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.node.wiring import Wiring, missing_connections, other_writers, wiring_from_text
+from q2q_model.node.connections import (
+    Connections,
+    connections_from_text,
+    missing_connections,
+    other_writers,
+)
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
@@ -60,7 +65,7 @@ class FlightDirector:
         self._ticks = 0
         self._played = False
         self._moved_at = monotonic()
-        self._wirings: dict[str, Wiring] = {}
+        self._answers: dict[str, Connections] = {}
         """Last answers of the nodes of the flight."""
         self._drains: dict[str, Client] = {}
         """Created before the flight, so that they have discovered their services when it ends."""
@@ -102,11 +107,11 @@ class FlightDirector:
         deadline = monotonic() + timeout_s
         while waiting := self._waiting(clients):
             if monotonic() > deadline:
-                raise TimeoutError(f"nodes not wired after {timeout_s:g} s: {'; '.join(waiting)}")
+                raise TimeoutError(f"nodes not connected after {timeout_s:g} s: {'; '.join(waiting)}")
             meanwhile()
             self._spin(POLL_S)
         deadline = monotonic() + LINGER_S
-        while self._started_ros and (strangers := other_writers(self._wirings, self._writers_of)):
+        while self._started_ros and (strangers := other_writers(self._answers, self._writers_of)):
             if monotonic() > deadline:
                 raise TimeoutError(f"{strangers}: end them, or give this flight another ROS_DOMAIN_ID")
             self._spin(POLL_S)
@@ -163,8 +168,8 @@ class FlightDirector:
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
         """Return descriptions of the missing connections."""
         answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
-        self._wirings = {name: wiring_from_text(one.message) for name, one in answers.items() if one}
-        return missing_connections(clients, self._wirings)
+        self._answers = {name: connections_from_text(one.message) for name, one in answers.items() if one}
+        return missing_connections(clients, self._answers)
 
     def _drain_client(self, name: str) -> Client:
         return self._node.create_client(Trigger, f"{name}/{DRAINED}")

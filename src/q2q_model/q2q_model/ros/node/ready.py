@@ -14,7 +14,7 @@ from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from std_srvs.srv import Trigger
 
-from q2q_model.node.wiring import Wiring
+from q2q_model.node.connections import Connections
 
 SERVICE = "ready"
 DRAINED = "drained"
@@ -38,11 +38,11 @@ def expect_latched(node: Node, reader: Subscription) -> Callable[[], None]:
 
 
 def offer_ready(node: Node) -> None:
-    """Offer the service `~/ready`, whose response message is the node's Wiring."""
+    """Offer the service `~/ready`, whose response message is the node's Connections."""
 
     def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         response.success = True
-        response.message = wiring_of(node).as_text()
+        response.message = connections_of(node).as_text()
         return response
 
     node.create_service(Trigger, f"~/{SERVICE}", answer)
@@ -61,9 +61,9 @@ def offer_drained(node: Node) -> None:
     node.create_service(Trigger, f"~/{DRAINED}", answer)
 
 
-def wiring_of(node: Node) -> Wiring:
+def connections_of(node: Node) -> Connections:
     """Return a node's subscriptions and the matched subscribers of each of its publishers."""
-    return Wiring(
+    return Connections(
         reads=tuple(one.topic_name for one in node.subscriptions),
         matched={one.topic_name: one.get_subscription_count() for one in node.publishers},
         out=tuple(sorted(_OUT.get(node, ()))),

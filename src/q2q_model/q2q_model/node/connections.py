@@ -1,4 +1,4 @@
-"""Discovery state of a flight's nodes: whether every publisher has matched every subscriber of its topic.
+"""Connections of a flight's nodes: whether every publisher has matched every subscriber of its topic.
 
 A latched value published before the flight (a plan) must also have arrived.
 """
@@ -14,7 +14,7 @@ READS, OUT, LACKS = "<", "^", "-"
 
 
 @dataclass(frozen=True, slots=True)
-class Wiring:
+class Connections:
     """Inputs of one node and the number of subscribers its publishers have matched."""
 
     reads: tuple[str, ...]
@@ -27,7 +27,7 @@ class Wiring:
     """Subscribed latched topics without a value yet."""
 
     def as_text(self) -> str:
-        """Return the wiring as text: `<topic` is subscribed to, `topic=count` is published."""
+        """Return the connections as text: `<topic` is subscribed to, `topic=count` is published."""
         marked = ((READS, self.reads), (OUT, self.out), (LACKS, self.lacks))
         return " ".join(
             [mark + topic for mark, topics in marked for topic in topics]
@@ -35,42 +35,42 @@ class Wiring:
         )
 
 
-def wiring_from_text(text: str) -> Wiring:
-    """Return the wiring in the text of `as_text`."""
+def connections_from_text(text: str) -> Connections:
+    """Return the connections in the text of `as_text`."""
     words = text.split()
     marks = (READS, OUT, LACKS)
     reads, out, lacks = (
         tuple(word.removeprefix(mark) for word in words if word.startswith(mark)) for mark in marks
     )
     pairs = [word.rpartition("=") for word in words if not word.startswith(marks)]
-    return Wiring(reads, {topic: int(count) for topic, _, count in pairs}, out, lacks)
+    return Connections(reads, {topic: int(count) for topic, _, count in pairs}, out, lacks)
 
 
-def unmatched(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
+def unmatched(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
     """Return, for each node, the published topics that lack a matched subscriber."""
-    readers = Counter(topic for wiring in nodes.values() for topic in wiring.reads)
+    readers = Counter(topic for one in nodes.values() for topic in one.reads)
     short = {
-        name: [topic for topic, count in wiring.matched.items() if count < readers[topic]]
-        for name, wiring in nodes.items()
+        name: [topic for topic, count in one.matched.items() if count < readers[topic]]
+        for name, one in nodes.items()
     }
     return {name: topics for name, topics in short.items() if topics}
 
 
-def undelivered(nodes: Mapping[str, Wiring]) -> dict[str, list[str]]:
+def undelivered(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
     """Return, for each node, the latched topics whose published value it has not received yet."""
-    out = {topic for wiring in nodes.values() for topic in wiring.out}
-    missing = {name: [topic for topic in wiring.lacks if topic in out] for name, wiring in nodes.items()}
+    out = {topic for one in nodes.values() for topic in one.out}
+    missing = {name: [topic for topic in one.lacks if topic in out] for name, one in nodes.items()}
     return {name: topics for name, topics in missing.items() if topics}
 
 
-def other_writers(nodes: Mapping[str, Wiring], writers_of: Callable[[str], Sequence[str]]) -> str:
+def other_writers(nodes: Mapping[str, Connections], writers_of: Callable[[str], Sequence[str]]) -> str:
     """Return which signals nodes beside these write, with the names of all who do; empty if none does.
 
     Args:
         nodes: nodes of a flight.
         writers_of: returns the names of all nodes that write a topic, once for each publisher.
     """
-    ours = Counter(topic for wiring in nodes.values() for topic in wiring.matched)
+    ours = Counter(topic for one in nodes.values() for topic in one.matched)
     found = {
         topic: writers
         for topic, count in ours.items()
@@ -82,7 +82,7 @@ def other_writers(nodes: Mapping[str, Wiring], writers_of: Callable[[str], Seque
     )
 
 
-def missing_connections(names: Iterable[str], nodes: Mapping[str, Wiring]) -> list[str]:
+def missing_connections(names: Iterable[str], nodes: Mapping[str, Connections]) -> list[str]:
     """Return descriptions of what the named nodes still wait for; `nodes` are those that have answered."""
     silent = [f"{name} has not answered" for name in names if name not in nodes]
     return silent or [
