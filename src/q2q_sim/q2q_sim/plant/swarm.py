@@ -2,9 +2,9 @@
 
 Each physics step finds the push of the air on every vehicle, then steps every vehicle
 (q2q_sim.plant.block_step). The air is a wake law (law_push.py), that of a room (room_push.py), or a class
-outside the loop (own_wake.py), which is asked between single steps. Both loops over pairs sort the vehicles
-by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash; between slots
-they are interpolated. A test compares the kernel with a plain numpy implementation.
+outside the loop (uncompiled_wake.py), which is asked between single steps. Both loops over pairs sort the
+vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash;
+between slots they are interpolated. A test compares the kernel with a plain numpy implementation.
 """
 
 import math
@@ -26,7 +26,6 @@ from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
 from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.law_push import law_push
 from q2q_sim.plant.order_by_x import Rows
-from q2q_sim.plant.own_wake import OwnWake
 from q2q_sim.plant.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
 from q2q_sim.plant.quadcopter import (
     ETA,
@@ -45,11 +44,12 @@ from q2q_sim.plant.quadcopter import (
 )
 from q2q_sim.plant.room_law import RoomLaw, room_law
 from q2q_sim.plant.room_push import room_push
+from q2q_sim.plant.uncompiled_wake import UncompiledWake
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
 
-ROOM, OWN = 3, 4
+ROOM, UNCOMPILED = 3, 4
 """Kinds of air beside those of WakeLaw: a RoomAir, and a Wake outside the compiled loop."""
 
 
@@ -57,7 +57,7 @@ class Air(NamedTuple):
     """Air in compiled code, with the past states of the sources."""
 
     kind: int
-    """A WakeLaw, ROOM or OWN."""
+    """A WakeLaw, ROOM or UNCOMPILED."""
     ring: Array
     """x, y, z [m] and T / (m g) at each past step, (slots, n, 4); in a room all columns of past_states."""
     rows: Rows
@@ -79,7 +79,7 @@ def air_push(state: Array, air: Air, body: Body) -> None:
     kind, ring, rows, room = air
     if kind == ROOM:
         room_push(state, ring, rows, room, body.mass)
-    elif kind != OWN:
+    elif kind != UNCOMPILED:
         law_push(state, ring, rows, kind, body.step)
 
 
@@ -126,7 +126,7 @@ def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:
     """Return the air around vehicles that have always hovered at their present positions."""
     order = np.append(np.argsort(state[:, X], kind="stable"), 0).astype(np.int64)
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
-    kind, delay, room = OWN, 0.0, room_law(RoomAir(), 0, body, seed)
+    kind, delay, room = UNCOMPILED, 0.0, room_law(RoomAir(), 0, body, seed)
     if isinstance(air, RoomAir):
         kind, delay, room = ROOM, MAX_DELAY, room_law(air, len(state), body, seed)
         now = np.column_stack([now, np.zeros((len(state), ROOM_WIDTH - LAW_WIDTH))])
@@ -159,7 +159,7 @@ class Swarm:
         self._block = -1
         self._processes = UnitProcesses(air, len(names), step, seed) if isinstance(air, RoomAir) else None
         setup = AirSetup(vehicle, len(names), step, seed)
-        self._own = None if isinstance(air, WakeLaw | RoomAir) else OwnWake(air, setup)
+        self._uncompiled = None if isinstance(air, WakeLaw | RoomAir) else UncompiledWake(air, setup)
         self._age = np.zeros(len(names))  # all states share these two
         self._tracked = np.full(len(names), int(TrackStatus.TRACKED), dtype=np.uint8)
         self._age.flags.writeable = self._tracked.flags.writeable = False
@@ -199,8 +199,8 @@ class Swarm:
             AirError: the air's own class gives no valid push.
         """
         taken = int(self.air.rows[-1])
-        if self._own is not None:
-            self._own.act(self.state, taken)
+        if self._uncompiled is not None:
+            self._uncompiled.act(self.state, taken)
             return 1
         if self._processes is None:
             return sys.maxsize

@@ -16,7 +16,7 @@ from q2q_sim.plant.quadcopter import POS, VEL
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 
-HERE = "test_own_wake"
+HERE = "test_uncompiled_wake"
 
 
 class SideWind:

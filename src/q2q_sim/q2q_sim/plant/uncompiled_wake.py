@@ -1,4 +1,4 @@
-"""Push of a class outside the compiled loop, written into the states between single steps."""
+"""Push of a wake outside the compiled loop, as of a user's class, written into the states between steps."""
 
 from q2q_model.signals.values import Array
 from q2q_sim.air.checked_wake import CheckedWake
@@ -6,7 +6,7 @@ from q2q_sim.air.wake import AirSetup, Sources, Wake
 from q2q_sim.plant.quadcopter import ETA, ETA_X, ETA_Y, F1, POS, QUAT, ROTORS, TORQUE, VEL
 
 
-class OwnWake:
+class UncompiledWake:
     """Wake of a flight, asked once a physics step."""
 
     def __init__(self, wake: Wake, setup: AirSetup) -> None:
