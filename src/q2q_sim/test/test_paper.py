@@ -15,7 +15,7 @@ from q2q_model.identification.networks.trajectory_loss import WIDE, flight_terms
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands.paper import main as command_of_paper
-from q2q_sim.experiments.paper import learning_tables, remake, tracking_tables
+from q2q_sim.experiments.paper import learning_tables, reproduction, tracking_tables
 from q2q_sim.experiments.paper.experiment_cache import PaperCache, fingerprint
 from q2q_sim.experiments.paper.experiment_outcome import (
     Experiment,
@@ -68,7 +68,7 @@ def test_reductions_follow_from_the_papers_own_rms():
 
 
 def test_every_group_with_a_number_of_ours_has_an_experiment():
-    made = {group for one in remake.EXPERIMENTS for group in one.groups}
+    made = {group for one in reproduction.EXPERIMENTS for group in one.groups}
     without = {one.group for one in NUMBERS} - made
     assert without == set()
 
@@ -110,8 +110,11 @@ def test_rows_that_only_repeat_a_constant_say_so():
 
 
 def test_only_runs_what_is_asked_for():
-    assert [one.name for one in remake.needed(chosen(NUMBERS, "table6"))] == ["pid"]
-    assert {one.name for one in remake.needed(chosen(NUMBERS, "table7,fig10"))} == {"pid", "mpc", "planning"}
+    def names(only: str) -> list[str]:
+        return [one.name for one in reproduction.needed(chosen(NUMBERS, only))]
+
+    assert names("table6") == ["pid"]
+    assert set(names("table7,fig10")) == {"pid", "mpc", "planning"}
 
 
 def test_a_wrong_table_is_answered_with_the_nearest(capsys: pytest.CaptureFixture[str]):
@@ -182,9 +185,9 @@ def test_a_finished_experiment_is_not_run_again_and_a_broken_one_is(tmp_path: Pa
     cache = PaperCache(tmp_path, "code 1")
     for _ in range(2):
         with pytest.raises(KeyboardInterrupt):
-            remake.run_all(both, cache, again=False)
+            reproduction.run_all(both, cache, again=False)
     assert ran == ["good", "breaks", "breaks"]
-    remake.run_all(both[:1], PaperCache(tmp_path, "code 2"), again=False)
+    reproduction.run_all(both[:1], PaperCache(tmp_path, "code 2"), again=False)
     assert ran[-1] == "good"  # other code: run again
 
 
@@ -221,7 +224,7 @@ def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
 
 
 def test_the_vehicle_rows_are_the_vehicles_own_constants(tmp_path: Path):
-    assert remake.EXPERIMENTS[0].run(tmp_path).values["table1.inertia_zz"] == 7.06e-5
+    assert reproduction.EXPERIMENTS[0].run(tmp_path).values["table1.inertia_zz"] == 7.06e-5
 
 
 @pytest.mark.parametrize("document", ["README.md", "docs/README.md"])

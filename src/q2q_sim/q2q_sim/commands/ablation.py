@@ -22,7 +22,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(_: Namespace) -> Work:
-    from q2q_sim.experiments.ablation.fill_table import run
+    from q2q_sim.experiments.ablation.fill_ablation import run
 
     return run
 

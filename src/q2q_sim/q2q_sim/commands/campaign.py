@@ -53,7 +53,7 @@ def _prepare(args: Namespace) -> Work:
         from q2q_sim.experiments.guided.guided_campaign import run as run_guided
 
         return fly_case if args.case else run_guided
-    from q2q_sim.experiments.campaign.resume import run
+    from q2q_sim.experiments.campaign.resumable_campaign import run
 
     return run
 

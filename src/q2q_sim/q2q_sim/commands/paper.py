@@ -26,7 +26,7 @@ def _prepare(args: Namespace) -> Work:
         from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
 
         chosen(paper_numbers(), args.only)
-    from q2q_sim.experiments.paper.remake import run
+    from q2q_sim.experiments.paper.reproduction import run
 
     return run
 

@@ -28,7 +28,7 @@ def run(args: Namespace) -> int:
             print(f"{name:{width}}  {library.describe(name)}")
         return 0
     if args.real:
-        from q2q_sim.tools.real import fly_real
+        from q2q_sim.tools.fly_real import fly_real
 
         return fly_real(args.real, args.model, args.json)
     flown = _fly(args)

@@ -36,7 +36,7 @@ EXPERIMENTS = (
 
 def run(args: Namespace) -> int:
     """Reproduce the requested tables and figures; return the exit status."""
-    return _remake(chosen(paper_numbers(), args.only), args.out, args.json, again=args.again)
+    return _reproduce(chosen(paper_numbers(), args.only), args.out, args.json, again=args.again)
 
 
 def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
@@ -45,7 +45,7 @@ def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
     return [one for one in EXPERIMENTS if groups & set(one.groups)]
 
 
-def _remake(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None, *, again: bool) -> int:
+def _reproduce(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None, *, again: bool) -> int:
     cache = PaperCache(out, fingerprint())
     outcomes = run_all(needed(numbers), cache, again=again)
     write_page(numbers, outcomes, out)
