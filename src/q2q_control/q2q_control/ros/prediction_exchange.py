@@ -7,7 +7,7 @@ inputs come a second time, because the simulator has waited too long. Live, it b
 from q2q_msgs.msg import Prediction as PredictionMessage
 from rclpy.node import Node
 
-from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
 from q2q_control.mpc.prediction.neighbours import SILENT
 from q2q_control.mpc.prediction.own_predictions import OwnPredictions
 from q2q_control.mpc.prediction.slots import BroadcastSchedule

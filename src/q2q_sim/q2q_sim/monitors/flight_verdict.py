@@ -25,8 +25,8 @@ from q2q_sim.monitors.metrics import tick_of
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.closeness import separation
 from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.evidence_of_flight import evidence_of_flight
 from q2q_sim.monitors.policies.floor import floor, touches_floor
-from q2q_sim.monitors.policies.flown import evidence_of_flight
 from q2q_sim.monitors.policies.tracking import room
 
 MISSED_SHARE = 0.01

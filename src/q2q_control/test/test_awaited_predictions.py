@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.mpc.prediction.awaited import AwaitedPredictions
+from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import SwarmState, TrackStatus
 
