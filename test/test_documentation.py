@@ -23,6 +23,7 @@ from q2q_model.commands.command_line import CommandLine
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.tunable import tunable_of
 from q2q_sim.commands.docs import OUT
+from q2q_sim.loop.topics import LATCHED_TYPES, is_latched
 from q2q_sim.processes.processes import find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.node_pages import out_of_date, pages, table
@@ -66,6 +67,13 @@ def test_what_a_node_publishes_for_a_vehicle_is_on_its_page(nodes: list[NodeInte
     ports = {node.executable: {port.name for port, _ in node.ports} for node in nodes}
     assert {"state", "mocap", "<name>/pose", "<name>/odom"} <= ports["mocap_filter"]
     assert {"command", "state", "reference_safe", "interference", "<name>/cmd_vel_legacy"} <= ports["pid"]
+
+
+def test_the_player_knows_every_topic_that_a_node_latches(nodes: list[NodeInterface]):
+    topics = [port for node in nodes for port, _ in node.ports if port.direction in {"publishes", "reads"}]
+    latched = {port for port in topics if "transient local" in port.quality}
+    assert {(port.name.rpartition("/")[2], port.kind) for port in latched} == set(LATCHED_TYPES.items())
+    assert not [port for port in topics if is_latched(port.name, port.kind) and port not in latched]
 
 
 def test_a_topic_that_takes_a_parameter_says_which(nodes: list[NodeInterface]):

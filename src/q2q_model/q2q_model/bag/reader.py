@@ -49,6 +49,11 @@ class BagReader:
         return {channel.topic: channel.type_name for channel in self._source.channels}
 
     @property
+    def latched(self) -> frozenset[str]:
+        """Return the topics that were recorded as latched."""
+        return frozenset(channel.topic for channel in self._source.channels if channel.latched)
+
+    @property
     def repairs(self) -> tuple[str, ...]:
         """Return the repairs needed to read the bag, one sentence each."""
         return self._source.repairs

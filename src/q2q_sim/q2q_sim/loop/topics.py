@@ -28,5 +28,21 @@ TYPE_NAMES: dict[str, str] = {
 }
 """Topic to message type."""
 
+LATCHED_TYPES: dict[str, str] = {
+    "plan": "q2q_msgs/msg/Plan",
+    "next_plan": "q2q_msgs/msg/Plan",
+    "model": "std_msgs/msg/String",
+    "flight_summary": "std_msgs/msg/String",
+    "playback_over": "std_msgs/msg/String",
+    "status": "diagnostic_msgs/msg/DiagnosticStatus",
+}
+"""Last part of a latched topic's name to its message type."""
+
+
+def is_latched(topic: str, kind: str) -> bool:
+    """Return whether q2q's nodes latch a topic of a message type, in any namespace."""
+    return LATCHED_TYPES.get(topic.rpartition("/")[2]) == kind
+
+
 PREDICTIONS, PREDICTION_TYPE = "predictions", "q2q_msgs/msg/Prediction"
 """Topic of a distributed MPC's predictions, one message of each vehicle a slot, and its message type."""

@@ -30,7 +30,7 @@ from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.lockstep import ResendTimer
 from q2q_sim.loop.playback import TICK_TOPIC, Playback, check_answer, check_start
-from q2q_sim.loop.topics import TYPE_NAMES
+from q2q_sim.loop.topics import TYPE_NAMES, is_latched
 
 CLOCK = "/clock"
 LOOK_S = 0.1
@@ -81,6 +81,8 @@ class Player:
         check_answer(self._params.answer, wanted)
         waited = {topic for topic in wanted if not self._params.answer or topic.strip("/") == TICK_TOPIC}
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
+        recorded = self._reader.latched
+        self._latched = {one for one, kind in wanted.items() if one in recorded or is_latched(one, kind)}
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
         self._clock = node.create_publisher(Clock, CLOCK, TICK) if self._params.clock else None
         self._over = node.create_publisher(String, "playback_over", LATCHED)
@@ -127,7 +129,8 @@ class Player:
         except (ImportError, AttributeError) as missing:
             told = f"{topic} holds {kind}, which is not installed here: name the topics to play, e.g. topics"
             raise ValueError(f"{told}:=[mocap]; the bag has {', '.join(self._reader.topics)}") from missing
-        return self._node.create_publisher(found, topic.strip("/"), TICK_WRITER)
+        quality = LATCHED if topic in self._latched else TICK_WRITER
+        return self._node.create_publisher(found, topic.strip("/"), quality)
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if self._begun:
@@ -145,12 +148,17 @@ class Player:
             self._play_tick()
 
     def _rewind(self) -> None:
-        """Go to the first message to play."""
+        """Go to the first message to play; play what was latched before it."""
         self._messages = self._reader.raw(set(self._writers))
         self._advance()
         begin_ns = self._next.stamp_ns + round(self._params.start * 1e9) if self._next else 0
+        latched: dict[str, bytes] = {}
         while self._next is not None and self._next.stamp_ns < begin_ns:
+            if self._next.topic in self._latched:
+                latched[self._next.topic] = self._next.data
             self._advance()
+        for topic, data in latched.items():
+            self._writers[topic].publish(data)
         self._playback = Playback(begin_ns, monotonic(), self._params.rate)
 
     def _advance(self) -> None:

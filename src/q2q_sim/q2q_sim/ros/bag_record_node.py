@@ -22,7 +22,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile
 from rclpy.validate_topic_name import validate_topic_name
 
-from q2q_model.bag import BagError, BagWriter, facts_from_text
+from q2q_model.bag import BagError, BagWriter, OfferedQos, facts_from_text
 from q2q_model.counted import counted
 from q2q_model.node.health import Health
 from q2q_model.ros.node.bus_node import bus_of
@@ -35,7 +35,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.recorded_topics import recorded_types, told_of_silence
-from q2q_sim.loop.topics import TYPE_NAMES
+from q2q_sim.loop.topics import TYPE_NAMES, is_latched
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class Recorder:
         bus = bus_of(node)
         for topic, kind in types.items():
             whole = node.resolve_topic_name(topic)
-            self._writer.add_topic(whole, kind)
+            self._writer.add_topic(whole, kind, OfferedQos(transient_local=is_latched(topic, kind)))
             if bus.carries(topic):
                 bus.listen(topic, self._storing_signals(whole))
             else:

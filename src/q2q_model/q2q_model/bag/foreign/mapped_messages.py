@@ -28,6 +28,8 @@ class MappedBag:
             for one in source.read({of_bag}):
                 stamp_ns = header_stamp_ns(one.data) if topic_map.by_header else one.stamp_ns
                 messages.append(RawMessage(topic, stamp_ns, one.data, one.type_name))
+        self.latched: frozenset[str] = frozenset()
+        """Topics that were recorded as latched: none, as they are signals of ticks."""
         self.repairs = source.repairs
         """Repairs needed to read the bag, one sentence each."""
         if topic_map.vehicles or topic_map.poses:

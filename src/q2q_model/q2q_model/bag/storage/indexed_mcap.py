@@ -21,6 +21,8 @@ from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, ChunkIndex, Schema
 from mcap.stream_reader import get_chunk_data_stream
 
+from q2q_model.bag.storage.latched import channel_is_latched
+
 NEWEST = 9
 """Newest supported version of metadata.yaml."""
 MESSAGE = 0x05
@@ -49,6 +51,7 @@ class IndexedChannel:
     type_name: str
     definition: str
     count: int
+    latched: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +140,9 @@ def _index(file: Path) -> IndexedFile:
 def _channel(channel: Channel, schema: Schema | None, count: int) -> IndexedChannel:
     if schema is None or channel.message_encoding != "cdr":
         raise NotIndexedError(f"{channel.topic} is not CDR of a known type")
-    return IndexedChannel(channel.topic, schema.name, schema.data.decode() if schema.encoding else "", count)
+    definition = schema.data.decode() if schema.encoding else ""
+    latched = channel_is_latched(channel.metadata)
+    return IndexedChannel(channel.topic, schema.name, definition, count, latched)
 
 
 def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:

@@ -10,6 +10,7 @@ from pathlib import Path
 from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
 
+from q2q_model.bag.storage.latched import channel_is_latched
 from q2q_model.counted import counted
 from q2q_model.signals.stamps import time_from_stamp
 
@@ -31,6 +32,8 @@ class Salvage:
     messages: tuple[RecoveredMessage, ...]
     definitions: dict[str, str]
     """Topic -> message definition."""
+    latched: frozenset[str]
+    """Topics that were latched."""
     losses: tuple[str, ...]
 
 
@@ -73,7 +76,8 @@ def salvage(file: Path) -> Salvage:
                 collector.add(found)
     if collector.orphans:
         losses.append(f"{file.name}: {counted(collector.orphans, 'message')} of unknown channels dropped")
-    return Salvage(tuple(collector.messages), collector.definitions, tuple(losses))
+    latched = frozenset(one.topic for one in collector.channels.values() if channel_is_latched(one.metadata))
+    return Salvage(tuple(collector.messages), collector.definitions, latched, tuple(losses))
 
 
 def _records(reader: StreamReader, name: str) -> Iterator[McapRecord | str]:

@@ -15,6 +15,7 @@ from rosbags.rosbag2 import Reader
 
 from q2q_model.bag.storage.fault import BagError
 from q2q_model.bag.storage.indexed_mcap import IndexedFile, NotIndexedError, indexed_files, logged
+from q2q_model.bag.storage.latched import connection_is_latched
 from q2q_model.bag.storage.salvage import salvage
 from q2q_model.counted import counted
 
@@ -33,6 +34,8 @@ class Channel:
     definition: str
     """Text of the message definition; empty if the bag has none."""
     count: int
+    latched: bool = False
+    """Whether all its publishers offered late subscribers the last message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +120,9 @@ def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> S
     channels: dict[tuple[str, str], Channel] = {}
     for one in (found for file in files for found in file.channels.values()):
         key = (one.topic, one.type_name)
-        count = one.count + (channels[key].count if key in channels else 0)
-        channels[key] = Channel(*key, one.definition, count)
+        before = channels.get(key, Channel(*key, one.definition, 0, latched=True))
+        latched = before.latched and one.latched
+        channels[key] = Channel(*key, one.definition, before.count + one.count, latched)
 
     def read(topics: Collection[str]) -> Iterator[RawMessage]:
         done = 0
@@ -156,7 +160,8 @@ def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
 
 
 def _channel(connection: Connection) -> Channel:
-    return Channel(connection.topic, connection.msgtype, connection.msgdef.data, connection.msgcount)
+    definition, latched = connection.msgdef.data, connection_is_latched(connection)
+    return Channel(connection.topic, connection.msgtype, definition, connection.msgcount, latched)
 
 
 def _salvaged(bag: Path, why: str) -> Source:
@@ -173,7 +178,10 @@ def _salvaged(bag: Path, why: str) -> Source:
     counts: dict[tuple[str, str], int] = {}
     for found in messages:
         counts[found.topic, found.type_name] = counts.get((found.topic, found.type_name), 0) + 1
-    channels = tuple(Channel(*key, definitions[key[0]], count) for key, count in counts.items())
+    latched = {topic for one in recovered for topic in one.latched}
+    channels = tuple(
+        Channel(*key, definitions[key[0]], count, key[0] in latched) for key, count in counts.items()
+    )
     raw = [RawMessage(found.topic, found.stamp_ns, found.data, found.type_name) for found in messages]
     repairs = (
         f"bag {bag}: {why}; recovered {counted(len(raw), 'message')}",
