@@ -68,6 +68,22 @@ def test_a_plan_far_from_the_references_is_a_doubt_until_another_one_comes_and_o
     assert report(Health(), wiring.health).level is Level.STALE
 
 
+def test_a_node_that_starts_after_the_plan_has_ended_has_no_doubt_while_vehicles_hold_there() -> None:
+    node = RoomNode("mpc", {"model": "none"}, {})
+    wiring = mpc_node.build(node)
+    node.takers["plan"](plan())
+    for second in (60, 61):
+        hold = replace(setpoint(PLAN.names), t=float(second))
+        node.takers["reference_safe"](encode(hold, second * 10**9))
+    assert report(Health(), wiring.health).level is Level.STALE
+    assert node.lines == []
+    away = replace(hold, t=62.0, pos=np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]))
+    node.takers["reference_safe"](encode(away, 62 * 10**9))
+    told = report(Health(), wiring.health).summary
+    assert told.startswith("plan: it ended 55.0 s before it came, and is far from the setpoints: cf2 5.0 m")
+    assert node.lines == [f"{told} flown without looking ahead"]
+
+
 @pytest.mark.parametrize("plan_first", [True, False])
 def test_references_that_the_plan_does_not_have_are_told_once_and_kept_in_health(plan_first: bool) -> None:
     node, health = RoomNode("mpc", {}, {}), Health()

@@ -1,4 +1,4 @@
-"""A plan that is not that of the setpoints is told, by its time and by its place, with the first setpoint."""
+"""A plan that is not that of the setpoints is told, by its time and by its place, as long as it is so."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pid_swarms import swarm
 
-from q2q_control.inputs.plan_mismatch import PlanMismatchMonitor, plan_mismatch
+from q2q_control.inputs.plan_mismatch import PlanMismatchMonitor, far_from_plan
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview
 from q2q_model.signals.values import SwarmSetpoint
@@ -15,6 +15,11 @@ from q2q_model.trajectory.polynomials import Trajectory
 NAMES = ("cf1", "cf2")
 ALONG_X = Trajectory(np.array([4.0]), np.array([[[0.0, 1.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]]))
 """4 s at 1 m/s."""
+FAR = "plan: it is far from the setpoints: cf2 {} m: is it the plan they come from?"
+OVER = (
+    "plan: it ended {} s before it came, and is far from the setpoints: cf2 {} m: "
+    "is it of an earlier flight, or does it not start by the stamps of mocap?"
+)
 
 
 def plan(start: float) -> SampledPreview:
@@ -28,28 +33,54 @@ def setpoint(t: float, *x: float) -> SwarmSetpoint:
     return replace(still, pos=np.array([[one, 0.0, 0.0] for one in x]))
 
 
+def told(start: float, *setpoints: SwarmSetpoint) -> list[tuple[str, bool]]:
+    """Return what is told of a plan with each setpoint after it."""
+    monitor = PlanMismatchMonitor()
+    monitor.take_plan(plan(start))
+    return [monitor.look(one) for one in setpoints]
+
+
 @pytest.mark.parametrize(("t", "x"), [(8.0, 0.0), (10.0, 0.0), (12.0, 2.0), (14.0, 4.0), (14.99, 4.0)])
 def test_a_plan_fits_the_setpoints_that_come_from_it(t: float, x: float) -> None:
-    assert plan_mismatch(plan(10.0), setpoint(t, x, x)) == ""
-    assert plan_mismatch(plan(10.0), setpoint(t, x + 0.99, x)) == ""  # moved by a replanner
-
-
-def test_a_plan_that_is_over_when_it_comes_is_told() -> None:
-    told = "plan: it ended 1.5 s before it came: does it start by the stamps of mocap?"
-    assert plan_mismatch(plan(10.0), setpoint(15.5, 4.0, 4.0)) == told
+    moved = setpoint(t, x + 0.99, x)  # by a replanner
+    assert told(10.0, setpoint(t, x, x)) == told(10.0, moved) == [("", False)]
 
 
 def test_a_plan_of_another_place_is_told_with_the_vehicles_that_are_far_from_it() -> None:
-    told = "plan: it is far from the setpoints: cf2 5.0 m: is it the plan they come from?"
-    assert plan_mismatch(plan(10.0), setpoint(12.0, 2.0, -3.0)) == told
+    assert told(10.0, setpoint(12.0, 2.0, -3.0)) == [(FAR.format("5.0"), True)]
     stranger = replace(setpoint(12.0, 2.0, -3.0), names=("cf1", "cf9"))
-    assert plan_mismatch(plan(10.0), stranger) == ""  # told elsewhere: the plan does not have it
+    assert far_from_plan(plan(10.0), stranger) == ""  # told elsewhere: the plan does not have it
 
 
-def test_only_the_first_setpoint_after_a_plan_is_compared_with_it() -> None:
-    monitor, here, far = PlanMismatchMonitor(), setpoint(12.0, 2.0, 2.0), setpoint(12.01, 2.0, 9.0)
-    assert monitor.look(far) == ""  # without a plan
-    monitor.take_plan(plan(10.0))
-    assert [monitor.look(one) for one in (here, far)] == ["", ""]
-    monitor.take_plan(plan(10.0))
-    assert [bool(monitor.look(one)) for one in (far, far)] == [True, False]
+def test_only_the_first_setpoint_after_a_plan_that_runs_is_compared_with_it() -> None:
+    here, far = setpoint(12.0, 2.0, 2.0), setpoint(12.01, 2.0, 9.0)
+    assert PlanMismatchMonitor().look(far) == ("", False)  # without a plan
+    assert told(10.0, here, far) == [("", False), ("", False)]
+
+
+def test_a_plan_of_another_place_is_told_until_the_setpoints_come_to_it_and_once_as_new() -> None:
+    course = [setpoint(12.0, 2.0, 7.0), setpoint(12.5, 2.5, 5.0), setpoint(13.0, 3.0, 3.9)]
+    first = FAR.format("5.0")
+    later = setpoint(13.5, 3.5, 9.0)  # moved by a replanner
+    assert told(10.0, *course, later) == [(first, True), (first, False), ("", False), ("", False)]
+
+
+def test_setpoints_that_hold_where_a_plan_ended_before_it_came_are_fine() -> None:
+    """As for a controller that starts long after the end of the plan, which is latched."""
+    hold = [setpoint(t, 4.0, 4.5) for t in (15.5, 60.0, 600.0)]
+    assert told(10.0, *hold) == [("", False)] * 3
+
+
+def test_a_plan_that_was_over_when_it_came_is_told_while_the_setpoints_are_elsewhere() -> None:
+    course = [setpoint(15.5, 4.0, 4.0), setpoint(17.0, 4.0, 5.0), setpoint(19.0, 4.0, 9.0)]
+    first = OVER.format("1.5", "1.0")
+    assert told(10.0, *course) == [("", False), (first, True), (first, False)]
+    back, again = setpoint(20.0, 4.0, 4.0), setpoint(21.0, 4.0, 6.0)
+    assert told(10.0, *course, back, again)[3:] == [("", False), (OVER.format("1.5", "2.0"), False)]
+
+
+def test_the_next_plan_is_told_anew() -> None:
+    monitor, elsewhere = PlanMismatchMonitor(), setpoint(12.0, 2.0, -3.0)
+    for _ in range(2):
+        monitor.take_plan(plan(10.0))
+        assert [monitor.look(elsewhere)[1] for _ in range(2)] == [True, False]

@@ -1,7 +1,15 @@
-"""Mismatch of a plan that comes and the setpoints, as the first setpoint after it shows.
+"""Whether a plan that comes is that of the setpoints, as the setpoints after it show.
 
 A preview of another plan, or of one in other time, is not followed: setpoints off their plan are extrapolated
-(q2q_control.inputs.preview). A replanner moves setpoints off their plan later: only the first is compared.
+(q2q_control.inputs.preview).
+
+| plan when it comes | compared with | told |
+|---|---|---|
+| runs, or begins later | the first setpoint: a replanner may move later ones | until setpoints are near it |
+| is over | every setpoint | while they are far from its end |
+
+Setpoints near the end of a plan that is over hold there, as they do for a controller that starts after the
+plan has ended: nothing is wrong.
 """
 
 import numpy as np
@@ -12,34 +20,43 @@ from q2q_model.signals.values import SwarmSetpoint
 
 OVER_S = 1.0
 """Time for which a plan that comes may be over [s]: a short one, as of braking, ends before it has come."""
+_ELSEWHERE = "plan: it is far from the setpoints: {}: is it the plan they come from?"
+_OVER = (
+    "plan: it ended {:.1f} s before it came, and is far from the setpoints: {}: is it of an earlier flight, "
+    "or does it not start by the stamps of mocap?"
+)
 
 
-def plan_mismatch(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:
-    """Return why a plan that has come cannot be that of a setpoint; empty if it can."""
-    over = setpoint.t - (plan.start + plan.step * (plan.samples.shape[1] - 1))
-    found = []
-    if over > OVER_S:
-        found.append(f"it ended {over:.1f} s before it came: does it start by the stamps of mocap?")
+def far_from_plan(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:
+    """Return the vehicles whose setpoints are FAR_M or more from their plan, and how far; empty for none."""
     planned = plan.at(setpoint.names, np.array([setpoint.t]))[:, 0, :3]
-    far = far_apart(setpoint.names, planned, setpoint.pos)
-    if far:
-        found.append(f"it is far from the setpoints: {in_words(far)}: is it the plan they come from?")
-    return f"plan: {' '.join(found)}" if found else ""
+    return in_words(far_apart(setpoint.names, planned, setpoint.pos))
 
 
 class PlanMismatchMonitor:
-    """Plan that came after the last setpoint, to be compared with the next one."""
+    """Newest plan, and whether the setpoints since it came are far from it."""
 
     def __init__(self) -> None:
-        self._new: SampledPreview | None = None
+        self._plan: SampledPreview | None = None  # still to be compared
+        self._over: float | None = None  # when it came [s]; None before the first setpoint
+        self._told, self._is_new = "", True
 
     def take_plan(self, plan: SampledPreview) -> None:
-        """Take a plan that has come."""
-        self._new = plan
+        """Take a plan, to compare it with the setpoints from now on."""
+        self._plan, self._over = plan, None
+        self._told, self._is_new = "", True
 
-    def look(self, setpoint: SwarmSetpoint) -> str:
-        """Return `plan_mismatch` of a plan with the first setpoint after it; empty for later ones."""
-        if self._new is None:
-            return ""
-        new, self._new = self._new, None
-        return plan_mismatch(new, setpoint)
+    def look(self, setpoint: SwarmSetpoint) -> tuple[str, bool]:
+        """Return what is wrong with the plan, empty if nothing is, and whether it was not told before."""
+        plan = self._plan
+        if plan is None:
+            return "", False
+        if self._over is None:
+            self._over = setpoint.t - (plan.start + plan.step * (plan.samples.shape[1] - 1))
+        is_over = self._over > OVER_S
+        if far := far_from_plan(plan, setpoint):
+            self._told = self._told or (_OVER.format(self._over, far) if is_over else _ELSEWHERE.format(far))
+            is_new, self._is_new = self._is_new, False
+            return self._told, is_new
+        self._told, self._plan = "", plan if is_over else None
+        return "", False

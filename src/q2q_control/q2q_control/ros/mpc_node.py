@@ -130,9 +130,10 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
         came()
 
     def compare(_: int, reference: Signal) -> None:
-        if isinstance(reference, SwarmSetpoint) and (told := mismatch.look(reference)):
-            wiring.health.doubts[MISMATCH] = told
-            node.get_logger().warning(f"{told} flown without looking ahead")
+        if isinstance(reference, SwarmSetpoint):
+            wiring.health.doubts[MISMATCH], is_new = mismatch.look(reference)
+            if is_new:
+                node.get_logger().warning(f"{wiring.health.doubts[MISMATCH]} flown without looking ahead")
 
     came = expect_latched(node, node.create_subscription(Plan, "plan", take, LATCHED))
     wiring.listen("reference_safe", unplanned.look)
