@@ -1,5 +1,7 @@
 """When the nodes of a flight are connected."""
 
+import pytest
+
 from q2q_model.node.connections import (
     Connections,
     connections_from_text,
@@ -41,7 +43,16 @@ def test_connections_survive_their_text() -> None:
     several = Connections(("/a", "/b", "/b"), {"/c": 2, "/d": 0})
     latched = Connections(("/plan",), {"/plan": 1}, out=("/plan",), lacks=("/model",))
     for one in (SOURCE, FILTER, PID, several, latched, Connections((), {})):
-        assert connections_from_text(one.as_text()) == one
+        assert connections_from_text(one.as_text(), "pid") == one
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["yes", "/state=many", "/state=", "/state", "=1", "</a yes", "{}", "/a=1.5", "/a=-1", "x" * 10_000],
+)
+def test_an_answer_that_tells_no_connections_is_refused_with_the_node_that_gave_it(text: str) -> None:
+    with pytest.raises(ValueError, match=r"^pid answers '[^\n]{0,40}' to ~/ready, not topics .* End it, or"):
+        connections_from_text(text, "pid")
 
 
 def test_signals_that_other_nodes_write_are_named_with_all_who_write_them() -> None:

@@ -1,21 +1,77 @@
 """Messages of other programs do not end the tool that directs a flight."""
 
+import json
+import math
+
 import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
+from q2q_model.ros.topics.qos import LATCHED
+from q2q_sim.loop.flight_clock import FlightTiming, timing_as_text
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.flight_director import FlightDirector
+
+PATIENCE_S = 30.0
+"""Longest wait for an answer [s]."""
 
 
 def told(ticks: str) -> DiagnosticArray:
     """Return the diagnostics of some simulator with a number of ticks."""
     values = [KeyValue(key="ticks", value=ticks)]
     return DiagnosticArray(status=[DiagnosticStatus(name="/other/simulator", values=values)])
+
+
+TIMING = FlightTiming(100, 2, 1.5, None, 3.25)
+FIELDS = json.loads(timing_as_text(TIMING))
+
+
+@pytest.mark.parametrize(
+    ("summary", "why"),
+    [
+        ("over", "it is no JSON"),
+        ("[" * 100_000, "it is no JSON"),
+        ("3", "a mapping"),
+        ("{}", "ticks"),
+        (json.dumps(FIELDS | {"ticks": "many"}), "ticks"),
+        (json.dumps(FIELDS | {"latency_p50_ms": math.nan}), "latency_p50_ms"),
+    ],
+)
+def test_a_summary_that_is_no_timing_is_refused_with_the_node_that_writes_it(summary: str, why: str) -> None:
+    with own_domain(), FlightDirector(lambda: None) as director:
+        stranger = Node("stranger")
+        stranger.create_publisher(String, "flight_summary", LATCHED).publish(String(data=summary))
+        with pytest.raises(ValueError, match=rf"^/flight_summary of stranger is .*{why}[^\n]*ROS_DOMAIN_ID$"):
+            director.wait_summary(lambda _: None)
+        stranger.destroy_node()
+
+
+def test_a_summary_is_the_timing_of_the_flight() -> None:
+    with own_domain(), FlightDirector(lambda: None) as director:
+        director._on_summary(String(data=timing_as_text(TIMING)))
+        assert director.wait_summary(lambda _: None) == TIMING
+
+
+def test_a_node_that_is_not_of_q2q_is_named_with_what_it_answers() -> None:
+    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.message = "as ready as can be"
+        return response
+
+    with own_domain(), FlightDirector(lambda: None) as director:
+        stranger = Node("pid")
+        stranger.create_service(Trigger, "~/ready", answer)
+        director._executor.add_node(stranger)
+        with pytest.raises(ValueError, match=r"^pid answers 'as ready as can be' to ~/ready"):
+            director.wait_wired(("pid",), PATIENCE_S)
+        director._executor.remove_node(stranger)
+        stranger.destroy_node()
 
 
 def test_ticks_that_are_no_count_and_a_clock_that_is_none_leave_the_last_ticks() -> None:

@@ -55,3 +55,12 @@ def test_a_question_that_is_lost_is_asked_again(monkeypatch: pytest.MonkeyPatch)
     assert node.asked.given_up == [lost]
     node.asked.calls[1].set_result(Trigger.Response(success=True, message=""))
     assert others.missing() == []
+
+
+def test_an_answer_of_another_program_is_refused_with_its_node() -> None:
+    node = _Node("simulator", {})
+    others = ReadyNodes(node, ("pid",))
+    assert others.missing() == ["pid has not answered"]
+    node.asked.calls[0].set_result(Trigger.Response(success=True, message="sure"))
+    with pytest.raises(ValueError, match=r"^pid answers 'sure' to ~/ready"):
+        others.missing()

@@ -3,6 +3,8 @@
 A latched value published before the flight (a plan) must also have arrived.
 """
 
+import re
+import reprlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +13,8 @@ from q2q_model.flights.flight import FLIGHT_FIELDS
 
 READS, OUT, LACKS = "<", "^", "-"
 """Text marks of a topic: subscribed; latched: published, or missing."""
+WORD = re.compile(r"[<^-]/\S*|/\S*=[0-9]{1,9}")
+"""Word of the text of connections: a topic with its mark, or one with its number of matched subscribers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +39,14 @@ class Connections:
         )
 
 
-def connections_from_text(text: str) -> Connections:
-    """Return the connections in the text of `as_text`."""
+def connections_from_text(text: str, node: str) -> Connections:
+    """Return the connections in the text of `as_text`; raise ValueError naming the node if it is another text."""
     words = text.split()
+    if not all(map(WORD.fullmatch, words)):
+        raise ValueError(
+            f"{node} answers {reprlib.repr(text)} to ~/ready, not topics with their readers: "
+            "is it a q2q node of this version? End it, or give this flight another ROS_DOMAIN_ID"
+        )
     marks = (READS, OUT, LACKS)
     reads, out, lacks = (
         tuple(word.removeprefix(mark) for word in words if word.startswith(mark)) for mark in marks

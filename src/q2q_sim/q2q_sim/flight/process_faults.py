@@ -17,7 +17,7 @@ from typing import Literal
 
 from q2q_sim.flight.running_nodes import running_nodes
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
-from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.frozen_threads import FrozenThreads
 from q2q_sim.processes.processes import NodeSpec, Processes
 
@@ -69,13 +69,13 @@ def fly_with_process_faults(
         running.director.follow_clock()
         running.director.start()
         try:
-            summary = running.director.wait_summary(lambda ticks: _look(progresses, ticks))
+            timing = running.director.wait_summary(lambda ticks: _look(progresses, ticks))
         finally:
             for one in progresses:
                 one.release()
     if not all(one.done for one in progresses):
         raise ValueError("the flight ended before every fault was over: let them begin earlier")
-    return timing_of(summary)
+    return timing
 
 
 def _look(progresses: Sequence["_Progress"], ticks: int) -> None:

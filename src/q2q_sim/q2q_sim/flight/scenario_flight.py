@@ -16,7 +16,7 @@ from q2q_model.tunable import ParameterValue
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
 from q2q_sim.flight.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.loop import assembly
-from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.scenario_air import air_of
 from q2q_sim.loop.scenario_facts import scenario_facts
 from q2q_sim.loop.topics import PREDICTION_TYPE, PREDICTIONS
@@ -122,8 +122,8 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
     total = scenario.duration / assembly.TICK_S
     with running_nodes(specs, folder, lambda: progress(0.0)) as running:
         running.director.start()
-        summary = running.director.wait_summary(lambda ticks: progress(ticks / total))
-    return recorded_run(request, timing_of(summary), folder, bag)
+        timing = running.director.wait_summary(lambda ticks: progress(ticks / total))
+    return recorded_run(request, timing, folder, bag)
 
 
 def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag: Path) -> FlightRun:

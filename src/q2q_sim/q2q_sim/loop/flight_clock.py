@@ -1,10 +1,13 @@
 """Wall-clock timing of a flight: latency of each tick, missed ticks, real-time factor."""
 
+import json
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
+
+from q2q_model.documents.plain_values import from_plain
 
 RECENT = 100
 """Ticks that `/diagnostics` reports on: one second of live flight."""
@@ -86,17 +89,15 @@ def _percentiles_ms(latencies: Sequence[float]) -> tuple[float, float] | tuple[N
     return p50, p99
 
 
-def timing_of(fields: Mapping[str, float | None]) -> FlightTiming:
-    """Return the timing that `as_fields` wrote."""
-    return FlightTiming(
-        ticks=int(fields["ticks"] or 0),
-        missed_ticks=int(fields["missed_ticks"] or 0),
-        real_time_factor=fields["real_time_factor"],
-        latency_p50_ms=fields["latency_p50_ms"],
-        latency_p99_ms=fields["latency_p99_ms"],
-    )
+def timing_from_text(text: str) -> FlightTiming:
+    """Return the timing that `timing_as_text` wrote; raise ValueError for any other text."""
+    try:
+        plain = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise ValueError("it is no JSON") from error
+    return from_plain(FlightTiming, plain, "")
 
 
-def as_fields(timing: FlightTiming) -> dict[str, int | float | None]:
-    """Return the timing as plain fields for JSON."""
-    return asdict(timing)
+def timing_as_text(timing: FlightTiming) -> str:
+    """Return the timing as JSON."""
+    return json.dumps(asdict(timing))

@@ -3,7 +3,7 @@
 The nodes run in processes of their own, or in this process on one executor.
 """
 
-import json
+import reprlib
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from time import monotonic
@@ -28,6 +28,7 @@ from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.stamps import BadStampError, stamp_from_parts
+from q2q_sim.loop.flight_clock import FlightTiming, timing_from_text
 from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
@@ -42,6 +43,7 @@ STILL_S = 60.0
 """Time without a tick after which a flight has failed [s]."""
 SOURCES = ("/simulator", "/bag_play")
 """Nodes that publish ticks."""
+SUMMARY = "/flight_summary"
 
 
 class FlightDirector:
@@ -61,7 +63,7 @@ class FlightDirector:
         self._executor = executor or make_executor()
         self._executor.add_node(self._node)
         self._check = check
-        self._summary: dict[str, float | None] | None = None
+        self._summary: str | None = None
         self._ticks = 0
         self._played = False
         self._moved_at = monotonic()
@@ -69,7 +71,7 @@ class FlightDirector:
         """Last answers of the nodes of the flight."""
         self._drains: dict[str, Client] = {}
         """Created before the flight, so that they have discovered their services when it ends."""
-        self._node.create_subscription(String, "flight_summary", self._on_summary, LATCHED)
+        self._node.create_subscription(String, SUMMARY, self._on_summary, LATCHED)
         self._node.create_subscription(String, "playback_over", self._on_playback_over, LATCHED)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
@@ -101,6 +103,7 @@ class FlightDirector:
         Raises:
             TimeoutError: some are not connected after timeout_s [s], or nodes of other flights write signals,
                 too (not looked for in this process, which may still know those of flights before).
+            ValueError: a node's answer is not that of a q2q node.
         """
         clients = {name: self._node.create_client(Trigger, f"{name}/{SERVICE}") for name in nodes}
         self._drains = {name: self._drain_client(name) for name in clients}
@@ -127,12 +130,24 @@ class FlightDirector:
         self._call(client)
         self._moved_at = monotonic()
 
-    def wait_summary(self, progress: Callable[[int], None]) -> dict[str, float | None]:
-        """Return the flight's timing once it is over; `progress` is called with the ticks flown."""
+    def wait_summary(self, progress: Callable[[int], None]) -> FlightTiming:
+        """Return the flight's timing once it is over; `progress` is called with the ticks flown.
+
+        Raises:
+            ValueError: what came on `flight_summary` is no timing; the error names who writes it.
+            TimeoutError: no tick came for STILL_S.
+        """
         while self._summary is None:
             self._follow()
             progress(self._ticks)
-        return self._summary
+        try:
+            return timing_from_text(self._summary)
+        except ValueError as misfit:
+            writers = ", ".join(sorted(self._writers_of(SUMMARY))) or "a node that has left"
+            raise ValueError(
+                f"{SUMMARY} of {writers} is {reprlib.repr(self._summary)}: {misfit}: "
+                "end other nodes that write it, or give this flight another ROS_DOMAIN_ID"
+            ) from misfit
 
     def wait_drained(self, nodes: Iterable[str]) -> None:
         """Return once every reader has all messages of the nodes, or after DRAIN_S.
@@ -168,7 +183,7 @@ class FlightDirector:
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
         """Return descriptions of the missing connections."""
         answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
-        self._answers = {name: connections_from_text(one.message) for name, one in answers.items() if one}
+        self._answers = {name: connections_from_text(one.message, name) for name, one in answers.items() if one}
         return missing_connections(clients, self._answers)
 
     def _drain_client(self, name: str) -> Client:
@@ -195,7 +210,7 @@ class FlightDirector:
             self._ticks = stamp_from_parts(message.clock.sec, message.clock.nanosec) // TICK_NS
 
     def _on_summary(self, message: String) -> None:
-        self._summary = json.loads(message.data)
+        self._summary = message.data
 
     def _on_playback_over(self, _: String) -> None:
         self._played = True

@@ -25,12 +25,16 @@ class ReadyNodes:
         self._answers: dict[str, Connections] = {}
 
     def missing(self) -> list[str]:
-        """Return descriptions of the missing connections; empty once the flight may start."""
+        """Return descriptions of the missing connections; empty once the flight may start.
+
+        Raises:
+            ValueError: a node's answer is not that of a q2q node.
+        """
         now = monotonic()
         for name, (call, asked) in [*self._calls.items()]:
             if call.done():
                 del self._calls[name]
-                self._answers[name] = connections_from_text(call.result().message)
+                self._answers[name] = connections_from_text(call.result().message, name)
             elif now - asked > AGAIN_S:
                 del self._calls[name]
                 self._clients[name].remove_pending_request(call)

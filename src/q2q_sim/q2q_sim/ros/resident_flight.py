@@ -15,7 +15,7 @@ from rclpy.node import Node
 
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.node.run import make_executor, start_ros
-from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.ros import stack
 from q2q_sim.ros.flight_director import START_S, FlightDirector
 
@@ -36,9 +36,9 @@ def fly_here(parameters: Path) -> FlightTiming:
             names = [node.get_name() for node in nodes]
             director.wait_wired(names, START_S)
             director.start(SIMULATOR)
-            summary = director.wait_summary(lambda _: None)
+            timing = director.wait_summary(lambda _: None)
             director.wait_drained(names)
-        return timing_of(summary)
+        return timing
     finally:
         executor.shutdown()
         rclpy.try_shutdown()

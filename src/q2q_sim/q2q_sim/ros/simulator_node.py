@@ -12,7 +12,6 @@ With `crtp` the vehicles fly by their own firmware under CRTP clients (docs/real
 node is ended; `command` is not read.
 """
 
-import json
 from collections import deque
 from collections.abc import Mapping
 from time import perf_counter
@@ -36,7 +35,7 @@ from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
 from q2q_model.signals.cdr import encode_stamp
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmCommand
-from q2q_sim.loop.flight_clock import as_fields
+from q2q_sim.loop.flight_clock import timing_as_text
 from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearsed_room
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.ros.ready_nodes import ReadyNodes
@@ -143,7 +142,7 @@ class Simulator:
         if output.refusal:
             self._node.get_logger().error(f"command refused: {output.refusal}", throttle_duration_sec=1.0)
         if output.timing is not None:
-            self._summary.publish(String(data=json.dumps(as_fields(output.timing))))
+            self._summary.publish(String(data=timing_as_text(output.timing)))
             self._node.get_logger().info(f"flight over: {output.timing}")
 
     def _diagnostics(self) -> Mapping[str, str]:

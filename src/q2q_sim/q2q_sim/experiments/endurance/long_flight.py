@@ -14,7 +14,7 @@ from q2q_sim.flight.running_nodes import running_nodes
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.flight.unfinished_bag import why_unfinished
 from q2q_sim.loop import assembly
-from q2q_sim.loop.flight_clock import FlightTiming, timing_of
+from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.usage import ProcessUsage, usage_of
 
 PASS_S = 10.0
@@ -95,9 +95,9 @@ def fly_long(
 
         running.director.follow_clock()
         running.director.start()
-        summary = running.director.wait_summary(look)
+        timing = running.director.wait_summary(look)
     unfinished = why_unfinished(folder / "bag", folder)
-    return LongFlight(vehicles, request.live, samples, timing_of(summary), unfinished)
+    return LongFlight(vehicles, request.live, samples, timing, unfinished)
 
 
 def size_of(folder: Path) -> int:
