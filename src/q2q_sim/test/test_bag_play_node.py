@@ -141,14 +141,60 @@ def test_an_answer_without_a_header_is_refused_and_the_next_one_goes_on(tmp_path
         assert player._tick is not tick
 
 
-def test_a_bag_without_duration_is_looped_once_a_beat(
+def played_at(player: Player, monkeypatch: pytest.MonkeyPatch, *moments: float) -> list[int]:
+    """Begin at 0 s; return how many ticks are played in the beats at these moments [s]."""
+    now, played = [0.0], []
+    monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: now[0])
+    player._begin()
+    for now[0] in moments:
+        before = player._health.ticks
+        player._on_beat()
+        played.append(player._health.ticks - before)
+    return played
+
+
+def test_a_bag_without_duration_is_looped_once_a_second(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     recorded(tmp_path / "bag")
     with waiting_player(tmp_path / "bag", "loop:=true", "start:=1.99") as player:
-        moments = iter(range(10))  # ends in an error if the beat does not
-        monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: float(next(moments)))
-        player._begin()
-        player._on_beat()
+        assert played_at(player, monkeypatch, 0.0, 0.5, 0.99, 1.0, 1.5, 2.25) == [1, 0, 0, 1, 0, 1]
+
+
+def test_after_a_pause_of_the_process_the_playback_goes_on_where_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    recorded(tmp_path / "bag")
+    with waiting_player(tmp_path / "bag") as player:
+        assert played_at(player, monkeypatch, 0.005, 0.255, 60.255, 60.355) == [1, 25, 0, 10]
         assert player._next is not None
-        assert next(moments) == 3
+        assert player._next.stamp_ns == 360_000_000
+    assert "stood still for 60.0 s: goes on where it was" in capfd.readouterr().err
+
+
+def test_a_recorded_clock_gives_way_to_that_of_the_playback(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "bag") as writer:
+        writer.add_topic("/clock", "rosgraph_msgs/msg/Clock")
+        writer.write_signal("/mocap", 0, rehearsal(MocapFrame, 0.0, ("cf1",)))
+    for given, topics in (((), {"/clock", "/mocap"}), (("clock:=true",), {"/mocap"})):
+        with waiting_player(tmp_path / "bag", *given) as player:
+            assert player._writers.keys() == topics
+            assert player._node.count_publishers("/clock") == 1
+
+
+def test_a_tick_without_an_answer_is_told_until_it_comes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    recorded(tmp_path / "bag")
+    told = "no answer on interference to the last tick: does the node run that writes it?"
+    with waiting_player(tmp_path / "bag", "answer:=interference") as player:
+        now = [0.0]
+        monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: now[0])
+        player._begin()
+        for now[0], doubt in ((1.9, ""), (2.0, told), (4.0, told)):
+            player._on_stall()
+            assert player._health.doubts["answer"] == doubt
+        assert player._tick is not None
+        player._on_answer(player._tick.data)
+        assert player._health.doubts["answer"] == ""
+    assert capfd.readouterr().err.count(told) == 1

@@ -1,13 +1,17 @@
 """Playback of a bag: the schedule between bag time and wall time, and what can be played."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from q2q_model.nearest_name import name_hint
 from q2q_sim.loop.topics import TYPE_NAMES
 
 TICK_TOPIC = "mocap"
 """Topic whose messages are the ticks in lockstep."""
+PAUSE_S = 1.0
+"""Time without a look for due messages [s] that is a pause, not to be caught up in a burst."""
+MOMENT_S = 1.0
+"""Round of a loop over a bag without duration [s], such as one of a single plan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +28,14 @@ class Playback:
     def due(self, stamp_ns: int) -> float:
         """Return the wall time of a message with this bag time [s]."""
         return self.began + (stamp_ns - self.first_ns) * 1e-9 / self.rate
+
+    def after_pause(self, pause: float) -> "Playback":
+        """Return the playback that goes on where it was before a pause [s], as of a stopped process."""
+        return replace(self, began=self.began + pause)
+
+    def next_round(self, last_ns: int, now: float) -> "Playback":
+        """Return the next round of a loop whose last message has this bag time [ns]."""
+        return replace(self, began=now + (MOMENT_S if last_ns <= self.first_ns else 0.0))
 
 
 def check_start(stamps: Iterable[int], start: float) -> None:

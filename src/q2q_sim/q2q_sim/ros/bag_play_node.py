@@ -29,10 +29,12 @@ from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.lockstep import ResendTimer
-from q2q_sim.loop.playback import TICK_TOPIC, Playback, check_answer, check_start
+from q2q_sim.loop.playback import PAUSE_S, TICK_TOPIC, Playback, check_answer, check_start
 from q2q_sim.loop.topics import TYPE_NAMES, is_latched
 
 CLOCK = "/clock"
+ANSWER = "answer"
+"""Doubt of a tick that is not answered."""
 LOOK_S = 0.1
 """Period of the check for unanswered ticks [s]."""
 AGAIN_S = 2.0
@@ -95,7 +97,7 @@ class Player:
         self._health = Health()
         self._clocks = SeveralWriters(node, CLOCK)
         publish_health(node, self._health, self._look)
-        self._playback = Playback(0, 0.0, self._params.rate)
+        self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
         if self._params.answer:
             kind = _class_of(TYPE_NAMES[self._params.answer.strip("/")])
@@ -120,8 +122,8 @@ class Player:
         return {
             topic: kind
             for topic, kind in self._reader.topics.items()
-            if not chosen or topic.strip("/") in chosen
-        }
+            if (not chosen or topic.strip("/") in chosen) and not (self._params.clock and topic == CLOCK)
+        }  # the node's own clock is that of the playback
 
     def _writer(self, topic: str, kind: str) -> Publisher:
         try:
@@ -143,12 +145,14 @@ class Player:
 
     def _begin(self) -> None:
         self._begun = True
-        self._rewind()
+        begin_ns = self._rewind()
+        self._beat = monotonic()
+        self._playback = Playback(begin_ns, self._beat, self._params.rate)
         if self._params.answer:
             self._play_tick()
 
-    def _rewind(self) -> None:
-        """Go to the first message to play; play what was latched before it."""
+    def _rewind(self) -> int:
+        """Go to the start, play what was latched before it, and return its bag time [ns]."""
         self._messages = self._reader.raw(set(self._writers))
         self._advance()
         begin_ns = self._next.stamp_ns + round(self._params.start * 1e9) if self._next else 0
@@ -159,7 +163,7 @@ class Player:
             self._advance()
         for topic, data in latched.items():
             self._writers[topic].publish(data)
-        self._playback = Playback(begin_ns, monotonic(), self._params.rate)
+        return begin_ns
 
     def _advance(self) -> None:
         """Read the next message; the bag ends where it is damaged."""
@@ -174,7 +178,11 @@ class Player:
             raise self._damage
 
     def _on_beat(self) -> None:
-        now = monotonic()  # once, so that a loop over a bag without duration ends with the beat
+        now = monotonic()
+        pause, self._beat = now - self._beat, now
+        if pause > PAUSE_S and self._next is not None:
+            self._playback = self._playback.after_pause(pause)
+            self._node.get_logger().info(f"stood still for {pause:.1f} s: goes on where it was")
         while self._next is not None and self._playback.due(self._next.stamp_ns) <= now:
             self._play_one()
 
@@ -192,16 +200,19 @@ class Player:
     def _on_stall(self) -> None:
         if self._tick is not None and self._resend.is_due(monotonic()):
             self._writers[self._tick.topic].publish(self._tick.data)
+            told = f"no answer on {self._params.answer} to the last tick: does the node run that writes it?"
+            self._health.doubts[ANSWER] = told
+            self._node.get_logger().warning(told, once=True)
 
     def _play_tick(self) -> None:
         self._resend.begin(monotonic())
+        self._health.doubts[ANSWER] = ""
         self._tick = None
         while self._next is not None:
             message = self._next
             self._play_one()
             if message.topic.strip("/") == TICK_TOPIC:
                 self._tick = message
-                self._health.ticks += 1
                 return
 
     def _play_one(self) -> None:
@@ -211,13 +222,15 @@ class Player:
         self._writers[message.topic].publish(message.data)
         if self._clock is not None:
             self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
+        self._health.ticks += message.topic.strip("/") == TICK_TOPIC
         self._advance()
         if self._next is None:
-            self._end()
+            self._end(message.stamp_ns)
 
-    def _end(self) -> None:
+    def _end(self, last_ns: int) -> None:
         if self._params.loop and self._damage is None:
             self._rewind()
+            self._playback = self._playback.next_round(last_ns, monotonic())
         else:
             self._over.publish(String(data=self._params.bag))
             print("playback over", file=sys.stderr)
