@@ -13,17 +13,21 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock
 from room_node import RoomNode
 
-from q2q_control.ros import mpc_node
+from q2q_control.ros import mpc_node, pid_node
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.node.health import Health, Level
-from q2q_model.ros import interference_node
+from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.tick import TickWiring
 from q2q_model.signals.layout import Signal
+from q2q_model.trajectory import plan_file
+from q2q_planner.ros import replanner_node, trajectory_node
+from q2q_sim.loop import assembly
 from q2q_sim.ros.absent_packages import interface_packages
 from q2q_sim.ros.bag_play_node import Player
 from q2q_sim.ros.simulator_node import Simulator
+from q2q_sim.scenarios import library
 
 BAG = Path(__file__).parents[1] / "bags" / "table2_1"
 NAMES = ("cf1", "cf2")
@@ -35,6 +39,7 @@ class Writer:
     """Publisher, as ROS describes it."""
 
     node_name: str
+    node_namespace: str = "/"
 
 
 class SharedRoom(RoomNode):
@@ -43,10 +48,13 @@ class SharedRoom(RoomNode):
     def __init__(self, **given: object) -> None:
         super().__init__("crazyswarm", {"vehicles": NAMES, **given}, {})
         self.writers: dict[str, tuple[str, ...]] = {}
+        self.namespaces: tuple[str, ...] = ()
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
         """Return who writes a topic."""
-        return [Writer(name) for name in self.writers.get(topic.removeprefix("/"), ())]
+        names = self.writers.get(topic.removeprefix("/"), ())
+        places = self.namespaces or ("/",) * len(names)
+        return [Writer(name, place) for name, place in zip(names, places, strict=False)]
 
     def get_clock(self) -> Clock:
         """Return the wall clock."""
@@ -141,6 +149,72 @@ def graded(node: SharedRoom) -> tuple[Level, str]:
     last = node.published["/diagnostics"][-1]
     assert isinstance(last, DiagnosticArray)
     return Level(int.from_bytes(last.status[0].level)), last.status[0].message
+
+
+KILLED = "; one that was killed counts until DDS drops it"
+TWICE = "{0}: 2 nodes write it ({1}, {1}); 1 may: stop the others" + KILLED
+NAMESAKES = (
+    "command: 2 nodes write it ({0}, {0}); each must have a name and vehicles of its own: stop the others"
+    + KILLED
+)
+
+
+@pytest.mark.parametrize(
+    ("build", "topic"),
+    [
+        (mocap_filter_node.build, "state"),
+        (interference_node.build, "interference"),
+        (trajectory_node.build, "reference"),
+        (trajectory_node.build, "plan"),
+        (replanner_node.build, "reference_safe"),
+        (pid_node.build, "command"),
+        (mpc_node.build, "command"),
+        (Player, "mocap"),
+    ],
+)
+def test_a_node_that_runs_twice_tells_that_its_output_is_doubled(
+    build: Callable[[SharedRoom], object], topic: str, tmp_path: Path
+) -> None:
+    plan_file.save(tmp_path / "plan.json", assembly.plan_of(library.load("table6")))
+    given: dict[str, object] = {"bag": str(BAG), "autostart": False, "plan": str(tmp_path / "plan.json")}
+    node, report = room_for(build, **given, vehicles=())
+    node.writers = {topic: ("one",)}
+    report()
+    assert graded(node) == (Level.STALE, "no tick")
+    node.writers = {topic: ("one", "one")}
+    report()
+    assert graded(node) == (Level.WARN, TWICE.format(topic, "one"))
+
+
+def test_controllers_of_some_vehicles_each_share_the_command_unless_they_have_one_name() -> None:
+    node, report = room_for(pid_node.build, vehicles=("cf1",))
+    for writers, namespaces, told in (
+        (("pid", "pid_2", "pid_3"), ("/", "/", "/"), ""),
+        (("pid", "pid"), ("/cf1", "/cf2"), ""),
+        (("pid", "pid"), ("/", "/"), NAMESAKES.format("pid")),
+        (("pid", "pid"), ("/cf1", "/cf1"), NAMESAKES.format("cf1/pid")),
+    ):
+        node.writers, node.namespaces = {"command": writers}, namespaces
+        report()
+        assert graded(node) == ((Level.WARN, told) if told else (Level.STALE, "no tick"))
+
+
+def test_the_simulator_tells_of_controllers_that_cannot_each_have_vehicles_of_their_own() -> None:
+    node, report = room_for(Simulator, scenario="table6", pace="live", autostart=False)
+    node.writers = {"command": ("pid", "pid")}
+    report()
+    assert graded(node) == (Level.WARN, NAMESAKES.format("pid"))
+    node.writers = {"command": ("mpc_cf1", "mpc_cf2")}
+    report()
+    assert graded(node) == (Level.STALE, "no tick")
+
+
+def test_a_bag_played_into_a_running_stack_is_told_by_its_player() -> None:
+    node, report = room_for(Player, bag=str(BAG), autostart=False)
+    node.writers = {"mocap": ("bag_play",), "state": ("bag_play", "mocap_filter"), "other": ("a", "b")}
+    report()
+    told = "state: 2 nodes write it (bag_play, mocap_filter); 1 may: stop the others"
+    assert graded(node) == (Level.WARN, told)
 
 
 @pytest.mark.parametrize(("topic", "build"), [("model", interference_node.build), ("plan", mpc_node.build)])

@@ -136,6 +136,7 @@ class Writer:
     """Publisher, as ROS describes it."""
 
     node_name: str
+    node_namespace: str = "/"
 
 
 def test_a_second_writer_of_an_input_is_told_once_and_graded_until_it_is_gone() -> None:

@@ -86,7 +86,7 @@ def wire_controller(
     inputs: dict[str, type[Signal]] = {"state": SwarmState, "reference_safe": SwarmSetpoint}
     if params.aware:
         inputs["interference"] = Interference
-    wiring = TickWiring(node, inputs, ("command", SwarmCommand))
+    wiring = TickWiring(node, inputs, ("command", SwarmCommand), shares_output=bool(params.vehicles))
     scale = LegacyScale(vehicle.full_pwm_thrust)
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
     for topic in ("state", "reference_safe"):

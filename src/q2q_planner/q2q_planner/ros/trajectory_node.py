@@ -79,6 +79,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         return setpoint
 
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
+    wiring.expect_one_writer("plan")
     wiring.rehearse(lambda frame: setpoint_at(plan, frame.t), lambda: None)
     wiring.start(update)
     return wiring

@@ -44,5 +44,10 @@ def is_latched(topic: str, kind: str) -> bool:
     return LATCHED_TYPES.get(topic.rpartition("/")[2]) == kind
 
 
+def has_one_writer(topic: str) -> bool:
+    """Return whether one node writes a topic of a flight, in any namespace."""
+    return topic.rpartition("/")[2] in {*TYPE_NAMES, "plan", "next_plan", "model"}
+
+
 PREDICTIONS, PREDICTION_TYPE = "predictions", "q2q_msgs/msg/Prediction"
 """Topic of a distributed MPC's predictions, one message of each vehicle a slot, and its message type."""

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic_map
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import SeveralWriters
+from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
@@ -30,7 +30,7 @@ from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.loop.lockstep import ResendTimer
 from q2q_sim.loop.playback import PAUSE_S, TICK_TOPIC, Playback, check_answer, check_start
-from q2q_sim.loop.topics import TYPE_NAMES, is_latched
+from q2q_sim.loop.topics import TYPE_NAMES, has_one_writer, is_latched
 
 CLOCK = "/clock"
 ANSWER = "answer"
@@ -95,7 +95,9 @@ class Player:
         self._tick: RawMessage | None = None
         self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
         self._health = Health()
-        self._clocks = SeveralWriters(node, CLOCK)
+        given = [CLOCK] * self._params.clock + [self._params.answer.strip("/")] * bool(self._params.answer)
+        played = [topic.strip("/") for topic in wanted if has_one_writer(topic)]
+        self._rivals = InputWriters(node, (*given, *played), self._health)
         publish_health(node, self._health, self._look)
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
@@ -109,8 +111,8 @@ class Player:
             self._begin()
 
     def _look(self) -> Mapping[str, str]:
-        """Look for other writers of the clock, if this node writes it; return no values."""
-        self._health.doubts[CLOCK] = self._clocks.look() if self._clock is not None else ""
+        """Look for other writers of what this node writes, or waits for; return no values."""
+        self._rivals.look()
         return {}
 
     def _wanted(self) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from time import perf_counter
 from typing import Generic, TypeVar
 
@@ -31,8 +32,21 @@ class TickWiring(Generic[Made]):
     """Subscriptions and publisher of one block, whose output is a Made."""
 
     def __init__(
-        self, node: Node, inputs: Mapping[str, type[Signal]], output: tuple[str, type[Made]]
+        self,
+        node: Node,
+        inputs: Mapping[str, type[Signal]],
+        output: tuple[str, type[Made]],
+        *,
+        shares_output: bool = False,
     ) -> None:
+        """Declare the output of a block, whose inputs are subscribed to by `start`.
+
+        Args:
+            node: owner of publisher and subscriptions.
+            inputs: topics and signals that make a tick.
+            output: topic and signal of its result.
+            shares_output: nodes of other names write the output, too, each for vehicles of its own.
+        """
         self.health = Health()
         self._join: TickJoin[Signal] = TickJoin(tuple(inputs))
         self._node = node
@@ -50,6 +64,7 @@ class TickWiring(Generic[Made]):
         self._more: list[Callable[[], Mapping[str, str]]] = []
         self._checks: list[Callable[[], object]] = []
         self.expect_one_writer(*inputs)
+        self.check_each_second(InputWriters(node, (topic,), self.health, inf if shares_output else 1).look)
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
