@@ -38,6 +38,7 @@ SERVICES = {
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/fault.py",
+    "q2q_model/bag/storage/latched.py",
     "q2q_model/bag/storage/source.py",
     "q2q_model/downwash/interaction_model.py",
     "q2q_model/downwash/no_interaction.py",
