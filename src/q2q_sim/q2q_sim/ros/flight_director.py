@@ -183,7 +183,9 @@ class FlightDirector:
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:
         """Return descriptions of the missing connections."""
         answers = {name: self._call(client) for name, client in clients.items() if client.service_is_ready()}
-        self._answers = {name: connections_from_text(one.message, name) for name, one in answers.items() if one}
+        self._answers = {
+            name: connections_from_text(one.message, name) for name, one in answers.items() if one
+        }
         return missing_connections(clients, self._answers)
 
     def _drain_client(self, name: str) -> Client:
