@@ -40,7 +40,7 @@ class Connections:
 
 
 def connections_from_text(text: str, node: str) -> Connections:
-    """Return the connections in the text of `as_text`; raise ValueError, naming the node, for another text."""
+    """Return the connections in the text of `as_text`; raise ValueError, naming the node, for others."""
     words = text.split()
     if not all(map(WORD.fullmatch, words)):
         raise ValueError(
