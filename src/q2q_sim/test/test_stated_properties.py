@@ -14,10 +14,10 @@ from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 from q2q_sim.experiments.guided.stated_properties.filter_properties import swap
-from q2q_sim.experiments.guided.stated_properties.replanner_properties import promise, stop
+from q2q_sim.experiments.guided.stated_properties.replanner_properties import held_acc, promise, stop
 from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import safe_replanner_params
+from q2q_sim.loop.assembly import TICK_S, safe_replanner_params
 
 BUGS = {bug.name: bug for bug in SEEDED_BUGS}
 PASS = 4.5
@@ -86,6 +86,22 @@ def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: 
     with BUGS[bug].seeded():
         found = fly_attacked(flown(case))
     assert broken in found.policies
+
+
+@pytest.mark.parametrize(("jump", "broken"), [(0.0, 1), (-0.0016, 0), (0.0016, 0)])
+def test_an_acceleration_is_held_for_too_long_in_ticks_of_equal_length(jump: float, broken: int) -> None:
+    """The clock jumps while it is held: ticks say nothing about how long that is."""
+    run = flown("off its path")
+    ticks = run_ticks(flown_pure(run).topics)
+    last = 100 + round(safe_replanner_params(run.scenario).hold / TICK_S)
+    acc, moved = np.array([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.full(2, SetpointStatus.SHIFTED, np.uint8)
+    setpoints = [
+        replace(one, acc=acc if 100 <= k <= last else 0.0 * acc, status=moved)
+        for k, one in enumerate(ticks.setpoints)
+    ]
+    stamp = ticks.stamp + np.where(np.arange(len(ticks.stamp)) >= last, jump, 0.0)
+    found = held_acc(run, replace(ticks, setpoints=tuple(setpoints), stamp=stamp))
+    assert len(found.violations) == broken
 
 
 def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
