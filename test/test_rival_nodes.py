@@ -18,8 +18,8 @@ from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.node.health import Health, Level
 from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.diagnostics import PERIOD_S
-from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.signals.layout import Signal
 from q2q_model.trajectory import plan_file
 from q2q_planner.ros import replanner_node, trajectory_node
@@ -100,7 +100,7 @@ def test_the_bridge_begins_no_flight_by_two_controllers_but_would_land() -> None
 
 def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> None:
     node, health = SharedRoom(), Health()
-    inputs = InputWriters(node, ("command", "state"), health)
+    inputs = TopicWriters(node, ("command", "state"), health)
     assert inputs.look() == ""
     node.writers = {"command": ("pid_2", "pid"), "state": ("mocap_filter",)}
     assert inputs.look() == inputs.look() == TWO

@@ -15,8 +15,8 @@ from std_srvs.srv import Empty
 from q2q_control.ros import pid_node
 from q2q_model.node.health import Health, HealthReport, Level, report
 from q2q_model.node.rehearsal import rehearsal
-from q2q_model.ros.node.input_warnings import SeveralWriters
 from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.topic_writers import SeveralWriters
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmCommand, SwarmSetpoint, SwarmState

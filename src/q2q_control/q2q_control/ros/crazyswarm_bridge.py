@@ -19,8 +19,8 @@ from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_
 from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
@@ -51,7 +51,7 @@ class Crazyswarm:
         self._names = vehicle_names(self._settings)
         self._health = Health()
         self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
-        self._writers = InputWriters(node, self._ticks.topics, self._health)
+        self._writers = TopicWriters(node, self._ticks.topics, self._health)
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._version = poses_version(self._settings)

@@ -9,7 +9,7 @@ from q2q_control.radio.radio_vehicles import other_publishers
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
-from q2q_model.ros.node.input_warnings import writers_of
+from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
 

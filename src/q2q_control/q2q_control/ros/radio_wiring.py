@@ -14,9 +14,9 @@ from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_control.ros.radio_topics import RadioTopics
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.signals.layout import Signal
 
@@ -42,7 +42,7 @@ class RadioNode:
             self._vehicles.executor,
             (declare(node, FlightProcedureParams()), landing),
         )
-        self._writers = InputWriters(node, self._vehicles.ticks.topics, health)
+        self._writers = TopicWriters(node, self._vehicles.ticks.topics, health)
         self._services.refuse_flights(self._rivals)
         self._vehicles.ticks.procedure = self._services
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)

@@ -20,10 +20,10 @@ from std_srvs.srv import Trigger
 from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic_map
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
@@ -97,7 +97,7 @@ class Player:
         self._health = Health()
         given = [CLOCK] * self._params.clock + [self._params.answer.strip("/")] * bool(self._params.answer)
         played = [topic.strip("/") for topic in wanted if has_one_writer(topic)]
-        self._rivals = InputWriters(node, (*given, *played), self._health)
+        self._rivals = TopicWriters(node, (*given, *played), self._health)
         publish_health(node, self._health, self._look)
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)

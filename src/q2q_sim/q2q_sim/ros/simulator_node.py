@@ -24,11 +24,11 @@ from std_srvs.srv import Trigger
 
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import SeveralWriters
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.node.topic_writers import SeveralWriters
 from q2q_model.ros.topics.audience import Audience
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER

@@ -15,8 +15,8 @@ from q2q_model.node.rehearsal import rehearse
 from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
-from q2q_model.ros.node.input_warnings import InputWriters
 from q2q_model.ros.node.signal_publisher import SignalPublisher
+from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK, TICK_WRITER
@@ -64,7 +64,7 @@ class TickWiring(Generic[Made]):
         self._more: list[Callable[[], Mapping[str, str]]] = []
         self._checks: list[Callable[[], object]] = []
         self.expect_one_writer(*inputs)
-        self.check_each_second(InputWriters(node, (topic,), self.health, inf if shares_output else 1).look)
+        self.check_each_second(TopicWriters(node, (topic,), self.health, inf if shares_output else 1).look)
         publish_health(node, self.health, self._facts)
 
     def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
@@ -99,7 +99,7 @@ class TickWiring(Generic[Made]):
 
     def expect_one_writer(self, *topics: str) -> None:
         """Tell once a second of topics that several nodes write."""
-        self.check_each_second(InputWriters(self._node, topics, self.health).look)
+        self.check_each_second(TopicWriters(self._node, topics, self.health).look)
 
     def check_each_second(self, check: Callable[[], object]) -> None:
         """Call `check` before each report on `/diagnostics`: what it finds wrong is for `health`."""

@@ -1,0 +1,54 @@
+"""Writers of a node's topics: more of them than can be right are told."""
+
+from collections.abc import Iterable
+
+from rclpy.node import Node
+
+from q2q_model.node.health import Health
+
+
+def writers_of(node: Node, topic: str) -> list[str]:
+    """Return the names of the nodes that write a topic, with their namespaces, sorted."""
+    found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
+    return sorted(f"{one.node_namespace}/{one.node_name}".strip("/") for one in found)
+
+
+class SeveralWriters:
+    """Warning, once for the same nodes, that too many nodes write a topic, or two of one name."""
+
+    def __init__(self, node: Node, topic: str, most: float = 1) -> None:
+        """Watch the writers of a topic, of which `most` are right, each of another name."""
+        self._node, self.topic, self._most = node, topic, most
+        self._told: set[str] = set()
+
+    def look(self) -> str:
+        """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
+        resolved = self._node.resolve_topic_name(self.topic)  # rclpy does not remap what it counts
+        if self._node.count_publishers(resolved) <= 1:
+            return ""
+        writers = writers_of(self._node, self.topic)
+        namesakes, too_many = len({*writers}) < len(writers), len(writers) > self._most
+        if not (namesakes or too_many):
+            return ""
+        may = f"{self._most} may" if too_many else "each must have a name and vehicles of its own"
+        killed = "; one that was killed counts until DDS drops it" if namesakes else ""
+        among = f"{len(writers)} nodes write it ({', '.join(writers)})"
+        told = f"{self.topic}: {among}; {may}: stop the others{killed}"
+        if told not in self._told:
+            self._told.add(told)
+            self._node.get_logger().warning(told)
+        return told
+
+
+class TopicWriters:
+    """Writers of the inputs of a node, or of its output, which a second such node would double."""
+
+    def __init__(self, node: Node, topics: Iterable[str], health: Health, most: float = 1) -> None:
+        """Watch the writers of some topics, of which `most` are right; `health` has what is wrong."""
+        self._writers, self._health = [SeveralWriters(node, topic, most) for topic in topics], health
+
+    def look(self) -> str:
+        """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
+        found = {writers.topic: writers.look() for writers in self._writers}
+        self._health.doubts |= found
+        return "; ".join(filter(None, found.values()))
