@@ -31,8 +31,8 @@ OF_MOTION = ("clock_jump", "radio_loss")
 """Faults that mislead dead reckoning from it, too: times or commands are not those reckoned with."""
 BLOWN = 0.15
 """Velocity by gusts from which a motion is not known [m/s]: half of what the reckoned one may be wrong by."""
-BALANCE_S = 0.5
-"""Time over which a steady push is learned [s]: the observer's time constant, horizontally."""
+BALANCE_S = 1.0
+"""Time over which a steady push is learned [s]: the mean lag of an observer with two poles at 2 rad/s."""
 IN_WAKE = 0.25
 """Horizontal distance from one above within which its wake tilts a vehicle [m]: that of its edge, 0.06, and
 what its axis may be carried away by."""
