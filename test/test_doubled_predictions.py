@@ -26,6 +26,7 @@ class Writer:
     """Publisher, as ROS describes it."""
 
     node_name: str
+    node_namespace: str = "/"
 
 
 class Room(RoomNode):
