@@ -101,7 +101,7 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
     ]
     try:
         with FlightDirector(lambda: None) as director:
-            director.wait_wired(logs, PATIENCE_S)
+            director.wait_connected(logs, PATIENCE_S)
             director.start("bag_play")
         listener.until(lambda: "model loaded" in logs["interference"].read_text(), "a loaded model")
         listener.until(lambda: listener.strengths[-1:] == pytest.approx([true], rel=0.05), "the right model")

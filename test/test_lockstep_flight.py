@@ -175,7 +175,7 @@ def test_a_process_beside_a_flight_in_one_process_hears_every_tick_of_its_topics
     request = FlightRequest(SCENARIO, seed=3, stack=True)
     specs = scenario_flight.node_specs(load_scenario(request), request, tmp_path, tmp_path / "bag")
     with running_nodes(specs, tmp_path) as running, hearing_states(ticks=300) as heard:
-        running.director.wait_wired(("mocap_filter", "listener"), STILL_S)
+        running.director.wait_connected(("mocap_filter", "listener"), STILL_S)
         running.director.start()
         running.director.wait_summary(lambda _: None)
         found = heard()

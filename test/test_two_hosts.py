@@ -40,7 +40,7 @@ with Processes(folder) as processes:
     for spec in (specs[0], specs[-1]):
         processes.start(spec)
     with FlightDirector(processes.check) as director:
-        director.wait_wired(names, 250.0)
+        director.wait_connected(names, 250.0)
         director.start()
         director.wait_summary(lambda _: None)
         director.wait_drained([*names[1:], names[0]])

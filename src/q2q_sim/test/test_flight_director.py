@@ -69,7 +69,7 @@ def test_a_node_that_is_not_of_q2q_is_named_with_what_it_answers() -> None:
         stranger.create_service(Trigger, "~/ready", answer)
         director._executor.add_node(stranger)
         with pytest.raises(ValueError, match=r"^pid answers 'as ready as can be' to ~/ready"):
-            director.wait_wired(("pid",), PATIENCE_S)
+            director.wait_connected(("pid",), PATIENCE_S)
         director._executor.remove_node(stranger)
         stranger.destroy_node()
 

@@ -54,7 +54,7 @@ def running_nodes(
                 processes.start(replace(spec, cores=own))
             with FlightDirector(processes.check) as director:
                 names = [name for spec in specs for name in spec.nodes]
-                director.wait_wired(names, WIRING_TIMEOUT_S, meanwhile)
+                director.wait_connected(names, WIRING_TIMEOUT_S, meanwhile)
                 yield RunningNodes(processes, director)
                 director.wait_drained(_recorder_last(specs, processes.may_exit))
 

@@ -95,7 +95,7 @@ class FlightDirector:
         """Return the number of ticks flown, as last reported."""
         return self._ticks
 
-    def wait_wired(
+    def wait_connected(
         self, nodes: Iterable[str], timeout_s: float, meanwhile: Callable[[], None] = lambda: None
     ) -> None:
         """Return once every writer of the named nodes has matched every reader and latched messages arrived.

@@ -34,7 +34,7 @@ def fly_here(parameters: Path) -> FlightTiming:
     try:
         with _nodes(executor) as nodes, FlightDirector(lambda: None, executor) as director:
             names = [node.get_name() for node in nodes]
-            director.wait_wired(names, START_S)
+            director.wait_connected(names, START_S)
             director.start(SIMULATOR)
             timing = director.wait_summary(lambda _: None)
             director.wait_drained(names)

@@ -30,7 +30,6 @@ import numpy as np
 
 from q2q_control.mpc.prediction.downwash_stages import (
     DownwashHorizon,
-    Pairs,
     Tracks,
     bounding_boxes,
     displaced,
@@ -46,7 +45,7 @@ from q2q_model.downwash.interaction_model import (
     retarded_pairs,
 )
 from q2q_model.downwash.jet import Jet, jet_law
-from q2q_model.downwash.pairs_in_reach import pairs_in_reach
+from q2q_model.downwash.pairs_in_reach import Pairs, pairs_in_reach
 from q2q_model.downwash.source_strength import SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
 from q2q_model.signals.values import Array, Rows

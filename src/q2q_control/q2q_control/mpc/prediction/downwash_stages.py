@@ -11,9 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import BORROWING, compiled
+from q2q_model.downwash.pairs_in_reach import Pairs
 from q2q_model.signals.values import Array, Mask, Rows
-
-Pairs = tuple[Rows, Rows]
 
 DELTA = 1e-3
 """Step of the differences [m]: a fiftieth of downwash's width errs by 1e-4 of the slope."""

@@ -62,7 +62,7 @@ def broad_phase(pos: Array, vel: Array, room: StoppingSpace, limits: SweepLimits
 
     Args:
         pos: [m], (rows, 3); a row with NaN is in no pair.
-        vel: [m/s], (rows, 3); a row with NaN is in no pair.
+        vel: [m/s], (rows, 3).
         room: space that each row may need.
         limits: see SweepLimits.
     """
