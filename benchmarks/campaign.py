@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from itertools import count, islice
 from time import process_time
 
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure
-from q2q_sim.experiments.campaign.engine import leave_imports_out
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure
+from q2q_sim.experiments.campaign.engine import freeze_imports
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from row import Row
 
 RUNS = {("pid", "none"): 40, ("pid", "safe"): 10, ("mpc", "none"): 10}
@@ -22,10 +22,10 @@ FIRST_SEED = 100_000
 def run() -> list[Row]:
     """Return runs a second and the time of a run, of each controller and replanner."""
     rows = []
-    leave_imports_out()
+    freeze_imports()
     for (controller, replan), runs in RUNS.items():
         first, *timed = islice(_runs(controller, replan), runs + 1)
-        flown_pure(first)
+        fly_pure(first)
         took = [_seconds(one) for one in timed]
         name = f"campaign run by {controller}, replanner {replan}"
         length = sum(one.scenario.duration for one in timed)
@@ -35,11 +35,11 @@ def run() -> list[Row]:
 
 
 def _runs(controller: str, replan: str) -> Iterator[Run]:
-    drawn_runs = map(drawn, count(FIRST_SEED))
+    drawn_runs = map(draw_run, count(FIRST_SEED))
     return (one for one in drawn_runs if (one.options.controller, one.options.replan) == (controller, replan))
 
 
 def _seconds(one: Run) -> float:
     began = process_time()
-    flown_pure(one)
+    fly_pure(one)
     return process_time() - began

@@ -10,7 +10,12 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from q2q_model.commands.command_line import CommandLine
-from q2q_planner.experiments.encounters import EncounterVerdict, fly_encounter, judge, random_encounter
+from q2q_planner.experiments.encounters import (
+    EncounterVerdict,
+    fly_encounter,
+    judge_encounter,
+    random_encounter,
+)
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from row import Row
 
@@ -33,7 +38,7 @@ def verdict_of(seed: int) -> EncounterVerdict:
     """Fly and judge one encounter."""
     generator = np.random.default_rng(seed)
     encounter = random_encounter(generator)
-    return judge(fly_encounter(encounter, PARAMS, generator), encounter, PARAMS)
+    return judge_encounter(fly_encounter(encounter, PARAMS, generator), encounter, PARAMS)
 
 
 def rows_of(verdicts: Sequence[EncounterVerdict]) -> list[Row]:

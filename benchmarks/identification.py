@@ -19,7 +19,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
@@ -177,7 +177,9 @@ def _flight(number: int, gap: float, speed: float) -> AltitudeRecord:
     z, eta = ref[..., 0].copy(), np.zeros((ticks, 2))
     for _ in range(20):  # the altitudes that their own downwash make
         rel = np.stack([0.0 * t, y, z[:, 1] - z[:, 0]], axis=-1)
-        eta = np.stack([PAPER_LAW.acceleration(s * rel, at_rest(rel))[:, 2] for s in (1.0, -1.0)], axis=1)
+        eta = np.stack(
+            [PAPER_LAW.acceleration(s * rel, pairs_at_rest(rel))[:, 2] for s in (1.0, -1.0)], axis=1
+        )
         z = ref[..., 0] + downwash_response(LOOP, DT, eta)
     pos = np.zeros((ticks, 2, 3))
     pos[:, 1, 1], pos[..., 2] = y, z + NOISE * np.random.default_rng(number).standard_normal(z.shape)

@@ -20,7 +20,7 @@ from neural_trajectory import NeuralPlan, plan_neural
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -60,8 +60,8 @@ def run() -> list[Row]:
 
 def _section_4_1(longest: float) -> list[Row]:
     """Return our plan beside that of networks and SLSQP, both around the paper's zone."""
-    ours = least_time(lambda: avoid(SECTION_4_1, ZONE), 1, repeats=3)
-    found = avoid(SECTION_4_1, ZONE)
+    ours = least_time(lambda: avoid_zones(SECTION_4_1, ZONE), 1, repeats=3)
+    found = avoid_zones(SECTION_4_1, ZONE)
     neural = plan_neural(SECTION_4_1, ZONE, longest)
     speed = "the paper's networks by SLSQP, " + ("converged" if neural.converged else "not converged")
     return [
@@ -173,7 +173,7 @@ def _joint(count: int) -> list[Row]:
     begun = process_time()
     try:
         with _given_up_after(LONGEST):
-            found: AvoidancePlan | None = avoid(swarm, ZONE, params=AvoidanceParams(starts=1))
+            found: AvoidancePlan | None = avoid_zones(swarm, ZONE, params=AvoidanceParams(starts=1))
     except (InfeasibleError, TimeoutError):
         found = None
     taken = process_time() - begun

@@ -22,7 +22,7 @@ from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Ellipsoid, Zone
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, vehicle_by_name
-from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, held_plan, random_swap
+from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, plan_swap, random_swap
 from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, risk_zone
 from q2q_planner.tools.risk_options import MANOEUVRES, MODEL
 from q2q_sim.experiments.promise.tracking_tube import conformal_bound, fewest_flights
@@ -68,7 +68,7 @@ def capacity(zone: Zone, reserve: float, seed: int) -> int:
             swarm = random_swap(count, zone, ROOM, generator)
         except CrowdedError:
             return held
-        if held_plan(swarm, zone, ROOM, (VEHICLE, reserve)) is None:
+        if plan_swap(swarm, zone, ROOM, (VEHICLE, reserve)) is None:
             return held
         held = count
     return held
@@ -92,7 +92,7 @@ def strays(count: int, zone: Zone, seed: int, attitude: AttitudeLoop = "paper") 
         swarm = random_swap(count, zone, ROOM, np.random.default_rng([seed, count]))
     except CrowdedError:
         return None
-    plan = held_plan(swarm, zone, ROOM, (VEHICLE, HOLD))
+    plan = plan_swap(swarm, zone, ROOM, (VEHICLE, HOLD))
     if plan is None:
         return None
     scenario = Scenario(

@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.files.find_model import find_model
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure
-from q2q_sim.experiments.campaign.random_run import drawn
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure
+from q2q_sim.experiments.campaign.random_run import draw_run
 from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
@@ -64,7 +64,7 @@ def digests() -> Iterator[tuple[str, str]]:
                 flight = str(error)
             yield f"{name} {mode} {controller} {replan} seed {seed}", digest(flight)
     for seed in CAMPAIGN_SEEDS:
-        flown = flown_pure(drawn(seed))
+        flown = fly_pure(draw_run(seed))
         signals = [digest(one.signal) for one in flown.signals if one.topic in CAMPAIGN_TOPICS]
         yield f"campaign {seed}", digest([*signals, *(one.policy for one in flown.violations)])
 

@@ -23,7 +23,7 @@ from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
-from q2q_model.compiled import COMPILED, idle, twice_compiled
+from q2q_model.compiled import COMPILED, twice_compiled, uncalled_kernels
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
@@ -65,7 +65,7 @@ def main() -> None:
     flights()
     recordings, _ = read_recordings([ROOT / "bags" / "table2_1"])
     identify(recordings, ProcedureParams(), lambda _: None)
-    print(json.dumps({"compiled": COMPILED, "idle": idle(), "twice": twice_compiled()}))
+    print(json.dumps({"compiled": COMPILED, "idle": uncalled_kernels(), "twice": twice_compiled()}))
 
 
 def flights() -> None:
@@ -82,7 +82,10 @@ def flights() -> None:
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
     absorbing = replace(MEASURED_LAW, absorption=1.0)
-    fly(replace(library.load("swarm20"), duration=0.1), FlightOptions(controller="mpc", model=absorbing))
+    fly(
+        replace(library.load("swarm20"), duration=0.1),
+        FlightOptions(controller="mpc", model=absorbing),
+    )
     distributed(replace(library.load("stack3"), duration=0.2))
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
     steady = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}

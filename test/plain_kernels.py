@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.compiled import entries
+from q2q_model.compiled import entry_kernels
 from q2q_sim.tools.compile_kernels import import_kernels
 from q2q_sim.tools.kernel_calls import calls
 
@@ -43,7 +43,7 @@ def record() -> list[Call]:
     """Return one call of every kernel that Python calls."""
     import_kernels()
     kept: dict[str, Call] = {}
-    recorders = {id(one.made): Recorder(one.name, one.made, kept) for one in entries()}
+    recorders = {id(one.made): Recorder(one.name, one.made, kept) for one in entry_kernels()}
     for name, module in list(sys.modules.items()):
         for attribute, value in list(vars(module).items()) if name.startswith("q2q_") else ():
             if id(value) in recorders:
@@ -86,7 +86,7 @@ def main() -> None:
     action, file = sys.argv[1], Path(sys.argv[2])
     if action == "record":
         file.write_bytes(pickle.dumps(record()))
-        print(json.dumps([one.name for one in entries()]))
+        print(json.dumps([one.name for one in entry_kernels()]))
     else:
         print(json.dumps(compare(pickle.loads(file.read_bytes()))))  # noqa: S301
 

@@ -22,7 +22,7 @@ from q2q_control.flight_procedure.steps import Call, Step
 from q2q_control.flight_procedure.supervisor_info import READY
 from q2q_control.radio import radio_vehicles
 from q2q_control.radio.cflib_link import OnboardPose
-from q2q_control.radio.firmware_params import difference
+from q2q_control.radio.firmware_params import first_difference
 from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.ros import procedure_services, radio_topics, radio_wiring, server_vehicles
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
@@ -82,7 +82,7 @@ class Link(CflibSender):
             armed=bits & READY == READY,
             locked=bool(bits & Info.LOCKED),
             onboard=self.pose.pos,
-            wrong=difference(
+            wrong=first_difference(
                 self.params, {name: float(self.firmware.parameters[name]) for name in self.params}
             ),
             own_hover=OwnHover(*(float(self.firmware.parameters[name]) for name in OWN_PARAMETERS)),

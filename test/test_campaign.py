@@ -9,8 +9,8 @@ import pytest
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import campaign_flight, random_run
 from q2q_sim.experiments.campaign.campaign_flight import JUDGED
-from q2q_sim.experiments.campaign.engine import outcomes
-from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, drawn, shortened
+from q2q_sim.experiments.campaign.engine import run_outcomes
+from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, cut_document, draw_run
 from q2q_sim.experiments.campaign.run_outcome import (
     CRASH,
     TWIN,
@@ -19,7 +19,7 @@ from q2q_sim.experiments.campaign.run_outcome import (
     from_document,
     summary,
 )
-from q2q_sim.experiments.campaign.through_nodes import NodeFlights, twin
+from q2q_sim.experiments.campaign.through_nodes import NodeFlights, twin_violation
 from q2q_sim.experiments.guided import attack_record, bug_score, guided_campaign
 from q2q_sim.experiments.guided.attack_case import read_case
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
@@ -82,7 +82,7 @@ def test_a_short_campaign_violates_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", ONCE_BROKEN)
 def test_what_once_violated_a_policy_violates_none(seed: int) -> None:
-    assert campaign_flight.flown_pure(drawn(seed)).violations == ()
+    assert campaign_flight.fly_pure(draw_run(seed)).violations == ()
 
 
 @pytest.mark.parametrize("seed", [20, 44])
@@ -92,16 +92,16 @@ def test_what_once_violated_a_policy_through_the_nodes_violates_none(seed: int, 
 
 
 def test_a_run_in_an_air_is_flown_by_the_vehicles_of_that_air() -> None:
-    seed = next(seed for seed in range(100) if drawn(seed).document["vehicle"] == "textbook_065")
-    own, run = drawn(seed), drawn(seed, "bent")
+    seed = next(seed for seed in range(100) if draw_run(seed).document["vehicle"] == "textbook_065")
+    own, run = draw_run(seed), draw_run(seed, "bent")
     assert (run.scenario.vehicle.name, run.scenario.air) == ("crazyflie_2_0", "bent")
     assert run.document["vehicles"] == own.document["vehicles"]
     assert run.document["overrides"] != own.document["overrides"]  # the bound on thrust is the vehicle's
 
 
 def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
-    assert drawn(7) == drawn(7)
-    runs = [drawn(seed) for seed in range(60)]
+    assert draw_run(7) == draw_run(7)
+    runs = [draw_run(seed) for seed in range(60)]
     assert len({str(run.document["description"]) for run in runs}) == len(CUTS)
     assert {run.options.controller for run in runs} == {"pid", "mpc"}
     assert {str(run.document["room"]) for run in runs} == set(random_run.ROOMS)
@@ -114,7 +114,7 @@ def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
 @pytest.mark.parametrize("cut", CUTS, ids=lambda cut: cut.scenario)
 def test_a_cut_begins_and_ends_where_its_scenario_is_then(cut: random_run.Cut) -> None:
     whole = library.load(cut.scenario)
-    document = shortened(library.document(cut.scenario), cut)
+    document = cut_document(library.document(cut.scenario), cut)
     short = scenario_from_document("cut", document)
     assert short.duration == pytest.approx((cut.end - cut.begin) * cut.pace)
     for long_way, way in zip(whole.waypoints, short.waypoints, strict=True):
@@ -182,7 +182,7 @@ def test_an_air_that_cannot_be_flown_in_ends_a_campaign_before_its_first_run(
 
 def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("q2q_sim.experiments.campaign.engine.RECYCLE", 1)
-    flown = list(outcomes("local", range(200, 203), 2, tmp_path))
+    flown = list(run_outcomes("local", range(200, 203), 2, tmp_path))
     assert sorted(one.seed for one in flown) == [200, 201, 202]
     assert all(one.what and one.seconds > 0.0 for one in flown)
 
@@ -197,12 +197,12 @@ def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
     found = campaign_flight.fly_and_judge(5, tmp_path)
     assert [one.policy for one in found.violations] == [CRASH]
     assert "ZeroDivisionError: made up" in found.violations[0].who
-    assert library.load(str(tmp_path / "5.yaml")).faults == drawn(5).scenario.faults
+    assert library.load(str(tmp_path / "5.yaml")).faults == draw_run(5).scenario.faults
     assert (tmp_path / "5" / "metadata.yaml").exists()
 
 
 def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_loop(tmp_path: Path) -> None:
-    run = drawn(1)
+    run = draw_run(1)
     short = replace(run, document={**run.document, "duration": 0.5})
     scenario = tmp_path / "run.yaml"
     campaign_flight.write_scenario(short, scenario)
@@ -222,9 +222,9 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
         with pytest.raises(ValueError, match="parameter seed: allowed is 0 or more"):
             flown("third", -1)
         again = flown("fourth", run.seed)
-    pure = evidence_in_lockstep(campaign_flight.flown_pure(short).topics)
-    assert twin(first, pure) == twin(again, pure) == ()
-    assert [one.policy for one in twin(second, pure)] == [TWIN]
+    pure = evidence_in_lockstep(campaign_flight.fly_pure(short).topics)
+    assert twin_violation(first, pure) == twin_violation(again, pure) == ()
+    assert [one.policy for one in twin_violation(second, pure)] == [TWIN]
 
 
 def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
@@ -284,11 +284,11 @@ def test_a_bug_counts_as_found_only_by_a_run_that_the_sound_stack_keeps(
         return AttackedFlight((replace(BROKEN, policy="age"),)) if seeded and run.seed == 4 else both
 
     monkeypatch.setattr(bug_score, "fly_attacked", fly)
-    one = bug_score.score(0, 10, 0)
+    one = bug_score.score_bugs(0, 10, 0)
     assert (one.bug, one.guided, one.blind) == (bug.name, 5, 5)
-    assert bug_score.score(0, 4, 0).blind == 0
+    assert bug_score.score_bugs(0, 4, 0).blind == 0
 
 
 def test_an_unknown_engine_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="unknown engine 'ray': choose one of local, dask"):
-        outcomes("ray", [1], 1, tmp_path)
+        run_outcomes("ray", [1], 1, tmp_path)

@@ -10,9 +10,9 @@ from std_msgs.msg import String
 from q2q_model.downwash.jet import Jet
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile, encode
-from q2q_model.node.health import Health, Level, report
+from q2q_model.node.health import Health, Level, health_report
 from q2q_model.ros import interference_node
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import Interference
 
 
@@ -26,7 +26,7 @@ def test_a_refused_model_is_an_error_of_health_and_floods_no_log() -> None:
     node, wiring = flying()
     for _ in range(500):
         node.takers["model"](String(data="garbage"))
-    graded = report(Health(), wiring.health)
+    graded = health_report(Health(), wiring.health)
     assert graded.level is Level.ERROR
     assert graded.trouble  # which the log has once a text
     assert graded.summary.startswith("refused: model, the last one is kept: not complete JSON")

@@ -12,7 +12,7 @@ from q2q_msgs.msg import Plan
 from room_node import RoomNode
 
 from q2q_control.ros import mpc_node
-from q2q_model.node.health import Health, Level, report
+from q2q_model.node.health import Health, Level, health_report
 from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode
@@ -48,7 +48,7 @@ def test_an_invalid_plan_is_refused_with_its_reason_and_the_next_one_is_taken() 
         node.takers["plan"](plan(**changed))
         assert reason in wiring.health.last_refusal
         assert wiring.health.last_refusal.startswith("plan, the last one is kept: ")
-    assert report(Health(), wiring.health).level is Level.ERROR
+    assert health_report(Health(), wiring.health).level is Level.ERROR
     node.takers["plan"](plan())
     assert wiring.health.refused == 5
 
@@ -61,11 +61,11 @@ def test_a_plan_far_from_the_references_is_a_doubt_until_another_one_comes_and_o
     node.takers["plan"](plan())
     for tick in range(3):
         node.takers["reference_safe"](encode(away, tick * 10_000_000))
-    assert report(Health(), wiring.health).summary == told
+    assert health_report(Health(), wiring.health).summary == told
     assert node.lines.count(f"{told} flown without looking ahead") == 1
     node.takers["plan"](plan())
     node.takers["reference_safe"](encode(setpoint(PLAN.names), 30_000_000))
-    assert report(Health(), wiring.health).level is Level.STALE
+    assert health_report(Health(), wiring.health).level is Level.STALE
 
 
 def test_a_node_that_starts_after_the_plan_has_ended_has_no_doubt_while_vehicles_hold_there() -> None:
@@ -75,11 +75,11 @@ def test_a_node_that_starts_after_the_plan_has_ended_has_no_doubt_while_vehicles
     for second in (60, 61):
         hold = replace(setpoint(PLAN.names), t=float(second))
         node.takers["reference_safe"](encode(hold, second * 10**9))
-    assert report(Health(), wiring.health).level is Level.STALE
+    assert health_report(Health(), wiring.health).level is Level.STALE
     assert node.lines == []
     away = replace(hold, t=62.0, pos=np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]))
     node.takers["reference_safe"](encode(away, 62 * 10**9))
-    told = report(Health(), wiring.health).summary
+    told = health_report(Health(), wiring.health).summary
     assert told.startswith("plan: it ended 55.0 s before it came, and is far from the setpoints: cf2 5.0 m")
     assert node.lines == [f"{told} flown without looking ahead"]
 
@@ -95,7 +95,7 @@ def test_references_that_the_plan_does_not_have_are_told_once_and_kept_in_health
     assert plan_first or node.lines == []  # no plan has come: nothing is missing from it
     names.take_source(("x", "cf2"))
     assert node.lines == ["cf1 not in plan, which has x, cf2: flown without looking ahead"]
-    assert report(Health(), health).summary == "cf1 not in plan, which has x, cf2"
+    assert health_report(Health(), health).summary == "cf1 not in plan, which has x, cf2"
     names.take_source(("cf2", "cf1"))
-    assert report(Health(), health).level is Level.STALE
+    assert health_report(Health(), health).level is Level.STALE
     assert len(node.lines) == 1

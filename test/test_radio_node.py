@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.radio import cflib_link
-from q2q_control.radio.firmware_params import POSE_STD, difference, firmware_params
+from q2q_control.radio.firmware_params import POSE_STD, firmware_params, first_difference
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
@@ -238,10 +238,10 @@ def test_parameters_of_the_node_are_checked() -> None:
 def test_a_parameter_that_a_vehicle_does_not_hold_is_named_with_both_values() -> None:
     demanded = firmware_params(("locSrv.extPosStdDev=1e-3",), "setpoint")
     held = {"stabilizer.controller": 2.0, "locSrv.extPosStdDev": float(np.float32(1e-3))}
-    assert not difference(demanded, held)
-    assert "its stabilizer.controller is 1, expected 2" in difference(
+    assert not first_difference(demanded, held)
+    assert "its stabilizer.controller is 1, expected 2" in first_difference(
         demanded, held | {"stabilizer.controller": 1.0}
     )
-    assert "its locSrv.extPosStdDev is nan, expected 0.001" in difference(
+    assert "its locSrv.extPosStdDev is nan, expected 0.001" in first_difference(
         demanded, {"stabilizer.controller": 2.0}
     )

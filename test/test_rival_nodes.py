@@ -18,7 +18,7 @@ from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.node.health import Health, Level
 from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.diagnostics import PERIOD_S
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.signals.layout import Signal
 from q2q_model.trajectory import plan_file

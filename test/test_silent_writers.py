@@ -19,7 +19,7 @@ from std_srvs.srv import Empty
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.ros import guarded_commands, mpc_node, pid_node
 from q2q_model.ros.node.run import make_executor
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import CommandStatus, SwarmCommand

@@ -13,9 +13,9 @@ from room_node import RoomNode
 from std_srvs.srv import Empty
 
 from q2q_control.ros import pid_node
-from q2q_model.node.health import Health, HealthReport, Level, report
+from q2q_model.node.health import Health, HealthReport, Level, health_report
 from q2q_model.node.rehearsal import rehearsal
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import SeveralWriters
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.stamps import stamp_from_time
@@ -49,7 +49,7 @@ def emergency(node: RoomNode) -> None:
 
 def graded(wiring: TickWiring[SwarmCommand]) -> HealthReport:
     """Return the grade of the node's life."""
-    return report(Health(), wiring.health)
+    return health_report(Health(), wiring.health)
 
 
 def test_an_emergency_is_one_error_line_at_once_and_an_error_of_health() -> None:
@@ -99,7 +99,7 @@ def test_packets_that_vehicles_refuse_are_a_doubt_of_the_simulator_while_they_co
                 client.send(datagram)
             assert client.recv(64) == b"\xff"  # the probe is answered after what came before
             simulator._diagnostics()
-            doubts.append(report(Health(), simulator._flight.health).summary)
+            doubts.append(health_report(Health(), simulator._flight.health).summary)
     assert doubts == ["no tick", f"CRTP of {name}: packets refused: 2 (port 10: not served)", "no tick"]
 
 
@@ -147,6 +147,6 @@ def test_a_second_writer_of_an_input_is_told_once_and_graded_until_it_is_gone() 
         graph.writers[:] = ["replanner_2", "replanner"][-names:]
         health.ticks, health.doubts["reference_safe"] = 5, writers.look()
         assert health.doubts["reference_safe"] == found
-        after = report(Health(), health)
+        after = health_report(Health(), health)
         assert (after.level, after.summary) == ((Level.WARN, told) if found else (Level.OK, "5 ticks"))
     assert graph.lines == [told]

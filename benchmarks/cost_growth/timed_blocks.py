@@ -20,7 +20,7 @@ from cost_growth.scene import BEFORE, Scene, Tick
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import Pid
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.signals.cdr import SignalReader, encode
@@ -123,7 +123,7 @@ def _interference(scene: Scene) -> TimedBlock:
     def all_pairs(k: int) -> object:
         pos = scene.ticks[k].state.pos
         rel_pos = pos - pos[:, None]  # (n, n, 3)
-        return model.acceleration(rel_pos, at_rest(rel_pos))
+        return model.acceleration(rel_pos, pairs_at_rest(rel_pos))
 
     task: Task = lambda k: block.update(scene.ticks[k].state)  # noqa: E731
     return TimedBlock("interference", task, block, "the law on all pairs", all_pairs)

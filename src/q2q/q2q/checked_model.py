@@ -10,7 +10,7 @@ from q2q_model.downwash.interaction_model import (
     ModelAnswerError,
     PairMotion,
     Reach,
-    at_rest,
+    pairs_at_rest,
 )
 from q2q_model.signals.array_answer import array_answer
 from q2q_model.signals.values import Array, Mask
@@ -40,7 +40,7 @@ class CheckedModel:
         self._reach, self._max_delay = self._checked_reach(), self._checked_max_delay()
         vel, axis = (np.tile(one, (len(PLACES), 1)) for one in (VEL, UP))
         moving = PairMotion(source_vel=vel, source_axis=axis, vel=vel)
-        for rel_pos, motion in ((PLACES, at_rest(PLACES)), (np.stack([PLACES, 2.0 * PLACES]), moving)):
+        for rel_pos, motion in ((PLACES, pairs_at_rest(PLACES)), (np.stack([PLACES, 2.0 * PLACES]), moving)):
             self.delay(rel_pos)
             self.acceleration(rel_pos, motion)
             self.deviation(rel_pos, motion)

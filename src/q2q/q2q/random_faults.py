@@ -6,7 +6,7 @@ from pathlib import Path
 from q2q.argument_checks import check_whole_number, folder_to_write
 from q2q.scenario_choice import AirName, air_name
 from q2q_sim.air.air_names import check_air
-from q2q_sim.experiments.campaign.engine import outcomes
+from q2q_sim.experiments.campaign.engine import run_outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 
 
@@ -31,4 +31,4 @@ def campaign(
         check_whole_number(name, number, least)
     if named := air_name(air):
         check_air(named)
-    return outcomes("local", range(seed, seed + runs), jobs, folder_to_write("out", out), named)
+    return run_outcomes("local", range(seed, seed + runs), jobs, folder_to_write("out", out), named)

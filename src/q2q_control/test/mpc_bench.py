@@ -8,7 +8,7 @@ import numpy as np
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import (
     Array,
@@ -68,7 +68,7 @@ class Air:
             for j in range(len(pos)):
                 if i != j:
                     rel = pos[j] - pos[i]
-                    total[i] += self.wake.acceleration(rel, at_rest(rel))
+                    total[i] += self.wake.acceleration(rel, pairs_at_rest(rel))
         return total
 
 

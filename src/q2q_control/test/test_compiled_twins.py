@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, corrected
+from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, correct_estimate
 from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.group_solve import Group, solve_group
@@ -254,9 +254,9 @@ def test_the_observers_loop_is_its_plain_form():
     fresh, known = np.array([True, False, True, True]), np.array([True, True, False, True])
     measured = MeasuredRows(*(rng.normal(size=(4, 3)) for _ in range(3)), fresh)
     args = old, measured, known, ObserverGain(0.5, 6.0, 20.0, 0.01), 0.8
-    for one, other in zip(corrected(*args), corrected.py_func(*args), strict=True):
+    for one, other in zip(correct_estimate(*args), correct_estimate.py_func(*args), strict=True):
         assert np.allclose(one, other, atol=1e-14)
-    pos, vel, d = corrected(*args)
+    pos, vel, d = correct_estimate(*args)
     assert np.array_equal(pos[2], measured.pos[2])
     assert np.array_equal(vel[2], measured.vel[2])
     assert np.array_equal(d[1], np.clip(old.disturbance[1], -0.8, 0.8))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_control.mpc.chain import ChainWeights, chain, transition
-from q2q_control.mpc.correction import CROSSING, DELAY_MARGIN, faded_residual, thrust_reserve, tightened
+from q2q_control.mpc.correction import CROSSING, DELAY_MARGIN, faded_residual, thrust_reserve, tighten
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.jet import Jet
@@ -17,7 +17,7 @@ from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 TICK = 0.01
 """[s]"""
-TIGHT = tightened(MpcParams())
+TIGHT = tighten(MpcParams())
 BELIEVED_LAG, BELIEVED_TICKS = 0.07, 3
 """Thrust lag [s] and latency of a Crazyflie 2.0 in the room `real`."""
 
@@ -78,9 +78,9 @@ def test_a_delay_of_the_margin_brings_the_open_loop_to_minus_one() -> None:
 
 def test_the_bandwidth_is_bounded_by_delay_and_stage_and_never_lowered() -> None:
     params = MpcParams()
-    assert tightened(params).bandwidth_z == pytest.approx(0.736 / 0.06, rel=1e-3)
-    assert tightened(replace(params, steps=20)).bandwidth_z == pytest.approx(6.5)  # 0.65 rad in 0.1 s
-    assert tightened(replace(params, bandwidth_z=20.0)).bandwidth_z == 20.0
+    assert tighten(params).bandwidth_z == pytest.approx(0.736 / 0.06, rel=1e-3)
+    assert tighten(replace(params, steps=20)).bandwidth_z == pytest.approx(6.5)  # 0.65 rad in 0.1 s
+    assert tighten(replace(params, bandwidth_z=20.0)).bandwidth_z == 20.0
 
 
 @pytest.mark.parametrize(
@@ -170,4 +170,4 @@ def test_a_push_that_thrust_holds_only_without_its_residual_is_left_ahead_with_a
 
 def test_correction_couples_all_axes_by_the_downwash_but_not_those_of_another_loop() -> None:
     assert TIGHT.mode == "full"
-    assert tightened(replace(MpcParams(), mode="altitude")).mode == "altitude"
+    assert tighten(replace(MpcParams(), mode="altitude")).mode == "altitude"

@@ -8,7 +8,7 @@ from q2q_control.inputs.alignment import align
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.prediction.surroundings import Future, Surroundings, at_constant_velocity
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY
@@ -56,7 +56,7 @@ def test_the_horizons_lowest_vehicle_meets_what_the_middle_one_leaves_of_the_top
     rule, taking = SlopeRule((2,), 100.0), replace(PAPER_LAW, absorption=1.5)
     paper, left = (predict_downwash(law, tracks, rule) for law in (PAPER_LAW, taking))
     rel_pos = pos[0, 2] - pos[0, :2]
-    on_low, on_middle = PAPER_LAW.acceleration(rel_pos, at_rest(rel_pos))[:, 2]  # by the top one alone
+    on_low, on_middle = PAPER_LAW.acceleration(rel_pos, pairs_at_rest(rel_pos))[:, 2]  # by the top one alone
     taken = 1.5 * on_middle / GRAVITY * on_low
     assert taken > 0.005
     assert np.allclose(left.eta[0, :, 2], paper.eta[0, :, 2] + taken, rtol=1e-12)

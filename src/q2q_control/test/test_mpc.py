@@ -14,7 +14,7 @@ from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downw
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.receding import Mpc, MpcSetup
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.vehicle.constants import TEXTBOOK_065, Vehicle
@@ -119,7 +119,7 @@ def test_slopes_are_the_derivative_of_the_downwash():
     for axis in range(3):
         nudge = np.zeros(3)
         nudge[axis] = 1e-5
-        up, down = (PAPER_LAW.acceleration(rel + s * nudge, at_rest(rel)) for s in (1.0, -1.0))
+        up, down = (PAPER_LAW.acceleration(rel + s * nudge, pairs_at_rest(rel)) for s in (1.0, -1.0))
         assert np.allclose(downwash.slope[row, 0, :, axis], (up - down) / 2e-5, rtol=1e-3, atol=1e-6)
 
 

@@ -13,7 +13,7 @@ from q2q_control.mpc.prediction.neighbours import (
     HeardPredictions,
     PredictedPaths,
     accelerations_along,
-    blended,
+    blend,
     known_neighbours,
     positions_at,
 )
@@ -42,7 +42,7 @@ def known(x: float = 0.5) -> Neighbours:
 def neighbours(heard: HeardPredictions, t: float, known: Neighbours) -> Neighbours:
     """Return what a tick at t [s] takes cf2 to do."""
     followed, share = heard.follow(t, known._replace(spread=np.zeros(1)), TIMES)
-    return blended(followed, known, share)
+    return blend(followed, known, share)
 
 
 def test_a_path_is_interpolated_at_the_receivers_stages_and_goes_on_straight_after_its_end() -> None:

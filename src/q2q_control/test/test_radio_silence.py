@@ -11,7 +11,7 @@ from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import (
     FullState,
     RpytSetpoint,
-    names_cut,
+    cut_vehicles,
 )
 from q2q_control.radio.vehicle_record import Phase
 from q2q_model.signals.values import (
@@ -89,7 +89,7 @@ def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     bench.fly()
     zero = np.zeros(2)
     status = np.array([CommandStatus.CUT, CommandStatus.OK], dtype=np.uint8)
-    names = names_cut(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
+    names = cut_vehicles(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
     bench.pilot.cut((*names, "stranger"), bench.t)
     bench.rpyt_setpoints()
     assert bench.links["cf1"].sent[-1] == "stop"

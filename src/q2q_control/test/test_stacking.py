@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from q2q_control.failsafe.blind_flight.stacking import stacked
+from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 
 REACH, GAP = 0.6, 0.1
 PLACES = st.sampled_from([0.0, 0.05, 0.1, 0.3, 0.5, 0.7, -0.4, np.nan])
@@ -21,4 +21,4 @@ def test_pairs_are_those_of_a_plain_loop(pos: np.ndarray, data: st.DataObject) -
         for i, j in product(rows, range(len(pos)))
         if np.hypot(*(pos[j] - pos[i])[:2]) < REACH and pos[j, 2] - pos[i, 2] > GAP
     ]
-    assert list(zip(*stacked(pos, np.array(rows, dtype=np.intp), REACH, GAP), strict=True)) == expected
+    assert list(zip(*stacked_pairs(pos, np.array(rows, dtype=np.intp), REACH, GAP), strict=True)) == expected

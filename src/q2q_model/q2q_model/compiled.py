@@ -86,18 +86,18 @@ def _compiled(function: Callable[..., object], options: dict[str, object]) -> ob
     return made
 
 
-def entries() -> list[Kernel]:
+def entry_kernels() -> list[Kernel]:
     """Return the kernels that Python calls: those called by other kernels are part of the callers' code."""
     parts = {called for kernel in KERNELS for called in _called_by(kernel.function)}
     return [one for one in KERNELS if one.function not in parts]
 
 
-def uncached() -> list[str]:
+def uncached_kernels() -> list[str]:
     """Return the names of the entries whose current machine code is not cached."""
-    return [kernel.name for kernel in entries() if not kernel.cache.holds_any()]
+    return [kernel.name for kernel in entry_kernels() if not kernel.cache.holds_any()]
 
 
-def idle() -> list[str]:
+def uncalled_kernels() -> list[str]:
     """Return the names of the kernels this process has called neither from Python nor from other kernels."""
     called: set[FunctionType] = set()
     callers = [one.function for one in KERNELS if isinstance(one.made, Dispatcher) and one.made.overloads]
@@ -153,11 +153,11 @@ class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         self._cache_file = _Index(self._cache_path, self._impl.filename_base, stamp)
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[object, ...]:  # noqa: ANN401
-        return (*super()._index_key(signature, codegen), digest_of(self._py_func))
+        return (*super()._index_key(signature, codegen), kernel_digest(self._py_func))
 
     def holds_any(self) -> bool:
         """Return whether the cache holds code for any signature of the current function."""
-        digest = digest_of(self._py_func)
+        digest = kernel_digest(self._py_func)
         return any(key[-1] == digest for key in self._cache_file._load_index())  # noqa: SLF001  numba shows it nowhere else
 
 
@@ -176,7 +176,7 @@ class _CompilationListener(event.Listener):  # type: ignore[misc]  # numba has n
 event.register("numba:compile", _CompilationListener())
 
 
-def digest_of(function: FunctionType) -> str:
+def kernel_digest(function: FunctionType) -> str:
     """Return a digest of a function and of all kernels and constants that it uses."""
     found = sha256()
     for part in _parts(function, set()):

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight
 from q2q_model.signals.values import Array
@@ -75,7 +75,7 @@ def _fly(made: Pass, ticks: int) -> tuple[Array, Array, Array, Array]:
         y = np.array([0.0, np.clip(made.speed * (k * STEP - made.seconds / 2), -1.0, 1.0)])
         rel = np.array([0.0, y[1] - y[0], z[1] - z[0]])
         both = np.stack((rel, -rel))
-        eta = made.law.acceleration(both, at_rest(both))[:, 2]
+        eta = made.law.acceleration(both, pairs_at_rest(both))[:, 2]
         if k % per == 0:
             row = k // per
             pos[row, :, 1], pos[row, :, 2], vel[row, :, 2] = y, z, v

@@ -5,7 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from q2q_model.estimation.association.reacquisition import Table
-from q2q_model.estimation.attitude.attitude_steps import ATTITUDE, UNIT_TOLERANCE, AttitudeGateParams, follow
+from q2q_model.estimation.attitude.attitude_steps import (
+    ATTITUDE,
+    UNIT_TOLERANCE,
+    AttitudeGateParams,
+    follow_attitudes,
+)
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array
@@ -155,7 +160,7 @@ def at_rest(quat: Array, *, seen: bool = True, rejected_since: float = np.inf) -
 def taken(t: float, measured: Array, tracks: Table) -> bool:
     """Return whether the compiled way takes a tick; where not, no track has changed."""
     before = tracks.copy()
-    took = follow(t, measured, PARAMS, tracks)
+    took = follow_attitudes(t, measured, PARAMS, tracks)
     assert took or np.array_equal(tracks, before)
     return took
 

@@ -12,7 +12,7 @@ from q2q_model.commands import identify
 from q2q_model.commands.command_line import (
     CommandLine,
     UsageError,
-    nearest,
+    nearest_word,
     output_file,
     output_folder,
     outside_ros,
@@ -135,7 +135,7 @@ def test_what_is_meant_for_ros_is_left_to_ros():
 
 
 def test_nothing_is_near_to_a_word_unlike_all():
-    assert nearest(["--qqqqqq"], ["--seed", "--controller"]) == ""
+    assert nearest_word(["--qqqqqq"], ["--seed", "--controller"]) == ""
 
 
 @pytest.mark.filterwarnings("always")

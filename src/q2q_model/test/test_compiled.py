@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from numba import config
 
-from q2q_model.compiled import _Index, compiled, digest_of
+from q2q_model.compiled import _Index, compiled, kernel_digest
 
 MAIN = """
 from q2q_model.compiled import COMPILED, compiled
@@ -86,7 +86,7 @@ def test_recursion_does_not_go_on_for_ever() -> None:
     def down(n: int) -> int:
         return 0 if n == 0 else down(n - 1)
 
-    assert len(digest_of(down)) == 64
+    assert len(kernel_digest(down)) == 64
 
 
 def test_where_numba_is_switched_off_a_kernel_is_the_function_itself(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,8 +6,8 @@ from q2q_model.node.connections import (
     Connections,
     connections_from_text,
     other_writers,
-    undelivered,
-    unmatched,
+    undelivered_topics,
+    unmatched_topics,
 )
 
 SOURCE = Connections(reads=("/command",), matched={"/mocap": 2})
@@ -16,27 +16,27 @@ PID = Connections(reads=("/state", "/mocap"), matched={"/command": 1})
 
 
 def test_nodes_are_connected_once_every_writer_has_matched_all_that_read_its_topic() -> None:
-    assert unmatched({"source": SOURCE, "filter": FILTER, "pid": PID}) == {}
+    assert unmatched_topics({"source": SOURCE, "filter": FILTER, "pid": PID}) == {}
 
 
 def test_a_reader_that_no_writer_has_matched_yet_is_missed_by_the_writers_name() -> None:
     late = Connections(reads=("/mocap",), matched={})
     nodes = {"source": SOURCE, "filter": FILTER, "pid": PID, "late": late}
-    assert unmatched(nodes) == {"source": ["/mocap"]}
+    assert unmatched_topics(nodes) == {"source": ["/mocap"]}
 
 
 def test_a_strangers_reader_more_than_ours_does_no_harm() -> None:
-    assert unmatched({"source": Connections(("/state",), {"/mocap": 5}), "filter": FILTER}) == {}
+    assert unmatched_topics({"source": Connections(("/state",), {"/mocap": 5}), "filter": FILTER}) == {}
 
 
 def test_a_latched_value_is_waited_for_where_it_is_out() -> None:
     reader = Connections(reads=("/plan",), matched={}, lacks=("/plan",))
     player = Connections((), {"/plan": 1}, out=("/plan",))
-    assert undelivered({"mpc": reader, "player": player}) == {"mpc": ["/plan"]}
+    assert undelivered_topics({"mpc": reader, "player": player}) == {"mpc": ["/plan"]}
     silent = Connections((), {"/plan": 1})  # it comes with the first tick
-    assert undelivered({"mpc": reader, "player": silent}) == {}
+    assert undelivered_topics({"mpc": reader, "player": silent}) == {}
     served = Connections(reads=("/plan",), matched={})
-    assert undelivered({"mpc": served, "player": player}) == {}
+    assert undelivered_topics({"mpc": served, "player": player}) == {}
 
 
 def test_connections_survive_their_text() -> None:

@@ -3,7 +3,7 @@
 import pytest
 
 from q2q_model.counted import counted
-from q2q_model.node.health import Health, report
+from q2q_model.node.health import Health, health_report
 
 
 @pytest.mark.parametrize(("count", "words"), [(0, "0 ticks"), (1, "1 tick"), (21, "21 ticks")])
@@ -12,4 +12,4 @@ def test_one_alone_is_singular(count: int, words: str) -> None:
 
 
 def test_a_node_that_has_done_one_tick_says_so() -> None:
-    assert report(Health(), Health(ticks=1)).summary == "1 tick"
+    assert health_report(Health(), Health(ticks=1)).summary == "1 tick"

@@ -18,7 +18,7 @@ from q2q_model.identification.force.downwash_force import (
     ForceSamples,
     force_samples,
     known_rows,
-    pooled,
+    pooled_score,
     remark_on_unmeasured,
     score,
 )
@@ -26,7 +26,7 @@ from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_
 from q2q_model.identification.force.recorded_force import (
     LOG_MASS,
     check_weight,
-    lagged,
+    first_order_lag,
     motion_of,
     push_of_log,
 )
@@ -189,9 +189,9 @@ def test_without_exposed_rows_nothing_is_claimed():
 def test_the_lag_is_a_first_order_and_missing_commands_repeat_the_last():
     t = 0.01 * np.arange(300)
     step = np.where(t < 1.0, 0.0, 1.0)[:, None]
-    answer = lagged(step, t, 0.1)
+    answer = first_order_lag(step, t, 0.1)
     assert answer[150, 0] == pytest.approx(1.0 - np.exp(-0.51 / 0.1), rel=1e-9)  # 51 ticks after the step
-    np.testing.assert_array_equal(lagged(step, t, 0.0), step)
+    np.testing.assert_array_equal(first_order_lag(step, t, 0.0), step)
 
 
 def real_samples(family: str) -> dict[str, list[ForceSamples]]:
@@ -231,7 +231,7 @@ def held_out(family: str, form: JetForm) -> tuple[float, float]:
                 eta = eta_along(jet, one.motion)[one.exposed, one.vehicle, 2]
                 y.append(one.y[one.exposed])
                 misses.append(y[-1] - eta)
-    found = pooled(y, misses, [one for samples in flights.values() for one in samples])
+    found = pooled_score(y, misses, [one for samples in flights.values() for one in samples])
     assert found.r2_exposed is not None
     assert found.mean_upper_mps2 is not None
     return found.r2_exposed, found.mean_upper_mps2

@@ -1,39 +1,39 @@
 """Grading a node's health, and letting through so many events a second."""
 
-from q2q_model.node.health import Health, Level, report
+from q2q_model.node.health import Health, Level, health_report
 from q2q_model.signals.decimation import Decimation
 
 
 def test_a_second_with_ticks_and_nothing_else_is_ok() -> None:
-    graded = report(Health(ticks=100), Health(ticks=200))
+    graded = health_report(Health(ticks=100), Health(ticks=200))
     assert graded.level == Level.OK
     assert graded.summary == "100 ticks"
 
 
 def test_a_second_without_a_tick_is_stale() -> None:
-    assert report(Health(ticks=5), Health(ticks=5)).level == Level.STALE
+    assert health_report(Health(ticks=5), Health(ticks=5)).level == Level.STALE
 
 
 def test_old_trouble_does_not_colour_a_good_second() -> None:
     before = Health(ticks=10, missed=3, refused=1, last_refusal="old")
     after = Health(ticks=20, missed=3, refused=1, last_refusal="old")
-    assert report(before, after).level == Level.OK
+    assert health_report(before, after).level == Level.OK
 
 
 def test_a_missed_tick_or_a_fallback_warns_and_a_refusal_is_an_error_with_its_reason() -> None:
-    assert report(Health(), Health(ticks=99, missed=1)).level == Level.WARN
-    assert report(Health(), Health(ticks=99, fallbacks=1)).level == Level.WARN
+    assert health_report(Health(), Health(ticks=99, missed=1)).level == Level.WARN
+    assert health_report(Health(), Health(ticks=99, fallbacks=1)).level == Level.WARN
     health = Health(ticks=99)
     health.refuse("state: position has 5 numbers")
-    graded = report(Health(), health)
+    graded = health_report(Health(), health)
     assert graded.level == Level.ERROR
     assert "5 numbers" in graded.summary
 
 
 def test_a_fallback_is_told_from_a_missed_tick() -> None:
-    lost = report(Health(), Health(ticks=99, missed=1))
-    fallen = report(Health(), Health(ticks=99, fallbacks=1, fallback="cf1: failsafe LAND"))
-    both = report(Health(), Health(ticks=99, missed=1, fallbacks=1))
+    lost = health_report(Health(), Health(ticks=99, missed=1))
+    fallen = health_report(Health(), Health(ticks=99, fallbacks=1, fallback="cf1: failsafe LAND"))
+    both = health_report(Health(), Health(ticks=99, missed=1, fallbacks=1))
     assert [one.summary for one in (lost, fallen, both)] == [
         "missing ticks",
         "in fallback: cf1: failsafe LAND",
@@ -45,7 +45,7 @@ def test_a_failure_is_an_error_whatever_else_is_amiss() -> None:
     health = Health(ticks=99, fallbacks=99, failure="motors cut")
     health.refuse("state: position has 5 numbers")
     for before in (Health(), health):
-        graded = report(before, health)
+        graded = health_report(before, health)
         assert (graded.level, graded.summary) == (Level.ERROR, "motors cut")
 
 
@@ -67,6 +67,6 @@ def test_decimation_starts_anew_when_time_jumps_back() -> None:
 
 
 def test_a_second_without_a_tick_tells_which_inputs_it_waits_for() -> None:
-    graded = report(Health(ticks=5), Health(ticks=5, missed=84, awaited="state not received"))
+    graded = health_report(Health(ticks=5), Health(ticks=5, missed=84, awaited="state not received"))
     assert (graded.level, graded.summary, graded.trouble) == (Level.WARN, "no tick: state not received", True)
-    assert not report(Health(), Health(ticks=9, missed=1, awaited="state not received")).trouble
+    assert not health_report(Health(), Health(ticks=9, missed=1, awaited="state not received")).trouble

@@ -8,7 +8,7 @@ from identification_passes import FLOWN, eta_error, evidence, records
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
-from q2q_model.downwash.level_set import peak
+from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import RoleScores
@@ -20,11 +20,11 @@ from q2q_model.identification.gains.altitude_record import AltitudeRecord, altit
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import (
-    best_of,
+    best_trial,
     candidates,
     score_candidates,
 )
-from q2q_model.identification.selection.held_out import doubts, score_held_out, score_on
+from q2q_model.identification.selection.held_out import model_doubts, score_held_out, score_on
 from q2q_model.signals.values import Array, SwarmState
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -89,7 +89,7 @@ def test_with_one_flight_nothing_is_claimed_about_others():
 def test_the_plain_jet_is_kept_where_freedom_brings_nothing():
     flights = evidence()
     tried = candidates("jet", flights, LOOP)
-    best = best_of(score_candidates(tried, flights, LOOP, lambda _: None)[0])
+    best = best_trial(score_candidates(tried, flights, LOOP, lambda _: None)[0])
     assert best.candidate.name == "jet, straight down, power law"
 
 
@@ -152,13 +152,13 @@ def test_a_model_that_its_flights_do_not_show_is_doubted():
     """Gains without intervals above 0, or held-out errors as large as those of no model, are said."""
     recordings = [Recording(made_flight(one)) for one in FLOWN]
     found = identify(recordings, ProcedureParams(model_type="jet"), lambda _: None)
-    assert doubts(found.gains, found.held_out, found.evidence) == []
+    assert model_doubts(found.gains, found.held_out, found.evidence) == []
     unknown = replace(found.gains, k_d=Interval(0.4, 0.0, 0.9))
     inferred = [replace(one, pushes=()) for one in found.evidence]
-    (first,) = doubts(unknown, found.held_out, inferred)
+    (first,) = model_doubts(unknown, found.held_out, inferred)
     assert first.startswith("the downwash is inferred by gains that these flights do not determine")
     useless = replace(found.held_out, r2=RoleScores(lower=-0.01))
-    (second,) = doubts(found.gains, useless, found.evidence)
+    (second,) = model_doubts(found.gains, useless, found.evidence)
     assert "no better than none (R2 -0.010)" in second
 
 
@@ -172,5 +172,5 @@ def test_where_no_wake_was_flown_the_model_claims_none(apart: float):
         moved = {name: getattr(made, name) + aside for name in ("pos", "mocap_pos", "true_pos", "ref_pos")}
         flights.append(Recording(replace(made, **moved)))
     found = identify(flights, ProcedureParams(model_type="jet"), lambda _: None)
-    assert peak(found.file.interaction) <= 0.05
+    assert peak_downwash(found.file.interaction) <= 0.05
     assert found.chosen.kind == "none"

@@ -7,7 +7,7 @@ import pytest
 from identification_passes import FLOWN, REACH, eta_error, evidence, pushes, random_model, records, terms
 from made_flights import LOOP
 
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification.flight_evidence import FlightEvidence
@@ -55,7 +55,7 @@ def test_the_networks_of_training_are_those_that_fly():
     model, rng = random_model(3), np.random.default_rng(4)
     rel_pos = 0.4 * rng.standard_normal((50, 3))
     found = evaluate(model, np.hypot(rel_pos[:, 0], rel_pos[:, 1]), rel_pos[:, 2]).eta
-    np.testing.assert_allclose(found, model.acceleration(rel_pos, at_rest(rel_pos))[:, 2], atol=1e-12)
+    np.testing.assert_allclose(found, model.acceleration(rel_pos, pairs_at_rest(rel_pos))[:, 2], atol=1e-12)
 
 
 def test_the_loss_is_that_of_the_whole_trajectory_simulated_with_its_own_heights():

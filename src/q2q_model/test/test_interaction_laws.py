@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
-from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, PairMotion, pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.roles import lower_share, smooth_gap
 
 ABOVE = np.array([0.0, 0.0, 0.5])
-LEVEL = at_rest(ABOVE)
+LEVEL = pairs_at_rest(ABOVE)
 ROUNDING = 1e-12
 
 
@@ -79,7 +79,7 @@ def test_a_law_is_negligible_beyond_its_reach_sideways(law: InteractionModel):
 def test_a_law_has_no_jump_where_the_vehicles_change_roles(law: InteractionModel):
     dz = np.linspace(-0.2, 0.2, 4001)
     rel_pos = np.stack([0.02 + 0.0 * dz, 0.0 * dz, dz], axis=-1)
-    eta = law.acceleration(rel_pos, at_rest(rel_pos))[:, 2]
+    eta = law.acceleration(rel_pos, pairs_at_rest(rel_pos))[:, 2]
     largest = np.abs(eta).max() + 1e-9
     assert np.abs(np.diff(eta)).max() < 0.01 * largest  # a jump of roles would be of order 1
     assert np.abs(np.diff(eta, 2)).max() < 1e-3 * largest  # nor a corner

@@ -20,7 +20,7 @@ from q2q_model.identification.intervals import (
     UNKNOWN,
     EstimatingRows,
     Stretch,
-    clusters,
+    cluster_rows,
     correlation_time,
     half_widths,
     intervals,
@@ -95,7 +95,7 @@ def test_intervals_by_flight_hold_the_truth_as_often_as_they_say():
         y = columns @ truth + 0.5 * rng.standard_normal(16)[flights] + rng.standard_normal(flights.size)
         value = np.linalg.lstsq(columns, y)[0]
         stretches = [Stretch(k, np.arange(50.0), (y - columns @ value)[flights == k]) for k in range(16)]
-        cluster = clusters(stretches, 1.0)
+        cluster = cluster_rows(stretches, 1.0)
         found = intervals(value, least_squares_rows(columns, y - columns @ value, cluster))
         held += [one.low <= true <= one.high for one, true in zip(found, truth, strict=True)]
     assert np.all((held >= 0.92 * fits) & (held <= 0.98 * fits)), held  # 2.7 deviations of a count below
@@ -129,9 +129,9 @@ def test_the_correlation_time_is_that_of_the_noise_and_stretches_are_ten_times_l
     seen[1250:1750] = False  # a hole
     one = Stretch(0, t[seen], wander(rng, t.size, 1.0)[seen])
     assert correlation_time([one]) == pytest.approx(0.9 * TAU, rel=0.1)  # cut where a tenth is left
-    assert np.unique(clusters([one], 0.1)).size == pytest.approx(180.0 / (9.0 * TAU), rel=0.15)
+    assert np.unique(cluster_rows([one], 0.1)).size == pytest.approx(180.0 / (9.0 * TAU), rel=0.15)
     nothing = Stretch(1, np.empty(0), np.empty(0))
-    assert np.unique(clusters([one, nothing], 10.0)).size == 16  # of 49.96 s and 129.96 s
+    assert np.unique(cluster_rows([one, nothing], 10.0)).size == 16  # of 49.96 s and 129.96 s
 
 
 def test_hubers_gains_keep_their_claim_with_rows_that_weigh_less():

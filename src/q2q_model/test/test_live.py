@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from made_flights import LOOP, Pass, made_flight
 
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.live import LiveParams, LiveRefinement, scaled
+from q2q_model.identification.live import LiveParams, LiveRefinement, scale_downwash
 from q2q_model.identification.networks.gradient import unpack
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -35,12 +35,14 @@ def ticks(flight: Flight) -> Iterator[Tick]:
 
 
 def test_a_model_that_is_a_third_too_weak_is_put_right():
-    live = LiveRefinement(scaled(PAPER_LAW, 0.75), VEHICLE, EAGER)
+    live = LiveRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, EAGER)
     for tick in ticks(made_flight(FLOWN)):
         estimate = live.update(*tick)
     assert estimate.gain == pytest.approx(1.0 / 0.75, rel=0.03)
     rel_pos = np.array([0.0, 0.0, 0.5])
-    true, refined = (law.acceleration(rel_pos, at_rest(rel_pos))[2] for law in (PAPER_LAW, live.refined()))
+    true, refined = (
+        law.acceleration(rel_pos, pairs_at_rest(rel_pos))[2] for law in (PAPER_LAW, live.refined())
+    )
     assert refined == pytest.approx(true, rel=0.03)
 
 
@@ -78,7 +80,7 @@ def test_before_any_downwash_the_gain_is_one_and_repeated_stamps_change_nothing(
 
 
 def test_missing_sensors_and_nan_leave_a_vehicle_out():
-    live = LiveRefinement(scaled(PAPER_LAW, 0.75), VEHICLE, EAGER)
+    live = LiveRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, EAGER)
     for state, command, imu in ticks(made_flight(FLOWN)):
         only_lower = SwarmImu(imu.t, ("cf1",), imu.specific_force_body[:1], imu.ang_vel_body[:1])
         estimate = live.update(state, command, only_lower)
@@ -88,7 +90,8 @@ def test_missing_sensors_and_nan_leave_a_vehicle_out():
 
 def test_the_prior_holds_the_gain_until_there_is_evidence():
     bold, shy = (
-        LiveRefinement(scaled(PAPER_LAW, 0.75), VEHICLE, LiveParams(prior=prior)) for prior in (0.1, 1000.0)
+        LiveRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, LiveParams(prior=prior))
+        for prior in (0.1, 1000.0)
     )
     for tick in ticks(made_flight(FLOWN)):
         gains = bold.update(*tick).gain, shy.update(*tick).gain
@@ -100,5 +103,7 @@ def test_every_kind_of_model_scales():
     rel_pos = np.array([[0.03, 0.0, 0.4], [0.0, 0.02, -0.5]])
     networks = unpack(np.random.default_rng(14).standard_normal(322), 0.1, 1.1)
     for law in (Jet(carried=1.0, travel_speed=3.0), networks, NoInteraction()):
-        once, twice = (one.acceleration(rel_pos, at_rest(rel_pos)) for one in (law, scaled(law, 2.0)))
+        once, twice = (
+            one.acceleration(rel_pos, pairs_at_rest(rel_pos)) for one in (law, scale_downwash(law, 2.0))
+        )
         np.testing.assert_allclose(twice, 2.0 * once, rtol=1e-12)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
@@ -42,8 +42,8 @@ def test_a_saved_model_predicts_the_same_to_the_last_digit(law: InteractionModel
     save(path, ModelFile(law, Cylinder(0.2, 0.9), PAPER_LOOP, FIT))
     again = load(path)
     rel_pos = np.random.default_rng(10).normal(size=(20, 3)) * 0.3
-    expected = law.acceleration(rel_pos, at_rest(rel_pos))
-    np.testing.assert_array_equal(again.interaction.acceleration(rel_pos, at_rest(rel_pos)), expected)
+    expected = law.acceleration(rel_pos, pairs_at_rest(rel_pos))
+    np.testing.assert_array_equal(again.interaction.acceleration(rel_pos, pairs_at_rest(rel_pos)), expected)
     assert (again.zone, again.gains, again.fit) == (Cylinder(0.2, 0.9), PAPER_LOOP, FIT)
 
 

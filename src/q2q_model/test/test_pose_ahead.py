@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from q2q_model.geometry.pose_ahead import moved_on
+from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
 
@@ -32,7 +32,7 @@ def motion_at(t: float) -> _Motion:
 @pytest.mark.parametrize("delay", [0.0, 0.02, 0.1])
 def test_a_sent_pose_is_that_of_uniform_motion_after_the_delay(delay: float) -> None:
     later = motion_at(0.3 + delay)
-    pos, quat = moved_on(motion_at(0.3), delay)
+    pos, quat = extrapolate_pose(motion_at(0.3), delay)
     np.testing.assert_allclose(pos, later.pos, rtol=0.0, atol=1e-15)
     np.testing.assert_allclose(quat, later.quat, rtol=0.0, atol=1e-15)
 
@@ -43,4 +43,4 @@ def test_a_tilted_body_turns_about_its_own_axis() -> None:
     one = _Motion(
         np.zeros(3), np.zeros(3), quat_from_euler(quarter, 0.0, 0.0), np.array([0.0, 0.0, quarter / 0.1])
     )
-    np.testing.assert_allclose(moved_on(one, 0.1)[1], [0.5, -0.5, 0.5, 0.5], rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(extrapolate_pose(one, 0.1)[1], [0.5, -0.5, 0.5, 0.5], rtol=0.0, atol=1e-15)

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.signals.values import Interference, InterferenceStatus, SwarmState, TrackStatus
 
-LEVEL = at_rest(np.zeros(3))
+LEVEL = pairs_at_rest(np.zeros(3))
 
 
 def state(t: float, pos: list[list[float]], vel: list[list[float]] | None = None) -> SwarmState:

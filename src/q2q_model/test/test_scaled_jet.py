@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.commands.scale_model import main
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MOVING_LAW
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, SCALING_STD, QuadrotorSize, scaled_jet
@@ -33,8 +33,8 @@ def test_a_jet_scaled_to_its_own_airframe_differs_in_its_doubt_alone() -> None:
 
 def test_vehicles_of_one_kind_feel_the_same_at_the_same_place_over_their_size() -> None:
     rel_pos = np.array([[0.0, 0.0, 0.4], [0.05, 0.02, 0.6], [0.1, 0.0, 0.3]])
-    small = MOVING_LAW.acceleration(rel_pos, at_rest(rel_pos))
-    large = scaled_jet(MOVING_LAW, CRAZYFLIE, TWICE).acceleration(2.0 * rel_pos, at_rest(rel_pos))
+    small = MOVING_LAW.acceleration(rel_pos, pairs_at_rest(rel_pos))
+    large = scaled_jet(MOVING_LAW, CRAZYFLIE, TWICE).acceleration(2.0 * rel_pos, pairs_at_rest(rel_pos))
     np.testing.assert_allclose(large, small, rtol=1e-3, atol=1e-6)  # roles blend over a fixed height
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
@@ -29,14 +29,14 @@ STACK = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5], [0.0, 0.0, 2.1]])
 def alone(law: float, i: int, j: int) -> float:
     """Return the vertical downwash of one pair of the stack times a factor."""
     rel_pos = STACK[j] - STACK[i]
-    return law * float(PAPER_LAW.acceleration(rel_pos, at_rest(rel_pos))[2])
+    return law * float(PAPER_LAW.acceleration(rel_pos, pairs_at_rest(rel_pos))[2])
 
 
 def of_stack(terms: SourceTerms, pos: Array = STACK) -> dict[tuple[int, int], float]:
     """Return the strength of each pair of three hovering vehicles."""
     i, j = np.nonzero(~np.eye(3, dtype=bool))
     rel_pos = pos[j] - pos[i]
-    law = PAPER_LAW.acceleration(rel_pos, at_rest(rel_pos))[:, 2:]
+    law = PAPER_LAW.acceleration(rel_pos, pairs_at_rest(rel_pos))[:, 2:]
     share = strengths(i, j, law, np.ones_like(law), terms)[:, 0]
     return dict(zip(zip(i.tolist(), j.tolist(), strict=True), share.tolist(), strict=True))
 

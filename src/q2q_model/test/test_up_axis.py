@@ -10,7 +10,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.commands import identify
 from q2q_model.flights.flight_table import POS, flight_table
 from q2q_model.flights.table_file import read_columns
-from q2q_model.flights.up_axis import FLOOR, doubt_of_height
+from q2q_model.flights.up_axis import FLOOR, y_up_reason
 from q2q_model.signals.values import Array, MocapFrame
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data"))
@@ -32,16 +32,16 @@ def y_up(pos: Array) -> Array:
 
 @pytest.mark.parametrize("outliers", [0, 4])
 def test_a_flight_whose_y_is_up_is_doubted_and_one_whose_z_is_up_is_not(outliers: int) -> None:
-    assert doubt_of_height(circle(outliers)) == ""
-    told = doubt_of_height(y_up(circle(outliers)))
+    assert y_up_reason(circle(outliers)) == ""
+    told = y_up_reason(y_up(circle(outliers)))
     below = (np.sin(np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)) > -FLOOR).mean()
     shares = f"z is below -0.1 m in {below:.0%} of the positions and y in {outliers / 200:.0%}: is y up?"
     assert told.startswith(shares)
 
 
 def test_an_origin_above_the_floor_and_unknown_positions_raise_no_doubt() -> None:
-    assert doubt_of_height(circle() - np.array([0.0, 0.0, 2.0])) == ""
-    assert doubt_of_height(np.full((9, 2, 3), np.nan)) == ""
+    assert y_up_reason(circle() - np.array([0.0, 0.0, 2.0])) == ""
+    assert y_up_reason(np.full((9, 2, 3), np.nan)) == ""
 
 
 def test_identify_tells_of_a_bag_whose_y_is_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -59,6 +59,6 @@ def test_identify_tells_of_a_bag_whose_y_is_up(tmp_path: Path, capsys: pytest.Ca
 def test_no_public_flight_is_doubted_and_most_are_with_y_up() -> None:
     files = sorted([*DATA.glob("nanobench/*.parquet"), *DATA.glob("neural_swarm/*.parquet")])
     flights = {file.stem: flight_table(read_columns(file)).vectors(POS) for file in files}
-    assert [name for name, pos in flights.items() if doubt_of_height(pos)] == []
-    found = sum(bool(doubt_of_height(y_up(pos))) for pos in flights.values())
+    assert [name for name, pos in flights.items() if y_up_reason(pos)] == []
+    found = sum(bool(y_up_reason(y_up(pos))) for pos in flights.values())
     assert found >= 0.8 * len(flights) > 0  # 30 of 34: the others move to one side only

@@ -9,7 +9,7 @@ import pytest
 from q2q_model.flights.column_map import SourceColumn
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLogError, is_usd_log, usd_log
-from q2q_model.geometry.quaternion32 import compressed
+from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.geometry.rotations import normalised, quat_from_euler
 from q2q_model.signals.values import Array
 
@@ -30,7 +30,7 @@ def values(seed: int) -> list[tuple[float, float, float, int, int]]:
     for k in range(ROWS):
         x, y, z = (float(np.float32(one)) for one in (0.01 * k, *rng.normal(size=2)))
         quat = normalised(rng.normal(size=4))
-        rows.append((x, y, z, 3700 + k, compressed((quat[0], quat[1], quat[2], quat[3]))))
+        rows.append((x, y, z, 3700 + k, compress_quat((quat[0], quat[1], quat[2], quat[3]))))
     return rows
 
 

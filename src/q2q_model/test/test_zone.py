@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.downwash.level_set import STEP, LevelSet, level_set
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
@@ -66,7 +66,7 @@ def test_a_level_sets_boundary_is_where_the_downwash_is_the_threshold():
     gap = np.linspace(0.15, 0.9, 16)
     width = PAPER_LAW.width + PAPER_LAW.spread * gap
     axis = np.stack([0 * gap, 0 * gap, gap], axis=-1)
-    peak = PAPER_LAW.push(axis, at_rest(axis))
+    peak = PAPER_LAW.push(axis, pairs_at_rest(axis))
     across = width * np.sqrt(2.0 * np.log(peak / 0.1))  # closed form of the Gaussian
     on_it = np.stack([across, 0.0 * gap, gap], axis=-1)
     np.testing.assert_allclose(LEVEL.signed_distance(on_it), 0.0, atol=0.5 * STEP)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
-from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline import certificate
 from q2q_planner.offline.branch_and_bound import TOLERANCE
@@ -16,7 +16,7 @@ from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.offline.shared_pieces import shared_pieces, split
+from q2q_planner.offline.shared_pieces import shared_pieces, split_at
 
 ZONES = (Cylinder(0.1, 1.1), Cylinder(0.3, 0.2), Ellipsoid(0.4, 0.7))
 
@@ -97,7 +97,7 @@ def test_control_points_hold_their_curve_and_halve_exactly(seed: int, share: flo
     value = (coefficients * (share * np.array([2.0, 0.5, 1.0])[:, None]) ** np.arange(8)).sum(-1)
     assert (points.min(-1) - 1e-9 <= value).all()  # rounding
     assert (value <= points.max(-1) + 1e-9).all()
-    left, right = halves(points)
+    left, right = split_in_half(points)
     middle = (coefficients * (0.5 * np.array([2.0, 0.5, 1.0])[:, None]) ** np.arange(8)).sum(-1)
     assert left[:, -1] == pytest.approx(middle, abs=1e-9)
     assert right[:, 0] == pytest.approx(middle, abs=1e-9)
@@ -113,7 +113,7 @@ def test_cutting_a_trajectory_changes_no_value(seed: int) -> None:
     t = np.linspace(0.0, plan.duration + 1.0, 97)
     for trajectory in plan.trajectories:
         # shifting powers of a degree-7 polynomial with coefficients up to 1e3 costs some digits
-        assert split(trajectory, cuts).at(t) == pytest.approx(trajectory.at(t), abs=1e-7)
+        assert split_at(trajectory, cuts).at(t) == pytest.approx(trajectory.at(t), abs=1e-7)
     shared = shared_pieces(plan.trajectories)
     assert shared.coefficients.shape[:3] == (len(shared.starts), 3, 3)
 

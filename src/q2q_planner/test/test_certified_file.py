@@ -12,7 +12,7 @@ from q2q_model.files.sealed_json import checksum
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
-from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.certified_file import load_plan
 from q2q_planner.offline.convex_zone import lathe_around, lathe_of_profile
@@ -29,7 +29,7 @@ def made() -> AvoidancePlan:
         VehicleWaypoints("cf1", (Waypoint(0.0, (-1.0, 0.0, 1.0)), Waypoint(4.0, (1.0, 0.0, 1.0)))),
         VehicleWaypoints("cf2", (Waypoint(0.0, (0.0, -1.0, 1.5)), Waypoint(4.0, (0.0, 1.0, 1.5)))),
     )
-    return avoid(swarm, ZONE)
+    return avoid_zones(swarm, ZONE)
 
 
 def written(plan: SwarmPlan, file: Path, edit: Callable[[Document], object] | None = None) -> Path:

@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.geometry.zone import Ellipsoid
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
-from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, held_plan, random_swap
+from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, plan_swap, random_swap
 from q2q_planner.offline.certificate import certify
 
 ROOM = RoomSize()
@@ -26,11 +26,11 @@ def test_a_swap_permutes_places_that_are_apart_and_within_the_walls() -> None:
 
 def test_a_held_plan_is_certified_and_walls_and_thrust_are_heeded() -> None:
     swarm = random_swap(4, ZONE, ROOM, np.random.default_rng(1))
-    plan = held_plan(swarm, ZONE, ROOM, (CRAZYFLIE_2_1, 3.0))
+    plan = plan_swap(swarm, ZONE, ROOM, (CRAZYFLIE_2_1, 3.0))
     assert plan is not None
     assert certify(plan, ZONE).holds
-    assert held_plan(swarm, ZONE, replace(ROOM, wall=0.9), (CRAZYFLIE_2_1, 3.0)) is None
-    assert held_plan(swarm, ZONE, ROOM, (CRAZYFLIE_2_1, 6.5)) is None  # all that it has to spare
+    assert plan_swap(swarm, ZONE, replace(ROOM, wall=0.9), (CRAZYFLIE_2_1, 3.0)) is None
+    assert plan_swap(swarm, ZONE, ROOM, (CRAZYFLIE_2_1, 6.5)) is None  # all that it has to spare
 
 
 def test_a_room_that_is_full_says_so() -> None:

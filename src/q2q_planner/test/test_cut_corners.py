@@ -5,7 +5,7 @@ import pytest
 
 from q2q_model.geometry.zone import Ellipsoid
 from q2q_planner.experiments.crowded_room import RoomSize, random_swap
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.avoidance.near_samples import cut_corners
 from q2q_planner.offline.convex_zone import lathe_around
 
@@ -39,7 +39,7 @@ def test_swaps_around_a_flat_zone_are_proven(seed: int) -> None:
     """Every pair is outside of the zone between the samples of the search, too: seen by 10 000 samples."""
     count = 11
     swarm = random_swap(count, FLAT, ROOM, np.random.default_rng([seed, count]))
-    plan = avoid(swarm, FLAT, params=AvoidanceParams(starts=1)).plan
+    plan = avoid_zones(swarm, FLAT, params=AvoidanceParams(starts=1)).plan
     t = np.linspace(0.0, ROOM.time, 10_000)
     pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories])
     i, j = np.triu_indices(count, 1)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from q2q_model.signals.values import SetpointStatus
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_planner.experiments.encounters import Encounter, fly_encounter, judge, random_encounter
+from q2q_planner.experiments.encounters import Encounter, fly_encounter, judge_encounter, random_encounter
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -21,7 +21,7 @@ TICK = 0.01
 def kept_promise(seed: int, most: int) -> None:
     generator = np.random.default_rng(seed)
     encounter = random_encounter(generator, most=most)
-    verdict = judge(fly_encounter(encounter, PARAMS, generator), encounter, PARAMS)
+    verdict = judge_encounter(fly_encounter(encounter, PARAMS, generator), encounter, PARAMS)
     assert verdict.silent_time == 0.0
     if verdict.conditions_hold:
         assert not verdict.broken
@@ -53,7 +53,7 @@ def head_on() -> Encounter:
 
 def test_two_replanners_that_hear_each_other_late_avoid_each_other() -> None:
     encounter = head_on()
-    verdict = judge(fly_encounter(encounter, PARAMS, np.random.default_rng(0)), encounter, PARAMS)
+    verdict = judge_encounter(fly_encounter(encounter, PARAMS, np.random.default_rng(0)), encounter, PARAMS)
     assert verdict.conditions_hold
     assert verdict.zone_time == 0.0
     assert not verdict.broken
@@ -63,14 +63,14 @@ def test_references_that_nobody_moves_are_judged_inside_and_silent() -> None:
     """The middle of a swap is flown at 35/16 of 0.5 m/s: 0.4 m of zone pass at twice that speed."""
     encounter = head_on()
     references = [setpoint_at(encounter.plan, k * TICK) for k in range(700)]
-    verdict = judge(references, encounter, PARAMS)
+    verdict = judge_encounter(references, encounter, PARAMS)
     assert verdict.zone_time == pytest.approx(0.4 / (2.0 * 35.0 / 16.0 * 0.5), abs=0.01)
     assert verdict.silent_time == verdict.zone_time
     assert verdict.clearance == pytest.approx(-PARAMS.eps, abs=0.01)
     assert verdict.shift == 0.0
     assert verdict.arrived
     lines = np.array([SetpointStatus.PROMISE_BROKEN, SetpointStatus.NOMINAL], dtype=np.uint8)
-    output = judge([replace(one, status=lines) for one in references], encounter, PARAMS)
+    output = judge_encounter([replace(one, status=lines) for one in references], encounter, PARAMS)
     assert output.zone_time == verdict.zone_time
     assert output.silent_time == 0.0
     assert output.broken

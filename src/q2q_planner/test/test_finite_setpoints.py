@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
-from q2q_planner.online.safe.committed_motion import at_reference, propagated
-from q2q_planner.online.safe.finite_setpoints import flyable, moves_finitely
+from q2q_planner.online.safe.committed_motion import at_reference, propagate
+from q2q_planner.online.safe.finite_setpoints import flyable_inputs, moves_finitely
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
@@ -137,10 +137,10 @@ def test_a_motion_that_overflowed_is_dropped_and_its_vehicle_a_new_one() -> None
     motion = at_reference(apart(0))
     motion.acc[0, 1] = np.inf
     assert not moves_finitely(motion)
-    some = flyable(apart(1), motion, None)
+    some = flyable_inputs(apart(1), motion, None)
     assert some.setpoint.names == NAMES
     assert some.committed is not None
     assert some.committed.names == ("cf2",)
-    both = propagated(some.committed, some.setpoint, PARAMS.acc_max)
+    both = propagate(some.committed, some.setpoint, PARAMS.acc_max)
     np.testing.assert_array_equal(both.pos[0], apart(1).pos[0])
     assert moves_finitely(both)

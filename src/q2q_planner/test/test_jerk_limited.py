@@ -10,7 +10,7 @@ from q2q_model.signals.values import Array
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions
 from q2q_planner.online.safe.stopping.jerk_limited import (
     jerk_towards,
-    lateness,
+    rest_delay,
     rest_time,
     smooth_motion_after,
     stays_out_smoothly,
@@ -122,7 +122,7 @@ def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
     proven = stays_out_smoothly(motions, 0, 1, LAW, 1e-3)
     zone, growth = Cylinder(*LAW[:2]), motions.growth.sum(axis=0)
     rest = max(rest_time(motions, row, LAW) for row in range(2))
-    late = rest + lateness(float(growth[1]), LAW)
+    late = rest + rest_delay(float(growth[1]), LAW)
     left = []
     for s in np.linspace(0.0, late, 400):
         pos, _, _ = smooth_motion_after(motions, float(s), LAW)
@@ -155,10 +155,10 @@ def test_nothing_moves_beyond_its_reach(seed: int) -> None:
 
 
 def test_a_velocity_known_less_well_takes_longer_to_stop_by_two_ramps_and_a_plateau() -> None:
-    assert lateness(0.2, LAW) == pytest.approx(0.2 / BRAKE + 2.0 * np.sqrt(0.2 / JERK), rel=1e-14)
+    assert rest_delay(0.2, LAW) == pytest.approx(0.2 / BRAKE + 2.0 * np.sqrt(0.2 / JERK), rel=1e-14)
     for vel in (0.0, 0.1, 1.0, 3.0):
         later = rest_time(stopping(vel + 0.2, 0.0), 0, LAW) - rest_time(stopping(vel, 0.0), 0, LAW)
-        assert later <= lateness(0.2, LAW)
+        assert later <= rest_delay(0.2, LAW)
 
 
 @pytest.mark.parametrize(("jerk", "most"), [(0.0, BRAKE), (30.0, 4.0), (-30.0, BRAKE)])
@@ -171,7 +171,7 @@ def test_the_reach_of_a_stop_is_its_largest_speed_for_its_time_and_its_doubt(
     motion = Motions(still, 1.5 * along, along, np.array([hold]), np.array([[0.1, 0.2]]), jerk * along)
     bound = np.sqrt(most**2 + 2.0 * BRAKE**2)
     speed = 1.5 + bound * (hold + bound / JERK)
-    late = longest + lateness(0.2, LAW)
+    late = longest + rest_delay(0.2, LAW)
     reach = speed * rest_time(motion, 0, LAW) + 0.1 + 2.0 * 0.2 * late
     assert stop_reach(motion, LAW, longest).tolist() == [pytest.approx(reach, rel=1e-13)]
 
@@ -239,7 +239,7 @@ def test_a_pair_that_takes_too_many_steps_is_not_proven() -> None:
 def test_a_doubt_that_grows_brings_vehicles_together_until_both_certainly_rest() -> None:
     """1.0 m/s is stopped within 0.6 s, 0.1 m/s more within 0.19 s: the zone grows by 79 mm."""
     vel = np.tile([1.0, 0.0, 0.0], (2, 1))
-    grown = 0.1 * (1.0 / BRAKE + BRAKE / JERK + lateness(0.1, LAW))
+    grown = 0.1 * (1.0 / BRAKE + BRAKE / JERK + rest_delay(0.1, LAW))
     for left, proven in ((grown + 5e-3, True), (grown - 5e-3, False)):
         motions = pair(np.array([0.0, LAW.eps + left, 0.0]), vel)._replace(
             growth=np.array([[0.0, 0.1], [0.0, 0.0]])

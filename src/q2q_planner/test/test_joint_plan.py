@@ -11,9 +11,9 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
 from q2q_planner.offline import certificate
-from q2q_planner.offline.avoidance.deviation_space import bent, deviation_space
+from q2q_planner.offline.avoidance.deviation_space import bend, deviation_space
 from q2q_planner.offline.avoidance.half_spaces import watch_pairs
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.avoidance.near_samples import LOOK
 from q2q_planner.offline.avoidance.separating_planes import Planes, least_bends, nonnegative_qp
 from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
@@ -43,7 +43,7 @@ def circle(n: int, duration: float = 10.0) -> list[VehicleWaypoints]:
 
 
 def test_section_4_1_avoids_the_zone_at_no_more_than_1_04_times_the_infimum() -> None:
-    found = avoid(SECTION_4_1, PAPER)
+    found = avoid_zones(SECTION_4_1, PAPER)
     assert found.plan.certified
     assert found.certificate.clearance > 0.0
     assert found.infimum == pytest.approx(1.02115e-3, rel=2e-6)
@@ -53,7 +53,7 @@ def test_section_4_1_avoids_the_zone_at_no_more_than_1_04_times_the_infimum() ->
 
 @pytest.mark.parametrize("zone", [PAPER, Ellipsoid.around(PAPER), Cylinder(0.25, 1.1)])
 def test_an_avoiding_plan_meets_its_waypoints_at_rest_and_stays_smooth(zone: Cylinder | Ellipsoid) -> None:
-    plan = avoid(SECTION_4_1, zone).plan
+    plan = avoid_zones(SECTION_4_1, zone).plan
     t = np.linspace(0.0, 50.0, 20_001)
     pos = [trajectory.at(t)[:, :3] for trajectory in plan.trajectories]
     assert zone.signed_distance(pos[0] - pos[1]).min() > 0.0  # the certificate, seen by samples
@@ -71,7 +71,7 @@ def test_an_avoiding_plan_meets_its_waypoints_at_rest_and_stays_smooth(zone: Cyl
 
 @pytest.mark.parametrize("n", [2, 3, 5, 8])
 def test_a_circle_of_vehicles_that_all_swap_is_sorted_out(n: int) -> None:
-    found = avoid(circle(n), Cylinder(0.2, 1.1))
+    found = avoid_zones(circle(n), Cylinder(0.2, 1.1))
     assert certify(found.plan, Cylinder(0.2, 1.1)).holds
 
 
@@ -84,7 +84,7 @@ def test_the_free_reading_costs_less_and_is_certified_too() -> None:
             "cf2", (Waypoint(0, (2, 0.1, 1)), Waypoint(5, (-0.4, 0, 1)), Waypoint(9, (-2, 0.1, 1)))
         ),
     ]
-    free, stopping = avoid(through, PAPER, "free"), avoid(through, PAPER, "stop_and_go")
+    free, stopping = avoid_zones(through, PAPER, "free"), avoid_zones(through, PAPER, "stop_and_go")
     assert free.plan.certified
     assert free.cost < stopping.cost
 
@@ -94,7 +94,7 @@ def test_vehicles_far_apart_get_the_closed_form() -> None:
         VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(5, (1, 0, 1)))),
         VehicleWaypoints("cf2", (Waypoint(0, (0, 5, 1)), Waypoint(5, (1, 5, 1)))),
     ]
-    found = avoid(far, PAPER)
+    found = avoid_zones(far, PAPER)
     assert found.cost == found.infimum
     assert found.steps == 0
     assert found.plan.certified
@@ -108,7 +108,7 @@ def test_waypoints_inside_each_others_zone_are_named() -> None:
         ),
     ]
     with pytest.raises(InfeasibleError, match=r"cf1, waypoint 1 and cf2, waypoint 1 lie 0.05 m inside"):
-        avoid(meeting, PAPER)
+        avoid_zones(meeting, PAPER)
 
 
 def test_a_vehicle_that_parks_on_the_others_waypoint_is_named() -> None:
@@ -117,7 +117,7 @@ def test_a_vehicle_that_parks_on_the_others_waypoint_is_named() -> None:
         VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 1)), Waypoint(5, (0, 0, 1.5)), Waypoint(9, (0, 1, 1)))),
     ]
     with pytest.raises(InfeasibleError, match=r"cf2, waypoint 1 and cf1, waypoint 1 lie 0.1 m inside"):
-        avoid(parked, PAPER)
+        avoid_zones(parked, PAPER)
 
 
 def test_an_impossible_flight_says_which_pair_and_when() -> None:
@@ -129,7 +129,7 @@ def test_an_impossible_flight_says_which_pair_and_when() -> None:
         ),
     ]
     with pytest.raises(InfeasibleError, match=r"cf\d.* and cf\d.* inside each other's zone at t = [45]"):
-        avoid(tight, PAPER)
+        avoid_zones(tight, PAPER)
 
 
 def test_a_plan_of_which_nothing_is_computed_is_not_said_to_be_inside(
@@ -137,17 +137,17 @@ def test_a_plan_of_which_nothing_is_computed_is_not_said_to_be_inside(
 ) -> None:
     monkeypatch.setattr(certificate, "MOST_STRETCHES", 0)
     with pytest.raises(InfeasibleError, match=r"no pair is proven .* in any of 1 starts: .* more than 0$"):
-        avoid(SECTION_4_1, PAPER, params=AvoidanceParams(starts=1, steps=2))
+        avoid_zones(SECTION_4_1, PAPER, params=AvoidanceParams(starts=1, steps=2))
 
 
 def test_a_warm_start_ends_where_it_began() -> None:
-    cold = avoid(SECTION_4_1, PAPER)
-    warm = avoid(SECTION_4_1, PAPER, warm=cold.plan)
+    cold = avoid_zones(SECTION_4_1, PAPER)
+    warm = avoid_zones(SECTION_4_1, PAPER, warm=cold.plan)
     assert warm.steps <= cold.steps
     assert warm.cost == pytest.approx(cold.cost, rel=1e-3)  # STILL, over some steps
     renamed = [VehicleWaypoints(name, one.waypoints) for name, one in zip("ab", SECTION_4_1, strict=True)]
     with pytest.raises(ValueError, match="warm start of cf1, cf2: expected a, b"):
-        avoid(renamed, PAPER, warm=cold.plan)
+        avoid_zones(renamed, PAPER, warm=cold.plan)
 
 
 @settings(deadline=None, max_examples=15)
@@ -157,7 +157,7 @@ def test_cost_is_length_in_the_space_of_deviations(seed: int) -> None:
         space = deviation_space(SECTION_4_1[0], reading, 4)
         y = np.random.default_rng(seed).normal(size=(space.dimension, 3)) * 0.01
         base = minimum_snap(SECTION_4_1[0], reading)
-        curve = bent(base, space, y)
+        curve = bend(base, space, y)
         assert snap_cost(curve) - snap_cost(base) == pytest.approx(float((y**2).sum()), rel=1e-6)
         t = np.linspace(0.0, 50.0, 23)
         assert curve.at(t)[:, :3] - base.at(t)[:, :3] == pytest.approx(space.rows(t) @ y, abs=1e-9)
@@ -229,12 +229,12 @@ def test_a_room_in_which_all_change_places_at_once_is_sorted_out() -> None:
         VehicleWaypoints(f"cf{row}", (Waypoint(0, tuple(a)), Waypoint(10, tuple(b))))
         for row, (a, b) in enumerate(ends)
     ]
-    found = avoid(swarm, PAPER, params=AvoidanceParams(starts=1))
+    found = avoid_zones(swarm, PAPER, params=AvoidanceParams(starts=1))
     assert found.certificate.holds
     assert found.infimum < found.cost < 1.2 * found.infimum
 
 
 def test_the_search_is_the_same_twice() -> None:
     params = AvoidanceParams(starts=3, seed=4)
-    first, second = (avoid(circle(4), Cylinder(0.2, 1.1), params=params) for _ in range(2))
+    first, second = (avoid_zones(circle(4), Cylinder(0.2, 1.1), params=params) for _ in range(2))
     assert first.cost == second.cost

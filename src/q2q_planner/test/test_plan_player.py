@@ -9,7 +9,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.playing.braked_plan import braked
+from q2q_planner.playing.braked_plan import brake_plan
 from q2q_planner.playing.glide import GlideParams, glide
 from q2q_planner.playing.plan_player import PlanPlayer
 
@@ -186,7 +186,7 @@ def test_a_clock_that_is_set_back_starts_the_plan_of_the_first_tick_anew_and_let
 
 
 def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:
-    stopping = braked(PLAN, 3.8)  # across the waypoint at 4 s
+    stopping = brake_plan(PLAN, 3.8)  # across the waypoint at 4 s
     for curve, whole in zip(stopping.trajectories, PLAN.trajectories, strict=True):
         tau = np.linspace(0.0, 1.0, 201)
         s = 3.8 + tau - 0.5 * tau**2
@@ -197,7 +197,7 @@ def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:
 
 @pytest.mark.parametrize(("s", "end"), [(-1.0, 0.0), (0.0, 0.5), (7.9, 8.0), (8.0, 8.0), (20.0, 8.0)])
 def test_braking_ends_half_its_duration_later_in_the_plan_or_at_its_ends(s: float, end: float) -> None:
-    for curve, whole in zip(braked(PLAN, s).trajectories, PLAN.trajectories, strict=True):
+    for curve, whole in zip(brake_plan(PLAN, s).trajectories, PLAN.trajectories, strict=True):
         np.testing.assert_allclose(curve.at(np.array(5.0)), whole.at(np.array(end)), atol=1e-9)
 
 
@@ -241,5 +241,5 @@ def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -
 
 
 def test_a_plan_that_rests_nowhere_else_is_one_point() -> None:
-    resting: SwarmPlan = braked(PLAN, 30.0)
+    resting: SwarmPlan = brake_plan(PLAN, 30.0)
     assert [len(curve.durations) for curve in resting.trajectories] == [1, 1]

@@ -120,7 +120,7 @@ def test_more_waypoints_than_a_crazyflie_holds_are_refused_before_the_search(
     path = tmp_path / "long.yaml"
     rows = ", ".join(f"{{t: {2 * k}, pos: [{k % 2}, 0, 1]}}" for k in range(33))
     path.write_text(f"vehicles: {{cf1: [{rows}]}}")
-    monkeypatch.delattr("q2q_planner.tools.plan_swarm.planned")
+    monkeypatch.delattr("q2q_planner.tools.plan_swarm.make_plan")
     arguments = ["--out", str(tmp_path / "plan.json"), "--upload", str(tmp_path / "uploads")]
     assert main([str(path), *arguments]) == 1
     assert "cf1: 32 pieces; a Crazyflie's memory holds 31" in capsys.readouterr().err

@@ -11,7 +11,7 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.altitude_response import altitude_errors, altitude_rms
-from q2q_planner.offline.avoidance.joint_plan import avoid
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
@@ -55,7 +55,7 @@ def test_the_lowest_of_a_stack_sinks_less_where_the_middle_one_absorbs() -> None
 
 
 def test_planning_around_the_learned_downwash_cuts_the_height_error_by_85_percent() -> None:
-    free, found = minimum_snap_plan(SECTION_4_1), avoid(SECTION_4_1, level_set(PAPER_LAW, HARMLESS))
+    free, found = minimum_snap_plan(SECTION_4_1), avoid_zones(SECTION_4_1, level_set(PAPER_LAW, HARMLESS))
     before = altitude_rms(references(free), STEP, PAPER_LAW, PAPER_LOOP)
     after = altitude_rms(references(found.plan), STEP, PAPER_LAW, PAPER_LOOP)
     assert (after <= 0.15 * before).all()

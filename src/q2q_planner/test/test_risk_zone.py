@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.find_model import find_model
 from q2q_model.trajectory.plan_file import load_with_facts
@@ -64,7 +64,7 @@ def test_the_zone_of_ample_thrust_is_the_touch_and_two_tubes() -> None:
 def test_strong_downwash_is_in_the_zone_of_weak_thrust_wherever_the_tubes_lead() -> None:
     across, gap = np.meshgrid(np.linspace(0.0, 0.4, 81), np.linspace(0.0, 1.4, 141))
     rel_pos = np.stack([across, np.zeros_like(gap), gap], axis=-1)
-    push = np.abs(MODEL.acceleration(rel_pos, at_rest(rel_pos))[..., 2])
+    push = np.abs(MODEL.acceleration(rel_pos, pairs_at_rest(rel_pos))[..., 2])
     strong = push >= largest_push(WEAK, RESIDUAL)
     assert strong.sum() > 100
     for side in (-1.0, 1.0):

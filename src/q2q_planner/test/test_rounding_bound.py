@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
-from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -64,7 +64,7 @@ def test_control_points_and_setpoints_are_off_by_less_than_the_bound(
     points = control_points(shared.coefficients, shared.durations[:, None, None])[0, 0, 0]
     t, length = Fraction(0), Fraction(duration)
     for share in cuts:  # down to some stretch
-        left, right = halves(points)
+        left, right = split_in_half(points)
         length /= 2
         t, points = (t, left) if share < 0.5 else (t + length, right)
         assert abs(Fraction(float(points[0])) - exact(coefficients, t)) <= bound

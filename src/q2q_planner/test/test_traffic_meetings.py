@@ -14,7 +14,7 @@ from q2q_planner.online.safe.committed_motion import (
     reference_rows,
 )
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.traffic import in_pairs, traffic_at
+from q2q_planner.online.safe.traffic import rows_in_pairs, traffic_at
 
 
 def meet(apart: float, vel: Array, growth: Array | None = None, params: SafeReplannerParams = PARAMS) -> bool:
@@ -23,7 +23,7 @@ def meet(apart: float, vel: Array, growth: Array | None = None, params: SafeRepl
     doubt = np.zeros((2, 2)) if growth is None else growth
     reference = reference_rows(setpoint(1.0, ("a", "b"), pos + 1.0))
     _, traffic = traffic_at(held(pos, vel), reference, doubt, NOBODY, params)
-    both = in_pairs(traffic.pairs, 2)
+    both = rows_in_pairs(traffic.pairs, 2)
     assert both.tolist() == [len(traffic.pairs.i) == 1] * 2
     return bool(both[0])
 

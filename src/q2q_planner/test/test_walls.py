@@ -12,7 +12,7 @@ from numpy.polynomial import Polynomial
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.commands.plan import main
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.branch_and_bound import TOLERANCE
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -30,7 +30,7 @@ NARROW = (-1.5, -0.04, 0.5, 1.5, 1.0, 1.5)
 
 
 def held(walls: tuple[float, ...]) -> AvoidancePlan:
-    return avoid(HEAD_ON, ZONE, params=AvoidanceParams(within=walls))
+    return avoid_zones(HEAD_ON, ZONE, params=AvoidanceParams(within=walls))
 
 
 def sampled(plan: SwarmPlan) -> np.ndarray:
@@ -61,7 +61,7 @@ def test_the_proven_distance_is_that_of_the_extrema(seed: int) -> None:
 
 def test_a_plan_is_bent_away_from_a_wall_that_it_would_cross() -> None:
     """Without the wall both give way by 0.1 m, with it one by 4 cm at most, for every t and by samples."""
-    free = avoid(HEAD_ON, ZONE).plan
+    free = avoid_zones(HEAD_ON, ZONE).plan
     assert sampled(free)[..., 1].min() == pytest.approx(-0.1, abs=5e-3)
     found = held(NARROW)
     pos = sampled(found.plan)
@@ -71,11 +71,11 @@ def test_a_plan_is_bent_away_from_a_wall_that_it_would_cross() -> None:
     assert pos[..., 1].min() > -0.04
     assert ZONE.signed_distance(pos[0] - pos[1]).min() > 0.0
     assert found.plan.certified
-    assert found.cost > avoid(HEAD_ON, ZONE).cost
+    assert found.cost > avoid_zones(HEAD_ON, ZONE).cost
 
 
 def test_a_wall_that_is_far_changes_nothing() -> None:
-    far, free = held((-9.0, -9.0, 0.0, 9.0, 9.0, 9.0)), avoid(HEAD_ON, ZONE)
+    far, free = held((-9.0, -9.0, 0.0, 9.0, 9.0, 9.0)), avoid_zones(HEAD_ON, ZONE)
     assert np.array_equal(sampled(far.plan), sampled(free.plan))
     assert far.within is not None
     assert far.within.clearance == pytest.approx(1.0, abs=1e-6)  # the floor
@@ -87,7 +87,7 @@ def test_one_vehicle_alone_is_kept_within_the_walls() -> None:
     alone = (VehicleWaypoints("cf1", tuple(corner)),)
     box = (-0.01, -0.01, 0.5, 1.01, 1.01, 1.5)
     assert not prove_within(minimum_snap_plan(alone, "free"), Walls(box[:3], box[3:])).holds
-    found = avoid(alone, ZONE, "free", AvoidanceParams(within=box))
+    found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
     assert found.within is not None
     assert found.within.holds
 
@@ -101,7 +101,7 @@ def test_a_wall_that_is_crossed_between_samples_only_is_left(end: float) -> None
     free = minimum_snap_plan(alone, "free")
     box = (-9.0, -9.0, 0.0, sampled(free)[..., 0].max() - 1e-7, 9.0, 9.0)
     assert not prove_within(free, Walls(box[:3], box[3:])).holds
-    found = avoid(alone, ZONE, "free", AvoidanceParams(within=box))
+    found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
     assert sampled(found.plan)[..., 0].max() < box[3]
     assert found.cost < found.infimum * (1.0 + 1e-5)  # it moves by the margin, 0.2 mm
 
@@ -117,7 +117,7 @@ def test_a_zone_that_is_entered_between_samples_only_names_the_pair(walls: tuple
         VehicleWaypoints(name, tuple(map(Waypoint, (0.0, 4.0, 8.0), rows))) for name, rows in ways.items()
     ]
     with pytest.raises(InfeasibleError, match="cf1 and cf2 cannot be kept apart"):
-        avoid(swarm, Cylinder(0.1, 1.1), "free", AvoidanceParams(within=walls))
+        avoid_zones(swarm, Cylinder(0.1, 1.1), "free", AvoidanceParams(within=walls))
 
 
 def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> None:

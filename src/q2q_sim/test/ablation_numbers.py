@@ -8,7 +8,7 @@ from q2q_sim.experiments.ablation.ablation_cases import (
     SHOWN,
     Case,
 )
-from q2q_sim.experiments.ablation.ablation_numbers import Numbers, read
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers, read_numbers
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -23,4 +23,4 @@ STRONG, WEAK = (LearnedModel(name, Jet(strength=k)) for name, k in (("strong", 4
 
 def shipped() -> Numbers:
     """Return the numbers behind the page in the documents."""
-    return read(ROOT / "docs" / "ablation.json", DRAWS)
+    return read_numbers(ROOT / "docs" / "ablation.json", DRAWS)

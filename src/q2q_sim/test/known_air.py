@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_sim.air.learning.evidence.fitted import Fitted
+from q2q_sim.air.learning.statistics.fitted import Fitted
 from q2q_sim.air.room_air import AbsorptionTerm, ResidualTerm
 
 ROLL, PITCH = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, 1.0, -1.0])

@@ -8,8 +8,8 @@ from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord, force_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning.evidence.air_record import ALONE, AirRecord, alone
 from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone
 from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 
 DT = 0.01
@@ -64,7 +64,7 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         motion=motion,
         samples=(),
         measured=whole,
-        clear=whole & alone(motion.pos, ALONE),
+        clear=whole & rows_alone(motion.pos, ALONE),
         force=np.broadcast_to([0.0, 0.0, GRAVITY], (*shape, 3)).copy(),
         command=weight,
         thrust=weight,

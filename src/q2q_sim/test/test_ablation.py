@@ -24,13 +24,18 @@ from q2q_sim.experiments.ablation.ablation_cases import (
     PATHS,
     PLANTS,
     Case,
-    between,
     scenarios_of,
+    trajectory_between,
 )
-from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender, measured
+from q2q_sim.experiments.ablation.contender_flight import (
+    COLUMNS,
+    ContenderFlight,
+    draw_columns,
+    fly_contender,
+)
 from q2q_sim.experiments.ablation.learned_models import LEAST, LearnedModel, models_of, parts_of
 from q2q_sim.experiments.ablation.onboard_flight import Trace
-from q2q_sim.experiments.ablation.side_by_side import SPACING, part_of, side_by_side
+from q2q_sim.experiments.ablation.side_by_side import SPACING, side_by_side, with_vehicles
 from q2q_sim.experiments.ablation.two_level_interval import median_interval
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.monitors.exposure import exposure
@@ -52,7 +57,7 @@ def errors(
         still = [replace(one, duration=SHORT, vicon=type(one.vicon)()) for one in scenarios_of(name)]
         return tuple(replace(one, radio=type(one.radio)()) for one in still)
 
-    monkeypatch.setattr(contender_flight, "measured", keep)
+    monkeypatch.setattr(contender_flight, "draw_columns", keep)
     monkeypatch.setattr(contender_flight, "scenarios_of", short)
     case = Case("crossing")
     fly_contender(ContenderFlight(case, contender, models, air, draws=len(models)))
@@ -87,7 +92,7 @@ def test_a_draw_is_measured_as_its_definition_says() -> None:
     error = np.full((ticks, 2), 0.01)
     error[450, 0] = -0.2
     error[:300] = 9.0  # settling is not judged
-    found = measured(Trace(pos, error), 2)
+    found = draw_columns(Trace(pos, error), 2)
     row = dict(zip(COLUMNS, found[0], strict=True))
     assert found.shape == (1, len(COLUMNS))
     assert row["worst"] == pytest.approx(0.2)
@@ -151,13 +156,13 @@ def test_places_of_draws_are_out_of_reach_and_their_paths_the_same() -> None:
     apart = np.linalg.norm(aside[:, None] - aside, axis=2)[~np.eye(7, dtype=np.bool_)]
     assert apart.min() == pytest.approx(SPACING)
     np.testing.assert_allclose(starts - starts[:, :1], starts[:1] - starts[:1, :1] + np.zeros((7, 1, 1)))
-    third = part_of(scenario, scenario.names[4:6])
+    third = with_vehicles(scenario, scenario.names[4:6])
     assert plan_of(third).names == scenario.names[4:6] == third.names
 
 
 def test_a_part_of_a_trajectory_begins_and_ends_where_it_is_cut() -> None:
     whole = plan_of(library.load("crossing")).trajectories[0]
-    part = between(whole, 17.0, 34.5)
+    part = trajectory_between(whole, 17.0, 34.5)
     assert part.duration == pytest.approx(17.5)
     ends = np.array([0.0, 17.5])
     for derivative in range(3):

@@ -18,13 +18,13 @@ from q2q_sim.experiments.ablation.ablation_cases import (
     SHOWN,
     Case,
 )
-from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers
 from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.conclusion import (
     best_contender,
     conclusion,
+    median_ratio,
     missed_targets,
-    ratio,
     worse_than_ignoring,
 )
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
@@ -41,7 +41,7 @@ def numbers_of(**under: float) -> Numbers:
             rms = under.get(name.replace(" ", "_"), 0.02)
             count = len(case.paths.scenarios) * (5 if case.paths.draws else 2)
             rows = [[rms, 0.01, 3.0 * rms]] * count
-            made.flights[key(case, name)] = np.array(rows) * (1.0 + 0.1 * np.arange(count))[:, None]
+            made.flights[cell_name(case, name)] = np.array(rows) * (1.0 + 0.1 * np.arange(count))[:, None]
     return made
 
 
@@ -60,7 +60,7 @@ def test_draws_are_sorted_by_their_model() -> None:
 
 def test_ratios_are_those_of_each_draw() -> None:
     made = numbers_of(ignoring=0.09)
-    assert ratio(made, PASSAGE, ("ignoring", "MPC"), "worst") == pytest.approx((4.5, 4.5, 4.5))
+    assert median_ratio(made, PASSAGE, ("ignoring", "MPC"), "worst") == pytest.approx((4.5, 4.5, 4.5))
 
 
 def test_the_conclusion_follows_the_numbers() -> None:
@@ -81,7 +81,7 @@ def test_the_conclusion_follows_the_numbers() -> None:
     assert "aware in table6_room, air room" in said
     assert "no controller is worse than ignoring" in conclusion(numbers_of(ignoring=0.09))
     assert len(said.splitlines()) == 3
-    del made.flights[key(PASSAGE, "MPC")]
+    del made.flights[cell_name(PASSAGE, "MPC")]
     assert f"in {2 * len(JUDGED) - 1} of {2 * len(JUDGED) - 1} pairs" in conclusion(made)
     assert conclusion(Numbers(2)) == ""
 
@@ -94,7 +94,7 @@ def test_contenders_that_differ_by_one_part_are_all_flown() -> None:
 
 def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:
     made = numbers_of(ignoring=0.09)
-    del made.flights[key(PASSAGE, "on board")]
+    del made.flights[cell_name(PASSAGE, "on board")]
     text = page(made, "the command", "images/a.png")
     assert "the command" in text
     assert "1 flight not flown" in text
@@ -107,16 +107,16 @@ def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:
 def test_numbers_are_kept_and_read_again(tmp_path: Path) -> None:
     file, made = tmp_path / "numbers.json", numbers_of(ignoring=0.123456789)
     made.save(file)
-    again = read(file, 1)
+    again = read_numbers(file, 1)
     assert (again.models, again.airs) == (made.models, made.airs)
     cell = again.cell(PASSAGE, "ignoring")
     assert cell is not None
     assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=5e-3)  # three digits
     with pytest.raises(ValueError, match="holds 1 seeds, not 3"):
-        read(file, 3)
+        read_numbers(file, 3)
     file.write_text("{}")
     with pytest.raises(ValueError, match="is not an ablation"):
-        read(file, 1)
+        read_numbers(file, 1)
 
 
 def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
@@ -124,7 +124,7 @@ def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
 ) -> None:
     file, out = tmp_path / "numbers.json", tmp_path / "page.md"
     made = numbers_of(ignoring=0.09)
-    del made.flights[key(STACK, "on board")]
+    del made.flights[cell_name(STACK, "on board")]
     made.save(file)
     asked = ["--seeds", "1", "--json", str(file), "--out", str(out), "--table-only"]
     assert main(asked) == 0

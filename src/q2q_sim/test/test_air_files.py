@@ -11,7 +11,7 @@ from q2q_model.files.sealed_json import checksum
 from q2q_sim.air.air_file import decode, encode, load, save
 from q2q_sim.air.air_names import LAWS, MADE, AirError, check_air
 from q2q_sim.air.find_air import find_air
-from q2q_sim.air.room_air import RoomAir, without
+from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake_laws import WakeLaw
 
 
@@ -92,7 +92,7 @@ def test_a_path_gives_the_air_of_its_file_without_some_terms(tmp_path: Path) -> 
     save(path, WHOLE)
     found = find_air(str(path), ("wind", "jet"))
     assert isinstance(found, RoomAir)
-    assert encode(found) == encode(without(WHOLE, ("wind", "jet")))
+    assert encode(found) == encode(without_terms(WHOLE, ("wind", "jet")))
     assert found.wind is found.jet is None
 
 

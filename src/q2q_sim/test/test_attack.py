@@ -7,16 +7,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.guided import attack as attacks
-from q2q_sim.experiments.guided.attack import GENERATION, SURVEY, attack, attempts, falling, last_start
-from q2q_sim.experiments.guided.attack_case import case_of, read_case, shrunk, with_faults, write_case
+from q2q_sim.experiments.guided.attack import (
+    GENERATION,
+    SURVEY,
+    attack,
+    attack_runs,
+    falling_policies,
+    last_fault_start,
+)
+from q2q_sim.experiments.guided.attack_case import case_of, read_case, shrink, with_faults, write_case
 from q2q_sim.experiments.guided.attacked_flight import (
     RECORD,
     AttackedFlight,
     fly_attacked,
 )
-from q2q_sim.experiments.guided.coincidence import CoincidingFaults, moments
+from q2q_sim.experiments.guided.coincidence import CoincidingFaults, critical_moments
 from q2q_sim.experiments.guided.fault_vector import DIMENSION, SLOTS, faults_of, vector_of
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault
@@ -54,8 +61,8 @@ def test_the_ends_of_a_vector_are_faults_and_one_vehicle_swaps_with_none(end: fl
 
 
 def test_faults_are_those_of_their_vector():
-    run = drawn(3)
-    last = last_start(run)
+    run = draw_run(3)
+    last = last_fault_start(run)
     faults = CoincidingFaults(np.random.default_rng(1), run.scenario, last).drawn(2)
     again = faults_of(vector_of(faults, run.scenario.names, last), run.scenario.names, last)
     for one, other in zip(faults, again, strict=True):
@@ -64,9 +71,9 @@ def test_faults_are_those_of_their_vector():
 
 
 def test_coinciding_faults_begin_on_each_other_and_act_at_moments_of_the_plan():
-    run = drawn(0)
-    last = last_start(run)
-    known = {moment.t for moment in moments(run.scenario, last)}
+    run = draw_run(0)
+    last = last_fault_start(run)
+    known = {moment.t for moment in critical_moments(run.scenario, last)}
     draw = CoincidingFaults(np.random.default_rng(0), run.scenario, last)
     for _ in range(100):
         one, other = draw.drawn(1)
@@ -81,9 +88,9 @@ def test_coinciding_faults_begin_on_each_other_and_act_at_moments_of_the_plan():
 
 def test_the_moments_of_a_pass_are_its_fastest_and_its_nearest():
     run = next(
-        run for run in map(drawn, range(100)) if "Table 2 flight 3" in str(run.document["description"])
+        run for run in map(draw_run, range(100)) if "Table 2 flight 3" in str(run.document["description"])
     )
-    fastest, nearest = moments(run.scenario, last_start(run))
+    fastest, nearest = critical_moments(run.scenario, last_fault_start(run))
     crossing = 20.0 - 15.5  # the middle of the pass, in the section flown
     assert fastest.vehicle == nearest.vehicle == "cf2"
     assert fastest.t == pytest.approx(crossing, abs=0.051)
@@ -106,15 +113,15 @@ def test_an_attack_descends_the_margin_that_fell_most_in_the_run_where_it_is_lea
     assert {run.seed for run, _ in descent} == {worst[0].seed}
     assert np.mean([margin for _, margin in descent[-GENERATION:]]) < 0.8 * worst[1]
     for run, _ in flown:
-        assert all(fault.start <= last_start(run) for fault in run.scenario.faults)
+        assert all(fault.start <= last_fault_start(run) for fault in run.scenario.faults)
 
 
 def test_margins_that_all_runs_share_are_not_descended():
     flights = [
         AttackedFlight((), {"tilt": 0.0, "hold": 1.0 - 0.1 * k, "room": 0.9 - 0.2 * k}) for k in range(5)
     ]
-    surveyed = [attacks.AttackRun(drawn(0), np.zeros(DIMENSION), flight) for flight in flights]
-    assert falling(surveyed) == ("room", "hold")
+    surveyed = [attacks.AttackRun(draw_run(0), np.zeros(DIMENSION), flight) for flight in flights]
+    assert falling_policies(surveyed) == ("room", "hold")
 
 
 def test_an_attack_is_its_seed_and_ends_with_its_runs_or_a_violation():
@@ -132,19 +139,19 @@ def test_an_attack_is_its_seed_and_ends_with_its_runs_or_a_violation():
 def test_a_shrunk_run_has_the_faults_that_count_rounded_as_far_as_they_may_be():
     jump = Fault("jump", 1.04999, 0.5123, ("cf1",), 0.26123)
     others = (Fault("dropout", 2.0, 0.3), Fault("nan", 0.5), Fault("stale", 3.0, 0.1))
-    run = with_faults(drawn(0), (others[0], jump, *others[1:]))
+    run = with_faults(draw_run(0), (others[0], jump, *others[1:]))
 
     def still(run: Run) -> bool:
         return any(fault.kind == "jump" and fault.size > 0.25 for fault in run.scenario.faults)
 
-    (left,) = shrunk(run, still).scenario.faults
+    (left,) = shrink(run, still).scenario.faults
     assert left == replace(jump, start=1.0, duration=0.5, size=0.3)
-    (left,) = shrunk(run, lambda one: still(one) and one.scenario.faults[-1].start > 1.04).scenario.faults
+    (left,) = shrink(run, lambda one: still(one) and one.scenario.faults[-1].start > 1.04).scenario.faults
     assert left == replace(jump, start=1.05, duration=0.51, size=0.26)
 
 
 def test_a_seeded_bug_is_found_kept_and_flown_again(tmp_path: Path):
-    run = drawn(0)
+    run = draw_run(0)
     run = with_faults(run, (Fault("nan", 1.0, 0.1, run.scenario.names[:1]),))
     bug = next(bug for bug in SEEDED_BUGS if bug.name == "nan_as_zero")
     with bug.seeded():
@@ -176,7 +183,7 @@ def test_a_bug_ends_with_its_block():
 
 def test_generations_are_of_runs_that_differ():
     judge = iter(range(SURVEY + GENERATION))
-    tried = attempts(1, SURVEY + GENERATION, lambda _: AttackedFlight((), {"room": -float(next(judge))}))
+    tried = attack_runs(1, SURVEY + GENERATION, lambda _: AttackedFlight((), {"room": -float(next(judge))}))
     seen = [one.vector for one in tried]
     assert len(seen) == SURVEY + GENERATION
     assert all(not np.array_equal(one, other) for one, other in pairwise(seen))

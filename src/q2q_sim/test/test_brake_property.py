@@ -10,7 +10,7 @@ import pytest
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.stated_properties.brake_property import FAST, SHARE, brake
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
@@ -24,7 +24,7 @@ LAST, BLIND, END = 350, 400, 450
 @cache
 def two_vehicles() -> Run:
     """Return a run of cf1 and cf2 without faults."""
-    run = next(run for run in map(drawn, range(100)) if run.scenario.names == ("cf1", "cf2"))
+    run = next(run for run in map(draw_run, range(100)) if run.scenario.names == ("cf1", "cf2"))
     return with_faults(run, ())
 
 

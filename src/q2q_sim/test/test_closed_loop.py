@@ -153,7 +153,11 @@ def test_a_flight_has_a_row_for_every_tick_it_lasts(duration: float) -> None:
 def test_a_flight_that_is_not_recorded_is_the_same_flight(mode: Mode) -> None:
     faults = (Fault("dropout", 0.5, 0.3, ("cf1",)), Fault("clock_jump", 1.0, 0.2, size=-0.1))
     scenario = replace(
-        library.load("stack3"), duration=2.0, vicon=ROUGH.vicon, radio=ROUGH.radio, faults=faults
+        library.load("stack3"),
+        duration=2.0,
+        vicon=ROUGH.vicon,
+        radio=ROUGH.radio,
+        faults=faults,
     )
     options = FlightOptions(mode=mode, seed=5, model=find_model(scenario.model).interaction)
     recorded, answered = fly(scenario, options), list(answered_ticks(scenario, options))

@@ -9,7 +9,7 @@ import pytest
 
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.experiments.licence.commands.client_commands import CommandKind, asked_by
+from q2q_sim.experiments.licence.commands.client_commands import CommandKind, client_command
 from q2q_sim.experiments.licence.crazyswarm import server_packets
 from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
     check_ellipsoid_collisions,
@@ -18,7 +18,7 @@ from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
 from q2q_sim.experiments.licence.crazyswarm.message_fields import real, three, whole
 from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
-from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom, OpenLink, runs
+from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom, OpenLink, may_run_motors
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR
@@ -154,7 +154,7 @@ def test_a_command_for_another_group_asks_nothing_of_a_vehicle():
     for mask, kind in ((0, CommandKind.PLAN), (1, CommandKind.PLAN), (2, CommandKind.OTHER)):
         pilot.firmware().parameters.set("hlCommander.groupmask", 1)
         packet = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 1.0, mask)
-        asked = asked_by(packet, [], pilot.firmware())
+        asked = client_command(packet, [], pilot.firmware())
         assert asked is not None
         assert asked.kind == kind
     assert asked.words == "takeoff for another group"
@@ -163,7 +163,9 @@ def test_a_command_for_another_group_asks_nothing_of_a_vehicle():
 def test_old_take_offs_are_told_with_their_height_which_may_leave_the_room():
     pilot = Pilot(np.zeros((1, 4)))
     pilot.fly(1.0)
-    asked = asked_by(server_packets.vertical(server_packets.TAKE_OFF, 60.0, 2.0, 0), [], pilot.firmware())
+    asked = client_command(
+        server_packets.vertical(server_packets.TAKE_OFF, 60.0, 2.0, 0), [], pilot.firmware()
+    )
     assert asked is not None
     assert asked.pos is not None
     assert (asked.words, asked.pos[2], asked.yaw_rad) == ("takeoff to 60.00 m in 2.0 s", 60.0, 0.0)
@@ -175,7 +177,7 @@ def test_the_start_of_a_trajectory_asks_for_one_that_is_defined():
     start = Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBBf", 5, 0, 0, 0, 2, 1.0))
     for defined, impossible in ((1, "trajectory 2, which is not defined"), (2, "")):
         pilot.firmware().uploads.defined[defined] = Uploaded(1, 0, 0, 1)
-        asked = asked_by(start, [], pilot.firmware())
+        asked = client_command(start, [], pilot.firmware())
         assert asked is not None
         assert (asked.words, asked.impossible) == ("start_trajectory", impossible)
 
@@ -193,7 +195,7 @@ def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitu
         found = []
         for packet in (climb, there, level):
             pilot.fleet.vehicles[0].handle(datagram_of(packet))
-            asked = asked_by(packet, [], pilot.firmware())
+            asked = client_command(packet, [], pilot.firmware())
             assert asked is not None
             found.append(asked.impossible)
         assert found == impossible
@@ -209,7 +211,7 @@ def test_a_thrust_that_the_firmware_takes_for_none_is_told_and_no_thrust_is_not(
     ):
         packet = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 0.0, 0.0, 0.0, thrust))
         pilot.fleet.vehicles[0].handle(datagram_of(packet))
-        asked = asked_by(packet, [], pilot.firmware())
+        asked = client_command(packet, [], pilot.firmware())
         assert asked is not None
         assert (asked.kind, asked.refused) == (CommandKind.SETPOINT if thrust else CommandKind.OFF, refused)
 
@@ -227,8 +229,8 @@ def test_motors_count_as_running_while_a_controller_of_the_height_may_run_them()
     pilot.fly(2.0, pilot.hold(Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, pos=(0.0, 0.0, 1.0))))
     one = pilot.firmware()
     one.rows.memory[MOTOR : MOTOR + 4] = 0.0
-    assert runs(one)
+    assert may_run_motors(one)
     one.supervisor.stop()
     pilot.fly(0.1)
     one.rows.memory[MOTOR : MOTOR + 4] = 0.0
-    assert not runs(one)
+    assert not may_run_motors(one)

@@ -23,8 +23,8 @@ from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.report.run_table import run_notes
 from q2q_sim.scenarios import library
 from q2q_sim.tools import demo_real
-from q2q_sim.tools.demo_flights import key_numbers, passage, write_demo_page
-from q2q_sim.tools.demo_real_page import typical, write_real_page
+from q2q_sim.tools.demo_flights import key_numbers, passage_times, write_demo_page
+from q2q_sim.tools.demo_real_page import median_flight, write_real_page
 
 QUICK = (
     VehicleWaypoints("cf1", (Waypoint(0.0, (0.0, 0.0, 1.5)), Waypoint(6.0, (0.0, 0.0, 1.5)))),
@@ -55,9 +55,9 @@ def test_the_passage_is_the_time_under_another_and_three_seconds_around_it() -> 
     pos = np.zeros((len(t), 2, 3))
     pos[:, 1] = np.stack([t - 10.0, 0.0 * t, np.full(len(t), 0.5)], axis=1)  # within 0.15 m at 9.9 to 10.1 s
     flight = replace(FlightRecording(("cf1", "cf2"), len(t)).flight("made"), t=7.0 + t, true_pos=pos)
-    assert passage(flight) == pytest.approx((6.9, 13.1), abs=0.001)
+    assert passage_times(flight) == pytest.approx((6.9, 13.1), abs=0.001)
     pos[:, 1, 1] = 5.0
-    assert passage(flight) == pytest.approx((0.0, 19.9))
+    assert passage_times(flight) == pytest.approx((0.0, 19.9))
 
 
 def test_real_flights_are_taught_unless_the_air_was_learned_from_their_family(
@@ -106,7 +106,7 @@ def test_the_pictured_flight_is_neither_the_best_nor_the_worst() -> None:
         HeldOutFlight(name, (), (), ForceScore(r2, None, None, 1), ())
         for name, r2 in (("best", 0.95), ("none", None), ("worst", 0.7), ("middle", 0.9))
     ]
-    assert typical(flights).name == "middle"
+    assert median_flight(flights).name == "middle"
 
 
 @pytest.fixture(scope="module")

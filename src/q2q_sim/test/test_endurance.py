@@ -8,9 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.endurance.endurance_report import endurance_json, growths, is_flat, sentence
+from q2q_sim.experiments.endurance.endurance_report import (
+    endurance_json,
+    endurance_sentence,
+    is_flat,
+    measured_growths,
+)
 from q2q_sim.experiments.endurance.growth import HOUR, Growth, WatchedQuantity, growth
-from q2q_sim.experiments.endurance.long_flight import LongFlight, Sample, pairs_of
+from q2q_sim.experiments.endurance.long_flight import LongFlight, Sample, scenario_of_pairs
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.usage import ProcessUsage, usage_of
 
@@ -77,12 +82,12 @@ TIMING = FlightTiming(360_000, 0, 1.0, latency_p50_ms=1.0, latency_p99_ms=2.0)
 )
 def test_only_what_grows_is_blamed(leak: float, drift: float, blamed: list[str]) -> None:
     flight = long_flight(leak, drift)
-    found = growths(flight)
+    found = measured_growths(flight)
     assert [one.what for one in found if one.verdict != "flat"] == blamed
     assert len(found) == 8
     rate = next(one for one in found if one.what == "bag")
     assert rate.mean == pytest.approx(50.0, rel=1e-3)
-    assert ("all flat" in sentence(flight, found)) == (not blamed)
+    assert ("all flat" in endurance_sentence(flight, found)) == (not blamed)
     document = endurance_json(flight, found)
     assert isinstance(document, dict)
     assert document["flat"] == (not blamed)
@@ -90,10 +95,12 @@ def test_only_what_grows_is_blamed(leak: float, drift: float, blamed: list[str])
 
 def test_a_flight_whose_bag_is_cut_is_not_flat() -> None:
     flight = replace(long_flight(), unfinished="No space left on device")
-    found = growths(flight)
+    found = measured_growths(flight)
     assert all(one.verdict == "flat" for one in found)
     assert not is_flat(flight, found)
-    assert "does not hold the flight to its end (No space left on device)" in sentence(flight, found)
+    assert "does not hold the flight to its end (No space left on device)" in endurance_sentence(
+        flight, found
+    )
 
 
 def test_a_quantity_is_flat_only_if_its_whole_interval_is() -> None:
@@ -120,7 +127,7 @@ def test_an_open_file_is_a_handle_of_this_process() -> None:
 
 
 def test_upper_vehicles_pass_over_resting_ones_every_ten_seconds() -> None:
-    points = pairs_of(4, 60.0)["vehicles"]
+    points = scenario_of_pairs(4, 60.0)["vehicles"]
     assert isinstance(points, dict)
     assert [len(one) for one in points.values()] == [7] * 4
     assert {tuple(one["pos"]) for one in points["cf1"]} == {(0.0, 0.0, 1.0)}

@@ -10,7 +10,12 @@ from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply, rotate
 from q2q_model.signals.values import MocapFrame
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.experiments.estimators.estimate_errors import ReplayedErrors, replayed_errors, settled, summary
+from q2q_sim.experiments.estimators.estimate_errors import (
+    ReplayedErrors,
+    replayed_errors,
+    settled_ticks,
+    summary,
+)
 from q2q_sim.experiments.estimators.estimator_table import (
     error_table,
     errors_json,
@@ -19,7 +24,7 @@ from q2q_sim.experiments.estimators.estimator_table import (
 )
 from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion, recorded_motion
-from q2q_sim.experiments.estimators.replayed_estimates import ahead, feed, filtered_motion
+from q2q_sim.experiments.estimators.replayed_estimates import filtered_motion, predicted_positions, sent_poses
 from q2q_sim.firmware.estimator import DT
 
 T = np.arange(0.0, 12.0, DT)
@@ -87,7 +92,7 @@ def test_cuts_take_what_they_say_and_begin_in_flight(motion: RecordedMotion) -> 
 
 def test_a_pose_that_is_moved_on_lies_ahead_on_the_path(motion: RecordedMotion) -> None:
     run = filtered_motion(motion, motion.seen)
-    plain, moved = feed([run], 0.0), feed([run], 0.02)
+    plain, moved = sent_poses([run], 0.0), sent_poses([run], 0.02)
     late = slice(400, 900)
     np.testing.assert_allclose(moved.pos[late][:-2, 0], motion.pos[late][2:], atol=1e-3)
     assert np.linalg.norm(plain.pos[late][:-2, 0] - motion.pos[late][2:], axis=1).min() > 0.01
@@ -98,14 +103,14 @@ def test_the_filters_estimate_of_a_sample_does_not_know_it(motion: RecordedMotio
     jumped = replace(motion, pos=motion.pos + 0.05 * (np.arange(len(T)) == 600)[:, None])
     runs = [filtered_motion(one, one.seen) for one in (motion, jumped)]
     given = motion.seen[:, None]
-    before, after = (ahead([run], given)[600, 0] for run in runs)
+    before, after = (predicted_positions([run], given)[600, 0] for run in runs)
     np.testing.assert_allclose(after, before, atol=1e-12)
 
 
 def test_judgement_waits_until_samples_have_come_again() -> None:
     given = np.ones((400, 1), dtype=np.bool_)
     given[100:200] = False
-    calm = settled(given)[:, 0]
+    calm = settled_ticks(given)[:, 0]
     assert calm[:114].all()
     assert not calm[116:245].any()
     assert calm[250:].all()

@@ -15,7 +15,7 @@ from q2q_model.signals.values import (
     TrackStatus,
 )
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.stated_properties.evasion_property import CLEAR, LEAST_ACC, NEAR, evasion
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
@@ -29,7 +29,7 @@ LOST, END = 350, 400
 @cache
 def two_vehicles() -> Run:
     """Return a run of cf1 and cf2 by the PID without faults."""
-    runs = (run for run in map(drawn, range(100)) if run.options.controller == "pid")
+    runs = (run for run in map(draw_run, range(100)) if run.options.controller == "pid")
     return with_faults(next(run for run in runs if run.scenario.names == ("cf1", "cf2")), ())
 
 

@@ -9,26 +9,26 @@ import yaml
 
 from q2q_model.bag import FlightFacts, read_flight
 from q2q_sim.commands.explain import main
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure, keep
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure, keep_run
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.explanation import recorded_case as cases
 from q2q_sim.experiments.explanation.accidents import INJECTIONS, ordinary_flight
 from q2q_sim.experiments.explanation.causes import CAUSES, FAULTS, present_causes, without_causes
 from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation, ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_page import write_page
-from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
 from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.experiments.explanation.loss import LOST, Loss, largest_loss
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase, flown_scenario, recorded_case
-from q2q_sim.experiments.explanation.score import answers, score_json, score_words
-from q2q_sim.experiments.explanation.shapley import orders_of, shares, standard_error
+from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
+from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares, standard_error
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.assembly import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_air
-from q2q_sim.tools.write_replay import part_of
+from q2q_sim.tools.write_replay import part_of_flight
 
 RNG = np.random.default_rng(0)
 FOUND = Explanation(
@@ -48,7 +48,9 @@ def short(name: str, air: str = "") -> FlightCase:
 def test_shares_of_an_additive_loss_are_its_terms_in_every_order() -> None:
     sizes = {"a": 0.5, "b": 0.2, "c": -0.1, "d": 0.0}
     orders = orders_of(list(sizes), 6, RNG)
-    found = shares(list(sizes), orders, lambda removed: sum(sizes.values()) - sum(map(sizes.get, removed)))
+    found = shapley_shares(
+        list(sizes), orders, lambda removed: sum(sizes.values()) - sum(map(sizes.get, removed))
+    )
     np.testing.assert_allclose(found, [list(sizes.values())] * 6, atol=1e-12)
     np.testing.assert_allclose(standard_error(found), 0.0, atol=1e-12)
 
@@ -56,7 +58,7 @@ def test_shares_of_an_additive_loss_are_its_terms_in_every_order() -> None:
 def test_causes_that_only_act_together_share_alike() -> None:
     orders = orders_of(["a", "b", "c"], 6, RNG)
     assert len(set(orders)) == 6
-    found = shares(["a", "b", "c"], orders, lambda removed: float(not removed & {"a", "b"}))
+    found = shapley_shares(["a", "b", "c"], orders, lambda removed: float(not removed & {"a", "b"}))
     np.testing.assert_allclose(found.mean(axis=0), [0.5, 0.5, 0.0])
 
 
@@ -121,21 +123,21 @@ def test_a_loss_is_where_the_vehicle_is_farthest_from_its_setpoint() -> None:
 
 
 def test_the_sentence_tells_loss_causes_rest_and_the_flight_without_the_first() -> None:
-    assert sentence(FOUND) == (
+    assert explanation_sentence(FOUND) == (
         "cf1 is 83 cm below its setpoint at 3.2 s: 61 cm (55 to 67 cm) by downwash, 10 cm (8.0 to 12 cm) by "
         "latency, 12 cm with none of the causes; flown again with only downwash taken out: 20 cm."
     )
     certain = replace(FOUND, shares=(CauseShare("downwash", 0.61, 0.6101, 0.6102),))
-    assert ": 61 cm by downwash, 12 cm with none" in sentence(certain)
-    assert sentence(replace(FOUND, shares=())).endswith("by none of the known causes.")
+    assert ": 61 cm by downwash, 12 cm with none" in explanation_sentence(certain)
+    assert explanation_sentence(replace(FOUND, shares=())).endswith("by none of the known causes.")
     helped = (*FOUND.shares, CauseShare("wind", -0.05, -0.06, -0.04), CauseShare("control", 0.04, 0.0, 0.08))
-    told = sentence(replace(FOUND, shares=helped))
+    told = explanation_sentence(replace(FOUND, shares=helped))
     assert "-5.0 cm (-6.0 to -4.0 cm) by wind" in told
     assert "control" not in told  # less than a twentieth of the loss
 
 
 def test_first_causes_of_accidents_are_named_first() -> None:
-    found = list(answers(range(2)))
+    found = list(answer_accidents(range(2)))
     assert [one.named for one in found] == [one.first for one in found]
     total = score_json(found)
     assert isinstance(total, dict)
@@ -159,7 +161,7 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
     file = write_page(FOUND, RecordedCase(case, fly_case(case), 1e-13), "a bag", tmp_path)
     page = file.read_text()
     assert (
-        page.index(sentence(FOUND))
+        page.index(explanation_sentence(FOUND))
         < page.index('"name":"as flown"')
         < page.index('"name":"without downwash"')
     )
@@ -169,11 +171,11 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
 @pytest.fixture(scope="module")
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the bag of a short campaign run with a replanner, which its metadata do not name."""
-    run = drawn(0)
+    run = draw_run(0)
     document = {**run.document, "duration": 1.5}
     short_run = Run(0, document, replace(run.options, controller="pid", replan="safe"))
     folder = tmp_path_factory.mktemp("kept")
-    keep(short_run, flown_pure(short_run).signals, folder)
+    keep_run(short_run, fly_pure(short_run).signals, folder)
     return folder / "0"
 
 
@@ -187,7 +189,7 @@ def test_of_a_bag_that_ends_early_only_the_recorded_flight_is_explained(
     kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = recorded_case(kept)
-    monkeypatch.setattr(cases, "read_flight", lambda bag: part_of(read_flight(bag), 0.0, 0.2))
+    monkeypatch.setattr(cases, "read_flight", lambda bag: part_of_flight(read_flight(bag), 0.0, 0.2))
     found = recorded_case(kept)
     assert found.difference < 1e-9
     assert found.flight.t[-1] == pytest.approx(0.2)

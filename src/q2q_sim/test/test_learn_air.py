@@ -13,14 +13,14 @@ from q2q_model.identification.force.along_flight import Motion
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
-from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
-from q2q_sim.air.learning.evidence.motor_curve import USUAL_POWER
 from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
-from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push
+from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push_in_table
 from q2q_sim.air.learning.jet.jet_term import jet_alone, jet_term
-from q2q_sim.air.learning.jet.other_flights import LeftOut, left_out
+from q2q_sim.air.learning.jet.other_flights import LeftOut, leave_out_groups
 from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.learning.records.air_record import AirRecord, Motors
+from q2q_sim.air.learning.records.motor_curve import USUAL_POWER
 from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.wind_term import wind_term
 
@@ -71,7 +71,7 @@ def test_the_jet_and_its_travel_are_found() -> None:
     known = wide_jet()
     found = jet_term([flown(f"pair{k}", orbit(40.0, (0.6, 1.05), k), Wake(known), k) for k in range(2)])
     assert found is not None
-    assert_within(found.values, "jet.push_mps2", float(push(known, np.array([0.4]), np.zeros(1))[0]))
+    assert_within(found.values, "jet.push_mps2", float(push_in_table(known, np.array([0.4]), np.zeros(1))[0]))
     assert_within(found.values, "jet.travel_speed_mps", known.travel_speed_mps)
     assert_within(found.values, "jet.carried", known.carried)
     assert_within(found.values, "jet.slope", known.slope)
@@ -99,8 +99,10 @@ def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> Non
     for path in ("jet.travel_speed_mps", "jet.carried", "jet.slope"):
         assert told[path].ends is None
         assert told[path].source == "not shown by these flights: the default"
-    known = float(push(wide_jet(), np.array([0.45]), np.zeros(1))[0])
-    assert float(push(found.term, np.array([0.45]), np.zeros(1))[0]) == pytest.approx(known, rel=0.05)
+    known = float(push_in_table(wide_jet(), np.array([0.45]), np.zeros(1))[0])
+    assert float(push_in_table(found.term, np.array([0.45]), np.zeros(1))[0]) == pytest.approx(
+        known, rel=0.05
+    )
 
 
 def test_the_residual_is_found_under_the_noise_of_clear_air(pairs: list[AirRecord]) -> None:
@@ -127,12 +129,12 @@ def test_the_gains_of_vehicles_on_a_wake_are_told_from_their_errors() -> None:
 
 
 def test_flights_are_compared_with_the_jet_of_others(pairs: list[AirRecord]) -> None:
-    groups = left_out(pairs, wide_jet())
+    groups = leave_out_groups(pairs, wide_jet())
     assert [group.records for group in groups] == [(pairs[0],), (pairs[1],)]
     other = jet_alone(pairs[1:])
     assert other is not None
     np.testing.assert_array_equal(groups[0].jet.push_mps2, other.push_mps2)
-    (alone,) = left_out(pairs[:1], wide_jet())
+    (alone,) = leave_out_groups(pairs[:1], wide_jet())
     np.testing.assert_array_equal(alone.jet.push_mps2, wide_jet().push_mps2)  # nobody else shows one
 
 

@@ -10,9 +10,9 @@ from synthetic_air import MASS, orbit, still_record
 from q2q_model.identification.force.recorded_force import FULL_DUTY
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
-from q2q_sim.air.learning.evidence.motor_curve import USUAL_POWER, motor_curves, usual_power
 from q2q_sim.air.learning.rate_load_term import rate_load_term
+from q2q_sim.air.learning.records.air_record import AirRecord, Motors
+from q2q_sim.air.learning.records.motor_curve import USUAL_POWER, motor_curves, usual_power
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
 from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 

@@ -14,7 +14,7 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 
 from q2q_sim.air.air_names import AirError
 from q2q_sim.experiments.licence.commands.client_commands import CommandKind
-from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, flown, licence
+from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, fly_trials, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,
@@ -106,7 +106,7 @@ def test_reading_a_clock_lets_time_pass_and_others_go_on():
 def test_a_sound_program_lands_and_flies_the_same_again(tmp_path: Path):
     program = hop(tmp_path, LAND)
     order = FlightOrder(program, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
-    one, other = flown([order, order], LicenceOptions(), until=float("inf"))
+    one, other = fly_trials([order, order], LicenceOptions(), until=float("inf"))
     assert one.log is not None
     assert other.log is not None
     assert one.findings == ()
@@ -139,7 +139,7 @@ def test_a_program_that_ends_in_the_air_fails_with_time_and_reason(tmp_path: Pat
 def test_a_pass_says_if_no_vehicle_flew(tmp_path: Path):
     program = hop(tmp_path, LAND)
     order = FlightOrder(program, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
-    (one,) = flown([order], LicenceOptions(), until=inf)
+    (one,) = fly_trials([order], LicenceOptions(), until=inf)
     assert one.log is not None
     found = Licence(program, (one,), (), 1.0)
     assert verdict_words(found) == "PASS hop.py: 1 flight in 1 s"
@@ -155,7 +155,7 @@ def test_a_vehicle_that_does_not_arm_stays_on_the_floor(tmp_path: Path):
     trial = LicenceTrial(TrialKind.UNARMED)
     params = LicenceParams(((0.0, 0.0, 0.0),))
     order = FlightOrder(hop(tmp_path, LAND), params, trial, ("radio://0/80/2M/E7E7E7E7E7",), (), 30.0)
-    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))
     assert flight.log is not None
     assert not flight.log.flew.any()
     assert flight.findings == ()
@@ -176,7 +176,7 @@ def test_vehicles_are_armed_when_the_program_begins_and_take_less_thrust_than_th
             f"{head}{for_each}        scf.cf.commander.send_setpoint(0, 0, 0, each); time.sleep(0.1)\n"
         )
         order = FlightOrder(Program(ramp, (), tmp_path), params, LicenceTrial(), (), (), 9.0)
-        (flight,) = flown([order], LicenceOptions(), until=inf)
+        (flight,) = fly_trials([order], LicenceOptions(), until=inf)
         assert flight.log is not None
         (asked,) = (one.asked for one in flight.log.commands if one.asked.kind == CommandKind.SETPOINT)
         assert (asked.refused, asked.lifts) == ("", lifts)
@@ -197,11 +197,11 @@ def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_p
         tmp_path, "import threading\n    lock = threading.Lock(); lock.acquire()\n    lock.acquire()"
     )
     order = FlightOrder(deadlock, params, LicenceTrial(), (), (), 4.0)
-    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))
     assert flight.findings[0].why == "it waits on line 14"
     outside = hop(tmp_path, "import select\n    select.select([], [], [], 60.0)")
     order = FlightOrder(outside, params, LicenceTrial(), (), (), 30.0, patience=3.0)
-    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))
     assert flight.findings[0].why.endswith("for input, a socket or a process on line 13")
 
 
@@ -217,7 +217,7 @@ def test_an_error_of_a_callback_that_cflib_catches_is_told_where_the_program_wai
     scf.cf.log.add_config(power); power.data_received_cb.add_callback(came); power.start()
     seen.wait()"""
     order = FlightOrder(hop(tmp_path, wait), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 6.0)
-    (flight,) = flown([order], LicenceOptions(), until=inf)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     why = "it waits on line 21; a callback failed before, which cflib catches: KeyError: 'pm.vbatt', line 17"
     assert flight.findings[0].why == why
 
@@ -239,7 +239,7 @@ def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
     print(round(time.time() - began, 1), dt.datetime.utcnow().year, isinstance(first, dt.datetime))
     {LAND}"""
     order = FlightOrder(hop(tmp_path, wait), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 60.0)
-    (flight,) = flown([order], LicenceOptions(), until=inf)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.findings == ()
     assert flight.log.output.splitlines()[-2:] == ["20.0", "30.0 2026 True"]
@@ -248,7 +248,7 @@ def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
 def test_a_process_that_dies_is_told_with_its_signal_or_status(tmp_path: Path):
     kill = hop(tmp_path, "import os, signal; os.kill(os.getpid(), signal.SIGKILL)")
     order = FlightOrder(kill, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
-    (flight,) = flown([order], LicenceOptions(), until=float("inf"))
+    (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))
     assert [one.sentence for one in flight.findings] == ["the program's process dies: signal 9, Killed"]
 
 
@@ -281,7 +281,7 @@ def test_the_tick_after_a_program_is_not_interrupted_by_looks_at_it(tmp_path: Pa
     file.write_text(SLOW_TICKS)
     params = LicenceParams(((0.0, 0.0, 0.0),))
     order = FlightOrder(Program(file), params, LicenceTrial(), (), (), 30.0, patience=5.0)
-    (flight,) = flown([order], LicenceOptions(), until=inf)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.log.end.error == MORE_VEHICLES
 
@@ -325,7 +325,7 @@ def test_the_rehearsed_tick_calls_every_kernel_of_a_flight(tmp_path: Path):
     params = LicenceParams(((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
     uris = ("radio://0/80/2M/E7E7E7E7E7", "radio://0/80/2M/E7E7E7E7E8")
     trial = LicenceTrial(TrialKind.SWAP, start=0.1, other=1)
-    (flight,) = flown([FlightOrder(program, params, trial, uris, (), 30.0)], LicenceOptions(), until=inf)
+    (flight,) = fly_trials([FlightOrder(program, params, trial, uris, (), 30.0)], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.log.output.splitlines()[-1] == "set()"
 
@@ -340,7 +340,7 @@ def test_a_program_for_the_multi_ranger_deck_sees_the_walls_of_the_licences_room
     limits = LicenceLimits(half_room=(1.5, 5.0), ceiling=2.5)
     options = LicenceOptions(starts=((0.5, 0.0, 0.0),), limits=limits)
     order = FlightOrder(hop(tmp_path, look), options.params(1), LicenceTrial(), (), (), 30.0)
-    (flight,) = flown([order], options, until=float("inf"))
+    (flight,) = fly_trials([order], options, until=float("inf"))
     assert flight.log is not None
     assert flight.findings == ()
     front, back, left, right, up, down = flight.log.output.splitlines()[-1].split()

@@ -15,7 +15,7 @@ from q2q_sim.experiments.licence.crazyswarm.served_vehicles import (
     stock_vehicles,
     vehicles_from_file,
 )
-from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, flown
+from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
@@ -42,7 +42,7 @@ def fly(
     plain = FlightOrder(
         Program(file, (), folder), LicenceParams(starts), trial or LicenceTrial(), uris, uris, 60.0
     )
-    (one,) = flown([replace(plain, **order)], LicenceOptions(), until=float("inf"))
+    (one,) = fly_trials([replace(plain, **order)], LicenceOptions(), until=float("inf"))
     return one
 
 

@@ -7,7 +7,13 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence, LicenceOptions, flown, licence
+from q2q_sim.experiments.licence.licence_flights import (
+    FlownTrial,
+    Licence,
+    LicenceOptions,
+    fly_trials,
+    licence,
+)
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,
@@ -53,7 +59,7 @@ def flights(tmp_path_factory: pytest.TempPathFactory) -> tuple[FlownTrial, Flown
     sound = program(folder, "sound.py", WAITING)
     order = FlightOrder(sound, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
     bad = replace(order, program=program(folder, "bad.py", FAILING_ROOM), trial=GAP)
-    failed, flew = flown([bad, order], LicenceOptions(jobs=1), until=inf)
+    failed, flew = fly_trials([bad, order], LicenceOptions(jobs=1), until=inf)
     return failed, flew
 
 

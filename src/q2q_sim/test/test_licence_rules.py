@@ -12,7 +12,7 @@ from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_reports import junit_xml, report_text
-from q2q_sim.experiments.licence.licence_rules import LicenceLimits, findings
+from q2q_sim.experiments.licence.licence_rules import LicenceLimits, broken_rules
 from q2q_sim.experiments.licence.program_flight import Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
@@ -67,14 +67,14 @@ def fallen(log: LicenceLog, tick: int = 500) -> LicenceLog:
 
 
 def test_a_sound_flight_breaks_no_rule():
-    assert findings(hover(), LIMITS) == ()
-    assert findings(hover(2), LIMITS) == ()
+    assert broken_rules(hover(), LIMITS) == ()
+    assert broken_rules(hover(2), LIMITS) == ()
 
 
 def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_line():
     stop = command(5.0, CommandKind.OFF, "stop setpoint")
     log = fallen(hover())
-    found = findings(replace(log, commands=(*log.commands, stop)), LIMITS)
+    found = broken_rules(replace(log, commands=(*log.commands, stop)), LIMITS)
     assert [one.rule for one in found] == ["motors", "landing"]
     assert found[0].t == pytest.approx(log.t[500])
     assert found[0].why == "stop setpoint at 5.00 s, line 7"
@@ -85,9 +85,9 @@ def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_lin
 def test_motors_that_stop_for_a_packet_between_two_commanders_are_not_told():
     log = hover()
     log.running[500:504] = False
-    assert findings(log, LIMITS) == ()
+    assert broken_rules(log, LIMITS) == ()
     log.running[500:505] = False
-    assert [(one.rule, one.t) for one in findings(log, LIMITS)] == [("motors", log.t[500])]
+    assert [(one.rule, one.t) for one in broken_rules(log, LIMITS)] == [("motors", log.t[500])]
 
 
 def test_motors_that_stop_after_two_seconds_without_setpoint_are_blamed_on_the_silence():
@@ -97,7 +97,7 @@ def test_motors_that_stop_after_two_seconds_without_setpoint_are_blamed_on_the_s
     age = np.where(late, 2.01, 0.0)[:, None]
     ignored = command(4.0, CommandKind.PLAN, "land", refused="setpoints have priority")
     sent = command(3.0, CommandKind.SETPOINT, "setpoint z 1.00 m")
-    found = findings(replace(log, state=state, age=age, commands=(sent, ignored)), LIMITS)[0]
+    found = broken_rules(replace(log, state=state, age=age, commands=(sent, ignored)), LIMITS)[0]
     assert "no setpoint came for 2 s after setpoint z 1.00 m at 3.00 s" in found.why
     assert "land at 4.00 s, line 7, was not followed: setpoints have priority" in found.why
 
@@ -106,16 +106,16 @@ def test_a_link_that_an_error_closes_is_blamed_on_the_error():
     zero = replace(command(5.0, CommandKind.OFF, "setpoint of thrust 0"), closing=True)
     log = replace(fallen(hover()), commands=(zero,), end=ProgramEnd(5.1, 1, "KeyError: 'y'", 12))
     why = "the program failed (KeyError: 'y', line 12), which closed the link at 5.00 s"
-    assert findings(log, LIMITS)[0].why == why
+    assert broken_rules(log, LIMITS)[0].why == why
     closed = replace(log, end=ProgramEnd(5.1))
-    assert findings(closed, LIMITS)[0].why == "the closing of the link at 5.00 s, which sends zero thrust"
+    assert broken_rules(closed, LIMITS)[0].why == "the closing of the link at 5.00 s, which sends zero thrust"
 
 
 def test_a_command_that_the_vehicle_flew_on_after_is_not_the_cause():
     stop = command(2.0, CommandKind.OFF, "setpoint of thrust 0")
     last = command(4.5, CommandKind.SETPOINT, "setpoint thrust 30000")
     log = fallen(hover())
-    found = findings(replace(log, commands=(stop, last)), LIMITS)[0]
+    found = broken_rules(replace(log, commands=(stop, last)), LIMITS)[0]
     assert found.why == "the last command was setpoint thrust 30000 at 4.50 s, line 7"
 
 
@@ -124,30 +124,30 @@ def test_a_vehicle_leaves_the_room_through_each_wall_and_the_ceiling(axis: int):
     log = hover()
     size = (*LIMITS.half_room, LIMITS.ceiling)[axis]
     log.pos[400:600, 0, axis] = size + 0.01
-    assert [one.rule for one in findings(log, LIMITS)] == ["room"]
+    assert [one.rule for one in broken_rules(log, LIMITS)] == ["room"]
     log.pos[400:600, 0, axis] = size - 0.01
-    assert findings(log, LIMITS) == ()
+    assert broken_rules(log, LIMITS) == ()
 
 
 def test_a_target_outside_the_room_is_told_when_it_is_asked_for():
     far = command(3.0, CommandKind.PLAN, "go_to", pos=(0.0, 0.0, 60.0))
     log = hover()
     log.pos[700:, 0, 2] = 3.0
-    found = findings(replace(log, commands=(*log.commands, far)), LIMITS)
+    found = broken_rules(replace(log, commands=(*log.commands, far)), LIMITS)
     assert (found[0].rule, found[0].t) == ("room", 3.0)
 
 
 def test_vehicles_collide_and_the_lower_one_of_a_stack_flies_in_downwash():
     log = hover(2)
     log.pos[UP, 1, 1] = 0.1
-    assert [one.rule for one in findings(log, LIMITS)] == ["collision"]
+    assert [one.rule for one in broken_rules(log, LIMITS)] == ["collision"]
     stacked = hover(2)
     stacked.pos[UP, 1] = (0.0, 0.0, 1.5)
-    found = findings(stacked, LIMITS)
+    found = broken_rules(stacked, LIMITS)
     assert [one.rule for one in found] == ["downwash"]
     assert found[0].what.startswith("cf1 flies in the downwash of cf2, 0.")
     stacked.pos[UP, 1] = (0.0, 0.3, 1.5)
-    assert findings(stacked, LIMITS) == ()
+    assert broken_rules(stacked, LIMITS) == ()
 
 
 def test_a_vehicle_that_lands_on_another_is_the_cause_of_their_collision():
@@ -156,7 +156,7 @@ def test_a_vehicle_that_lands_on_another_is_the_cause_of_their_collision():
     log.pos[700:, 1, 1] = 0.0
     landing = replace(command(7.0, CommandKind.PLAN, "land"), vehicle=1)
     stop = command(9.8, CommandKind.OFF, "high-level stop")
-    found = findings(replace(log, commands=(*log.commands, landing, stop)), LIMITS)[0]
+    found = broken_rules(replace(log, commands=(*log.commands, landing, stop)), LIMITS)[0]
     assert (found.rule, found.why) == ("collision", "for cf2, the last command was land at 7.00 s, line 7")
 
 
@@ -164,7 +164,7 @@ def test_of_two_that_collide_in_flight_the_command_of_each_is_told():
     log = hover(2)
     log.pos[UP, 1, 1] = 0.1
     go_to = replace(command(1.5, CommandKind.PLAN, "go_to"), vehicle=1)
-    found = findings(replace(log, commands=(*log.commands, go_to)), LIMITS)[0]
+    found = broken_rules(replace(log, commands=(*log.commands, go_to)), LIMITS)[0]
     first, second = found.why.split("; ")
     assert first == "for cf1, the last command was takeoff at 1.00 s, line 7"
     assert second == "for cf2, the last command was go_to at 1.50 s, line 7"
@@ -173,27 +173,27 @@ def test_of_two_that_collide_in_flight_the_command_of_each_is_told():
 def test_a_vehicle_levelled_out_once_is_not_told_and_one_levelled_out_often_is():
     log = hover()
     log.state[300:350] = State.LEVEL_OUT
-    assert findings(log, LIMITS) == ()
+    assert broken_rules(log, LIMITS) == ()
     log.state[400:450] = State.LEVEL_OUT
-    assert [one.rule for one in findings(log, LIMITS)] == ["setpoints"]
+    assert [one.rule for one in broken_rules(log, LIMITS)] == ["setpoints"]
 
 
 def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_told():
     turn = command(3.0, CommandKind.PLAN, "go_to", yaw_rad=90.0)
     log = hover()
-    assert [one.rule for one in findings(replace(log, commands=(turn,)), LIMITS)] == ["yaw"]
+    assert [one.rule for one in broken_rules(replace(log, commands=(turn,)), LIMITS)] == ["yaw"]
     spun = hover()
     spun.yaw_rate[400] = 10.0
-    assert [one.rule for one in findings(spun, LIMITS)] == ["spin"]
+    assert [one.rule for one in broken_rules(spun, LIMITS)] == ["spin"]
     endless = hover()
     endless.pos[800:, 0, 2] = 1.0
     endless.running[800:] = True
-    assert [one.rule for one in findings(endless, LIMITS)] == ["end"]
+    assert [one.rule for one in broken_rules(endless, LIMITS)] == ["end"]
 
 
 def test_what_no_vehicle_can_follow_is_told_with_its_line():
     lost = command(3.0, CommandKind.PLAN, "start_trajectory", impossible="trajectory 2, which is not defined")
-    found = findings(replace(hover(), commands=(lost,)), LIMITS)
+    found = broken_rules(replace(hover(), commands=(lost,)), LIMITS)
     sentence = "at 3.00 s cf1 is asked for trajectory 2, which is not defined: start_trajectory, line 7"
     assert [one.sentence for one in found] == [sentence]
 
@@ -202,48 +202,48 @@ def test_a_vehicle_that_stays_down_is_told_with_the_reason():
     log = hover(2)
     log.pos[:, 1, 2] = 0.0
     refused = replace(command(1.0, CommandKind.PLAN, "takeoff", refused="not armed"), vehicle=1)
-    found = findings(replace(log, commands=(log.commands[0], refused)), LIMITS)
+    found = broken_rules(replace(log, commands=(log.commands[0], refused)), LIMITS)
     assert [one.sentence for one in found] == [
         "at 1.00 s cf2 is asked to fly and stays on the floor: not armed, takeoff at 1.00 s, line 7"
     ]
     motors = replace(command(1.0, CommandKind.SETPOINT, "setpoint thrust 20000", lifts=False), vehicle=1)
-    assert findings(replace(log, commands=(log.commands[0], motors), opened=(0,)), LIMITS) == ()
-    silent = findings(replace(log, commands=log.commands[:1]), LIMITS)
+    assert broken_rules(replace(log, commands=(log.commands[0], motors), opened=(0,)), LIMITS) == ()
+    silent = broken_rules(replace(log, commands=log.commands[:1]), LIMITS)
     assert [one.why for one in silent] == ["it was never asked to fly"]
 
 
 def test_errors_count_except_on_the_floor_after_a_fault():
     failed = replace(hover(), end=ProgramEnd(9.9, 1, "KeyError: 'y'", 12))
-    assert findings(failed, LIMITS)[0].why == "KeyError: 'y', line 12"
+    assert broken_rules(failed, LIMITS)[0].why == "KeyError: 'y', line 12"
     stale = LicenceTrial(TrialKind.STALE, 0, 5.0)
-    assert findings(replace(failed, trial=stale), LIMITS) == ()
+    assert broken_rules(replace(failed, trial=stale), LIMITS) == ()
     flying = ProgramEnd(5.0, 1, "KeyError: 'y'", 12)
-    assert [one.rule for one in findings(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
+    assert [one.rule for one in broken_rules(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
 
 
 def test_a_program_that_does_not_end_is_told_with_the_lines_on_which_it_waits():
     end = ProgramEnd(9.9, overdue=True, waiting=(44, 22))
-    assert findings(replace(hover(), end=end), LIMITS)[0].why == "it waits on line 44 and line 22"
+    assert broken_rules(replace(hover(), end=end), LIMITS)[0].why == "it waits on line 44 and line 22"
     outside = replace(end, waiting=(3,), outside=True)
     why = "it waits outside Python's clock, for input, a socket or a process on line 3"
-    assert findings(replace(hover(), end=outside), LIMITS)[0].why == why
+    assert broken_rules(replace(hover(), end=outside), LIMITS)[0].why == why
     caught = replace(end, waiting=(), caught="KeyError: 'y', line 7")
     why = "a callback failed before, which cflib catches: KeyError: 'y', line 7"
-    assert findings(replace(hover(), end=caught), LIMITS)[0].why == why
+    assert broken_rules(replace(hover(), end=caught), LIMITS)[0].why == why
 
 
 def test_nothing_is_asked_of_a_vehicle_whose_link_is_lost_and_everything_of_the_others():
     lost = replace(fallen(hover(2)), trial=LicenceTrial(TrialKind.LOST, 0, 4.0))
-    assert findings(lost, LIMITS) == ()
+    assert broken_rules(lost, LIMITS) == ()
     other = replace(lost, trial=LicenceTrial(TrialKind.LOST, 1, 4.0))
-    assert {one.rule for one in findings(other, LIMITS)} == {"motors", "landing"}
+    assert {one.rule for one in broken_rules(other, LIMITS)} == {"motors", "landing"}
 
 
 def test_a_collision_with_a_vehicle_that_lost_its_link_is_a_remark():
     log = hover(3)
     log.pos[UP, 1, 1] = 0.1
     lost = replace(log, trial=LicenceTrial(TrialKind.LOST, 1, 4.0))
-    (remark,) = findings(lost, LIMITS)
+    (remark,) = broken_rules(lost, LIMITS)
     assert (remark.rule, remark.remark) == ("collision", True)
     assert remark.sentence.startswith("remark: at 2.01 s cf1 and cf2 collide: ")
     flown = FlownTrial(lost.trial, (remark,), lost, 1.0)
@@ -256,7 +256,7 @@ def test_a_collision_with_a_vehicle_that_lost_its_link_is_a_remark():
     ]
     assert f"<system-out>{remark.sentence}</system-out>" in junit_xml(found)
     assert "<failure" not in junit_xml(found)
-    (elsewhere,) = findings(replace(log, trial=LicenceTrial(TrialKind.LOST, 2, 4.0)), LIMITS)
+    (elsewhere,) = broken_rules(replace(log, trial=LicenceTrial(TrialKind.LOST, 2, 4.0)), LIMITS)
     assert not elsewhere.remark
     assert not FlownTrial(lost.trial, (remark, elsewhere), lost, 1.0).passed
 

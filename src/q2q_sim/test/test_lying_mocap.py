@@ -2,8 +2,8 @@
 
 import pytest
 
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure
-from q2q_sim.experiments.campaign.random_run import Run, drawn, fault_document
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure
+from q2q_sim.experiments.campaign.random_run import Run, draw_run, fault_document
 from q2q_sim.faults.faults import Fault
 
 
@@ -18,6 +18,6 @@ from q2q_sim.faults.faults import Fault
     ids=lambda lie: lie.kind,
 )
 def test_no_policy_is_violated(seed: int, lie: Fault) -> None:
-    run = drawn(seed)
+    run = draw_run(seed)
     document = {**run.document, "faults": [fault_document(lie)]}
-    assert flown_pure(Run(seed, document, run.options)).violations == ()
+    assert fly_pure(Run(seed, document, run.options)).violations == ()

@@ -15,7 +15,7 @@ from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.exposure import exposed
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics import held, measure
+from q2q_sim.monitors.metrics import held_thrust, measure
 from q2q_sim.report.run_table import HEAD as TERMINAL_HEAD
 from q2q_sim.scenarios import library
 from q2q_sim.tools.report_bags import TRACKING
@@ -91,8 +91,10 @@ def test_filtered_positions_serve_where_the_truth_is_unknown() -> None:
 
 
 def test_a_tick_without_a_command_obeys_the_last_one_and_none_is_made_up_before_the_first() -> None:
-    np.testing.assert_array_equal(held(np.array([np.nan, 2.0, np.nan, np.nan, 3.0])), [2.0, 2.0, 2.0, 3.0])
-    assert held(np.full(3, np.nan)).size == 0
+    np.testing.assert_array_equal(
+        held_thrust(np.array([np.nan, 2.0, np.nan, np.nan, 3.0])), [2.0, 2.0, 2.0, 3.0]
+    )
+    assert held_thrust(np.full(3, np.nan)).size == 0
 
 
 def test_a_vehicle_is_exposed_below_another_and_for_a_while_after() -> None:

@@ -14,7 +14,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.drawn_air import Draw
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
-from q2q_sim.experiments.validation.redrawn_flight import redrawn
+from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.swarm import Swarm
@@ -99,7 +99,7 @@ def test_a_flight_is_redrawn_with_thrusts_of_the_size_of_the_force():
         still = Disturbance(DisturbanceParams(), 2, DT, seed)
         return Draw(Swarm(NAMES, CRAZYFLIE_2_0, start, WakeLaw.NONE, seed), still)
 
-    drawn = redrawn(ReadFlight(flight, LAW), CRAZYFLIE_2_0.mass, make, [0])
+    drawn = redraw_flight(ReadFlight(flight, LAW), CRAZYFLIE_2_0.mass, make, [0])
     error = flight.ref_pos - drawn.pos[0]
     acc = flight.ref_acc + LAW.offset
     acc = acc + feedback(LAW, error, flight.ref_vel - drawn.vel[0], DT * np.cumsum(error, axis=0))

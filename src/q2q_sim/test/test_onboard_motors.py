@@ -17,7 +17,7 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.controllers.mixer import drive_motors
 from q2q_sim.firmware.motors.airframe import airframe_of
-from q2q_sim.firmware.motors.thrust_curve import compensated, thrust_pwm
+from q2q_sim.firmware.motors.thrust_curve import compensate, thrust_pwm
 
 
 def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
@@ -46,8 +46,8 @@ def test_duty_makes_up_for_the_battery_and_a_motor_below_7000_pwm_stands_still(
     asked: float, supply: float, duty: float
 ) -> None:
     """The firmware's own numbers, and back: the curve gives at that duty what was asked for."""
-    assert compensated(asked, supply) == pytest.approx(duty, rel=1e-6)  # theirs has 32 bits
-    given = thrust_pwm(compensated(asked, supply), supply)
+    assert compensate(asked, supply) == pytest.approx(duty, rel=1e-6)  # theirs has 32 bits
+    given = thrust_pwm(compensate(asked, supply), supply)
     assert given == pytest.approx(asked if duty else 0.0, rel=1e-9)
 
 
@@ -58,7 +58,7 @@ def test_duties_are_lowered_alike_after_compensation_and_lifted_to_the_idle_thru
     frame = frame_row(airframe_of(CRAZYFLIE_2_0))
     drive_motors(setpoint_row(Setpoint(), low), memory, frame, forces)
     np.testing.assert_array_equal(memory[MOTOR : MOTOR + 4], [65535.0, 300.0, 300.0, 65535.0])
-    full = compensated(65535.0, 3.0)
+    full = compensate(65535.0, 3.0)
     assert full == pytest.approx(
         67280.7266, rel=1e-6
     )  # 32 bits; more than there is: less than asked is given

@@ -14,7 +14,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import Planner, PlannerAnswer, PlanState, Target, Vertical
-from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at, piece_between, resting
+from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at, goal_at_rest, piece_between
 from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 
 Numbers = tuple[float, ...]
@@ -74,13 +74,13 @@ def test_pieces_meet_position_velocity_acceleration_and_yaw_at_both_ends(
 
 
 def test_a_piece_of_no_duration_is_at_its_end_at_once() -> None:
-    goal = goal_at(piece_between(resting(np.zeros(3), 0.0), resting(np.ones(3), 0.5), 0.0), 0.0)
+    goal = goal_at(piece_between(goal_at_rest(np.zeros(3), 0.0), goal_at_rest(np.ones(3), 0.5), 0.0), 0.0)
     np.testing.assert_array_equal(goal.pos, np.ones(3))
     assert goal.yaw == 0.5
 
 
 def test_body_rates_are_those_of_the_turning_thrust() -> None:
-    piece = piece_between(resting(np.zeros(3), 0.3), resting(np.array([2.0, 1.0, 0.5]), 0.3), 2.0)
+    piece = piece_between(goal_at_rest(np.zeros(3), 0.3), goal_at_rest(np.array([2.0, 1.0, 0.5]), 0.3), 2.0)
     dt, t = 1e-5, 0.6
 
     def up(tau: float) -> Array:
@@ -202,7 +202,7 @@ def test_a_goal_that_is_no_number_disables_the_planner_until_the_next_command() 
     ("clockwise", "sideways"), [(False, False), (True, False), (False, True), (True, True)]
 )
 def test_a_quarter_circle_keeps_its_radius_and_its_speed(clockwise: bool, sideways: bool) -> None:
-    here = resting(np.array([1.0, 2.0, 1.0]), 0.4)
+    here = goal_at_rest(np.array([1.0, 2.0, 1.0]), 0.4)
     radius, duration = 0.5, 2.0
     piece = spiral_piece(here, Spiral(math.pi / 2, radius, radius, 0.2, duration, sideways, clockwise))
     first, last = goal_at(piece, 0.0), goal_at(piece, duration)

@@ -22,14 +22,14 @@ from q2q_sim.experiments.paper.experiment_outcome import (
     ExperimentOutcome,
     FigurePicture,
     Line,
-    drawn,
+    draw_panel,
 )
-from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
+from q2q_sim.experiments.paper.paper_numbers import paper_numbers, select_numbers
 from q2q_sim.experiments.paper.paper_page import (
     CITATION,
     as_json,
-    closeness,
-    rows,
+    closeness_sentence,
+    table_cells,
     without_repeated_notes,
     write_page,
     write_pdf,
@@ -96,7 +96,7 @@ def test_fig_15_draws_the_mpc_and_the_pd(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
     short = replace(library.load("table6"), duration=0.3)
     monkeypatch.setattr(tracking_tables.library, "load", lambda _: short)
-    monkeypatch.setattr(tracking_tables, "drawn", noted)
+    monkeypatch.setattr(tracking_tables, "draw_panel", noted)
     found = tracking_tables.mpc(tmp_path)
     assert labels[0] == ["aware MPC", "aware PD", "reference"]
     assert labels[1] == ["aware MPC", "aware PD"]
@@ -111,7 +111,7 @@ def test_rows_that_only_repeat_a_constant_say_so():
 
 def test_only_runs_what_is_asked_for():
     def names(only: str) -> list[str]:
-        return [one.name for one in reproduction.needed(chosen(NUMBERS, only))]
+        return [one.name for one in reproduction.needed_experiments(select_numbers(NUMBERS, only))]
 
     assert names("table6") == ["pid"]
     assert set(names("table7,fig10")) == {"pid", "mpc", "planning"}
@@ -130,7 +130,7 @@ def test_a_number_without_a_place_is_refused(tmp_path: Path):
 
 def test_rows_keep_the_contract_and_say_null_for_what_is_not_a_number():
     output = as_json(
-        chosen(NUMBERS, "table1"),
+        select_numbers(NUMBERS, "table1"),
         [ExperimentOutcome({"table1.takeoff_weight": 34.0, "table1.size": math.nan})],
     )
     first = json.loads(json.dumps(output, allow_nan=False))["rows"]
@@ -141,7 +141,9 @@ def test_rows_keep_the_contract_and_say_null_for_what_is_not_a_number():
 
 
 def test_the_ratio_is_ours_over_the_papers():
-    cells = rows(chosen(NUMBERS, "table6"), [ExperimentOutcome({"table6.q1_z_rmse_ignoring": 0.263})])
+    cells = table_cells(
+        select_numbers(NUMBERS, "table6"), [ExperimentOutcome({"table6.q1_z_rmse_ignoring": 0.263})]
+    )
     row = next(cell for cell in cells if cell[0] == "table6.q1_z_rmse_ignoring")
     assert row[1:4] == ("0.1315", "0.263", "2")
 
@@ -152,19 +154,21 @@ def test_a_page_repeats_no_note_of_the_row_above() -> None:
 
 
 def test_small_numbers_and_units_are_printed_with_powers():
-    cells = rows(chosen(NUMBERS, "table1"), [ExperimentOutcome({"table1.inertia_xx": 3.144e-5})])
+    cells = table_cells(
+        select_numbers(NUMBERS, "table1"), [ExperimentOutcome({"table1.inertia_xx": 3.144e-5})]
+    )
     row = next(cell for cell in cells if cell[0] == "table1.inertia_xx")
     assert row[1:5] == ("3.14 · 10⁻⁵", "3.14 · 10⁻⁵", "1", "kg m²")
 
 
 def test_numbers_taken_from_the_paper_do_not_count_as_close_to_it():
-    asked = chosen(NUMBERS, "table1,table6")
+    asked = select_numbers(NUMBERS, "table1,table6")
     found = {
         "table1.takeoff_weight": 34.0,
         "table6.q1_z_rmse_ignoring": 0.1315,
         "table6.q1_z_rmse_aware": 0.28,
     }
-    assert closeness(asked, [ExperimentOutcome(found)]).startswith(
+    assert closeness_sentence(asked, [ExperimentOutcome(found)]).startswith(
         "Within 10 % of the paper's: 1 of 2 numbers"
     )
 
@@ -174,7 +178,7 @@ def test_a_finished_experiment_is_not_run_again_and_a_broken_one_is(tmp_path: Pa
 
     def good(folder: Path) -> ExperimentOutcome:
         ran.append("good")
-        file = drawn(folder / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))])
+        file = draw_panel(folder / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))])
         return ExperimentOutcome({"fig4.d": 1.0}, (FigurePicture("fig4", file, "t"),))
 
     def breaks(_: Path) -> ExperimentOutcome:
@@ -209,11 +213,11 @@ def test_the_fingerprint_is_the_same_for_the_same_code():
 
 
 def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
-    file = drawn(
+    file = draw_panel(
         tmp_path / "learning" / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))]
     )
     outcome = ExperimentOutcome({"fig4.d": 2.5}, (FigurePicture("fig4", file, "dev falls"),))
-    asked = chosen(NUMBERS, "fig4,table6")
+    asked = select_numbers(NUMBERS, "fig4,table6")
     write_page(asked, [outcome], tmp_path)
     write_pdf(asked, [outcome], tmp_path)
     text = (tmp_path / "index.html").read_text().replace("<wbr>", "")

@@ -19,7 +19,7 @@ from q2q_model.signals.values import (
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.commands import policies as tool
 from q2q_sim.experiments.campaign import campaign_flight
-from q2q_sim.experiments.campaign.random_run import GAINS, drawn
+from q2q_sim.experiments.campaign.random_run import GAINS, draw_run
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import (
     POLICIES,
@@ -148,19 +148,19 @@ def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_s
     """Run 15 on today's stock firmware: two wakes push the lowest of three by more than its thrust holds."""
     most = {"thrust_max": CRAZYFLIE_2_0.thrust_max}
     stock = {"firmware": "stock", "overrides": {"pid": GAINS | most, "mpc": most}, "faults": []}
-    run = replace(drawn(15), document={**drawn(15).document, **stock})
-    flown = campaign_flight.flown_pure(run)
+    run = replace(draw_run(15), document={**draw_run(15).document, **stock})
+    flown = campaign_flight.fly_pure(run)
     assert flown.violations == ()
     blind = {topic: found for topic, found in flown.topics.items() if topic != "truth_interference"}
     unaware = evidence_in_lockstep(blind)
     assert {one.policy for one in judge(unaware, campaign_flight.circumstances_of(run))} == {"return"}
     light = {**run.document, "vehicle": "crazyflie_2_1"}  # 27 g with the same motors
-    assert campaign_flight.flown_pure(replace(run, document=light)).violations == ()
+    assert campaign_flight.fly_pure(replace(run, document=light)).violations == ()
     weak = {"pid": GAINS | {"k_p_z": 4.0, "k_i_z": 0.0}}
     mutant = replace(
         run, document={**light, "overrides": weak}, options=replace(run.options, mode="ignoring")
     )
-    assert "return" in {one.policy for one in campaign_flight.flown_pure(mutant).violations}
+    assert "return" in {one.policy for one in campaign_flight.fly_pure(mutant).violations}
 
 
 @pytest.mark.parametrize(("sags", "judged"), [((0.15,), True), ((0.15, 0.1), False), ((0.09, 0.09), True)])

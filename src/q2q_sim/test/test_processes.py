@@ -18,7 +18,7 @@ def test_a_node_that_dies_before_it_writes_a_word_is_named(
         process.join()
         return process
 
-    monkeypatch.setattr(processes, "fork", dying)
+    monkeypatch.setattr(processes, "start_forked", dying)
     started = Processes(tmp_path)
     started.start(NodeSpec("q2q_model", "mocap_filter", {}))
     with pytest.raises(NodeDiedError, match="mocap_filter ended with status 3: no output"):

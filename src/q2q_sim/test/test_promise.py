@@ -15,9 +15,9 @@ from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.commands.promise import main, parser
-from q2q_sim.experiments.promise.kept_flights import resumed
+from q2q_sim.experiments.promise.kept_flights import resume_flights
 from q2q_sim.experiments.promise.promise_flights import run
-from q2q_sim.experiments.promise.promise_verdict import Rate, verdict, verdict_json
+from q2q_sim.experiments.promise.promise_verdict import Rate, promise_verdict, verdict_json
 from q2q_sim.experiments.promise.room_encounter import (
     STEADY,
     EncounterRecord,
@@ -178,7 +178,7 @@ def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest
     entered = replace(kept, seed=2, clearance=-0.01, announced=False, arrived=None, in_reach=None)
     other = replace(entered, seed=3, apart_at_start=False, announced=True, horizontal=9.0)
     tube = learn_tube(np.full((19 * 5 // 4 + 1, 2), 0.1), 0.05, CONDITIONS)
-    found = verdict([kept, left, entered, other], tube)
+    found = promise_verdict([kept, left, entered, other], tube)
     assert verdict_json(found) == {
         "flights": 4, "vehicles": 12, "under_conditions": 3, "entries_under_conditions": 1,
         "entry_rate_most": Rate(1, 3).most, "entries_otherwise": 1, "entries_not_announced": 1,
@@ -202,14 +202,14 @@ def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(
             yield replace(blank, seed=seed)
 
     case = PromiseCase()
-    assert [one.seed for one in resumed(range(3), case, file, fly_seeds)] == [0, 1, 2]
+    assert [one.seed for one in resume_flights(range(3), case, file, fly_seeds)] == [0, 1, 2]
     file.write_text(file.read_text()[:-20])
-    found = list(resumed(range(1, 5), case, file, fly_seeds))
+    found = list(resume_flights(range(1, 5), case, file, fly_seeds))
     assert sorted(one.seed for one in found) == [1, 2, 3, 4]
     assert flown == [0, 1, 2, 2, 3, 4]
     other = PromiseCase(replace(STEADY, tracking=0.2))
     with pytest.raises(ValueError, match="flights of another tube"):
-        list(resumed(range(3), other, file, fly_seeds))
+        list(resume_flights(range(3), other, file, fly_seeds))
 
 
 def test_the_command_prints_a_tube_and_writes_its_numbers(

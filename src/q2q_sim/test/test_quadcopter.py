@@ -11,7 +11,7 @@ from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL, beyond, share_given
+from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL, excess_share, share_given
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 H = 1.0 / PHYSICS_RATE
@@ -123,7 +123,7 @@ def test_spin_without_torque_keeps_angular_momentum_and_energy(vehicle: Vehicle)
 
 def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
     from q2q_sim.plant.quadcopter import body_of, state_at_rest
-    from q2q_sim.plant.swarm import run, still_air
+    from q2q_sim.plant.swarm import run_steps, still_air
 
     vehicle = TEXTBOOK_065
     drifts = []
@@ -135,7 +135,7 @@ def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
         before = rotate(state[0, QUAT], inertia * state[0, RATE])
         air = still_air(state, WakeLaw.NONE, body)
         commands = np.zeros((round(1.0 / step), 1, 4))
-        run(state, air, commands, np.array([[0.0] * 3 + [1.0] * 4]), body)
+        run_steps(state, air, commands, np.array([[0.0] * 3 + [1.0] * 4]), body)
         drifts.append(np.linalg.norm(rotate(state[0, QUAT], inertia * state[0, RATE]) - before))
     assert drifts[0] / drifts[1] == pytest.approx(2.0, rel=0.1)  # first order, higher orders 10 %
     assert drifts[1] / drifts[2] == pytest.approx(2.0, rel=0.1)
@@ -178,11 +178,11 @@ def test_the_ground_stops_a_fall_and_lets_a_vehicle_rise_again() -> None:
 
 def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
     commanded, ceilings = (0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13)
-    lost = beyond(commanded, ceilings)
+    lost = excess_share(commanded, ceilings)
     given = np.array(commanded) - lost
     assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum())  # cut one by one
     np.testing.assert_allclose(given - given.mean(), np.array(commanded) - np.mean(commanded))
-    assert beyond(commanded, (math.inf,) * 4) == 0.0
+    assert excess_share(commanded, (math.inf,) * 4) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -192,7 +192,7 @@ def test_rotors_that_cannot_lose_alike_give_together_what_each_gives_by_itself(
     commanded: tuple[float, float, float, float],
 ) -> None:
     ceilings = (0.155, 0.15, 0.16, 0.155)
-    lost = beyond(commanded, ceilings)
+    lost = excess_share(commanded, ceilings)
     given = share_given(commanded, ceilings, lost) * np.maximum(np.array(commanded) - lost, 0.0)
     assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum(), rel=1e-12)
     assert share_given((0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13), 0.0075) == 1.0

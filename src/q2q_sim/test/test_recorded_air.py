@@ -10,7 +10,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import AirError, air_path, check_air
 from q2q_sim.air.find_air import find_air
-from q2q_sim.air.learning.jet.jet_table import push
+from q2q_sim.air.learning.jet.jet_table import push_in_table
 from q2q_sim.air.room_air import RoomAir
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -52,7 +52,7 @@ def write_flight(path: Path, n: Array) -> None:
         columns |= {f"{name}_pwm{k}": np.full(rows, 0.65) for k in range(1, 5)}
     assert ROOM.jet is not None
     assert ROOM.residual is not None
-    eta = float(push(ROOM.jet, np.array([GAP]), np.zeros(1))[0])
+    eta = float(push_in_table(ROOM.jet, np.array([GAP]), np.zeros(1))[0])
     size = ROOM.residual.floor_mps2 + ROOM.residual.slope * eta
     columns["cf1_faz_est"][APART:] = MASS * (size * n - eta)
     table = np.stack(list(columns.values()), axis=1)

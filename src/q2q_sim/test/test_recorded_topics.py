@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_sim.loop.recorded_topics import recorded_types, told_of_silence
+from q2q_sim.loop.recorded_topics import recorded_types, silent_topics_note
 
 POSE = "geometry_msgs/msg/PoseStamped"
 
@@ -27,7 +27,7 @@ def test_types_that_do_not_exist_are_refused_before_a_bag_is_made() -> None:
 
 
 def test_silent_topics_are_told_if_they_were_asked_for_or_none_came() -> None:
-    assert told_of_silence((), ("/mocap",)) == ""
-    assert told_of_silence(("/mocap",), ("/mocap",)) == ""
-    assert told_of_silence(("/mocap", "/pose"), ("/mocap",)).startswith("no message came on /pose:")
-    assert told_of_silence((), ()).startswith("no message came on any topic:")
+    assert silent_topics_note((), ("/mocap",)) == ""
+    assert silent_topics_note(("/mocap",), ("/mocap",)) == ""
+    assert silent_topics_note(("/mocap", "/pose"), ("/mocap",)).startswith("no message came on /pose:")
+    assert silent_topics_note((), ()).startswith("no message came on any topic:")

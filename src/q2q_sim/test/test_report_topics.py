@@ -9,7 +9,7 @@ from q2q_model.bag import BagReader, BagWriter
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.commands import report
 from q2q_sim.loop.topics import TICK_TOPICS
-from q2q_sim.tools.report_bags import as_json, reported
+from q2q_sim.tools.report_bags import as_json, report_bag
 
 BAG = Path(__file__).resolve().parents[3] / "bags" / "table2_1"
 
@@ -29,6 +29,6 @@ def test_report_reads_a_bag_of_others_by_a_topic_map(tmp_path: Path):
     words = [str(tmp_path / "table2_1"), "--topics", str(tmp_path / "map.yaml")]
     words += ["--vehicle", "crazyflie_2_0", "--out", str(tmp_path / "report")]
     assert report.main([*words, "--json", str(tmp_path / "report.json")]) == 0
-    plain = as_json([reported(BAG, flown_vehicle(BAG, "crazyflie_2_0"))])
+    plain = as_json([report_bag(BAG, flown_vehicle(BAG, "crazyflie_2_0"))])
     assert json.loads((tmp_path / "report.json").read_text()) == json.loads(json.dumps(plain))
     assert set(plain) == {"table2_1"}

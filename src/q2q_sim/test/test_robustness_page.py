@@ -22,22 +22,24 @@ from q2q_sim.experiments.robustness.perturbations import (
     PASSAGE,
     PERTURBATIONS,
     Perturbation,
-    believed,
+    believed_model,
     flown_room,
 )
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
-from q2q_sim.experiments.robustness.robustness_page import ignoring, key, page
+from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
 from q2q_sim.scenarios import library
 
 FLIGHTS = asked_flights(["ring", "bent"], 1, 5)
 
 
 def test_the_believed_downwash_is_stronger_and_later_as_asked() -> None:
-    late = believed(MEASURED_LAW, Perturbation("", strength=1.5, delay=0.05))
+    late = believed_model(MEASURED_LAW, Perturbation("", strength=1.5, delay=0.05))
     assert late.strength == pytest.approx(1.5 * MEASURED_LAW.strength)
     assert GAP / late.travel_speed - GAP / MEASURED_LAW.travel_speed == pytest.approx(0.05)
-    assert GAP / believed(PAPER_LAW, Perturbation("", delay=0.05)).travel_speed == pytest.approx(0.05)
-    assert GAP / believed(MEASURED_LAW, Perturbation("", delay=-0.5)).travel_speed == pytest.approx(1e-3)
+    assert GAP / believed_model(PAPER_LAW, Perturbation("", delay=0.05)).travel_speed == pytest.approx(0.05)
+    assert GAP / believed_model(MEASURED_LAW, Perturbation("", delay=-0.5)).travel_speed == pytest.approx(
+        1e-3
+    )
 
 
 def test_the_flown_room_has_the_faults_of_every_draw_and_another_latency() -> None:
@@ -50,17 +52,19 @@ def test_the_flown_room_has_the_faults_of_every_draw_and_another_latency() -> No
 
 
 def test_a_flight_is_compared_with_one_in_the_same_room_that_ignores_the_downwash() -> None:
-    assert len({key(one) for one in FLIGHTS}) == len(FLIGHTS)
-    shared = {key(ignoring(one)) for one in FLIGHTS if one.air == "ring" and one.controller == "mpc"}
+    assert len({flight_key(one) for one in FLIGHTS}) == len(FLIGHTS)
+    shared = {
+        flight_key(ignoring_flight(one)) for one in FLIGHTS if one.air == "ring" and one.controller == "mpc"
+    }
     assert len(shared) == 6  # as it is, two latencies, an unseen neighbour, a weak battery, a stack
 
 
 def test_the_page_names_what_is_worse_than_ignoring_and_nothing_else() -> None:
-    found = {key(ignoring(one)): Errors(0.1, 0.2, 0.004) for one in FLIGHTS}
-    found |= {key(one): Errors(0.05, 0.1, 0.005) for one in FLIGHTS}
+    found = {flight_key(ignoring_flight(one)): Errors(0.1, 0.2, 0.004) for one in FLIGHTS}
+    found |= {flight_key(one): Errors(0.05, 0.1, 0.005) for one in FLIGHTS}
     assert "Never worse than ignoring." in page(found, FLIGHTS, "made")
     bad = next(one for one in FLIGHTS if one.perturbation.silent and one.air == "bent")
-    found[key(bad)] = Errors(0.106, 0.1, 0.005)
+    found[flight_key(bad)] = Errors(0.106, 0.1, 0.005)
     text = page(found, FLIGHTS, "made")
     assert "Worse than ignoring: no accelerometers in `bent`." in text
     assert text.count("**106.0 (1.06)**") == 1
@@ -90,12 +94,12 @@ def test_numbers_of_other_draws_are_refused_and_nothing_is_flown(tmp_path: Path)
 
 def test_a_vehicle_that_only_the_correction_leaves_on_the_floor_is_worse() -> None:
     nan = float("nan")
-    found = {key(ignoring(one)): Errors(0.05, 0.2, 0.004) for one in FLIGHTS}
-    found |= {key(one): Errors(nan, nan, 0.005) for one in FLIGHTS}
+    found = {flight_key(ignoring_flight(one)): Errors(0.05, 0.2, 0.004) for one in FLIGHTS}
+    found |= {flight_key(one): Errors(nan, nan, 0.005) for one in FLIGHTS}
     text = page(found, FLIGHTS, "made")
     assert "Never worse than ignoring." not in text
     assert "| **floor** | **floor** |" in text
-    found |= {key(ignoring(one)): Errors(nan, nan, 0.004) for one in FLIGHTS}
+    found |= {flight_key(ignoring_flight(one)): Errors(nan, nan, 0.004) for one in FLIGHTS}
     assert "Never worse than ignoring." in page(found, FLIGHTS, "made")
 
 

@@ -15,7 +15,7 @@ from q2q_sim.air.room_air import (
     RoomAir,
     VehicleTerm,
     WindTerm,
-    without,
+    without_terms,
 )
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
@@ -86,11 +86,11 @@ def test_the_same_seed_gives_the_same_flight_however_it_is_cut() -> None:
 
 @pytest.mark.parametrize("term", [term for term in TERMS if term != "wind"])
 def test_every_term_moves_the_vehicles_and_none_is_left_when_all_are_off(term: str) -> None:
-    assert np.abs(_flown(WHOLE, 7, (200,)) - _flown(without(WHOLE, (term,)), 7, (200,))).max() > 1e-7
+    assert np.abs(_flown(WHOLE, 7, (200,)) - _flown(without_terms(WHOLE, (term,)), 7, (200,))).max() > 1e-7
 
 
 def test_an_air_without_terms_is_still_air() -> None:
-    off = without(WHOLE, TERMS)
+    off = without_terms(WHOLE, TERMS)
     assert off == RoomAir()
     start = np.array([[0.0, 0.0, 0.6, 0.0], [0.04, 0.0, 1.0, 0.0], [0.0, 0.05, 1.4, 0.0]])
     still = Swarm(("a", "b", "c"), CRAZYFLIE_2_0, start, WakeLaw.NONE)
@@ -99,7 +99,9 @@ def test_an_air_without_terms_is_still_air() -> None:
 
 
 def test_switching_a_term_off_leaves_the_draws_of_the_others() -> None:
-    swarms = [swarm_in(air, [(0.0, 0.0, 1.0)], 5) for air in (WHOLE, without(WHOLE, ("meander", "wind")))]
+    swarms = [
+        swarm_in(air, [(0.0, 0.0, 1.0)], 5) for air in (WHOLE, without_terms(WHOLE, ("meander", "wind")))
+    ]
     units = [swarm.air.room.unit for swarm in swarms if swarm.prepare()]
     np.testing.assert_array_equal(units[0][RESIDUAL], units[1][RESIDUAL])
     assert units[0].std() > 0.5

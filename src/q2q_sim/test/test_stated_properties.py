@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import SetpointStatus
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
@@ -52,7 +52,7 @@ def flown(case: str) -> Run:
     """Return a run of a case, by the PID."""
     words, replan, faults = CASES[case]
     for seed in range(200):
-        run = drawn(seed, replan=replan)
+        run = draw_run(seed, replan=replan)
         plain = "safe_replanner" not in run.scenario.overrides
         if words in str(run.document["description"]) and run.options.controller == "pid" and plain:
             return with_faults(run, faults)
@@ -92,7 +92,7 @@ def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: 
 def test_an_acceleration_is_held_for_too_long_in_ticks_of_equal_length(jump: float, broken: int) -> None:
     """The clock jumps while it is held: ticks say nothing about how long that is."""
     run = flown("off its path")
-    ticks = run_ticks(flown_pure(run).topics)
+    ticks = run_ticks(fly_pure(run).topics)
     last = 100 + round(safe_replanner_params(run.scenario).hold / TICK_S)
     acc, moved = np.array([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.full(2, SetpointStatus.SHIFTED, np.uint8)
     setpoints = [
@@ -106,7 +106,7 @@ def test_an_acceleration_is_held_for_too_long_in_ticks_of_equal_length(jump: flo
 
 def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
     run = flown("off its path")
-    ticks = run_ticks(flown_pure(run).topics)
+    ticks = run_ticks(fly_pure(run).topics)
     first = ticks.setpoints[0]
     inside = first.pos.copy()
     inside[1] = inside[0] + [0.1, 0.0, 0.0]
@@ -121,7 +121,7 @@ def test_an_entry_into_the_zone_is_a_violation_unless_it_is_reported():
 def test_a_setpoint_from_which_a_stop_enters_the_zone_is_a_violation(speed: float, broken: bool) -> None:
     """0.3 m from the zone: a stop from 1.5 m/s takes 0.56 m at 2 m/s^2, and more with bounded jerk."""
     run = flown("off its path")
-    ticks = run_ticks(flown_pure(run).topics)
+    ticks = run_ticks(fly_pure(run).topics)
     first, params = ticks.setpoints[0], safe_replanner_params(run.scenario)
     pos, vel = np.zeros((2, 3)), np.zeros((2, 3))
     pos[1, 0], vel[1, 0] = params.eps + 0.3, -speed
@@ -141,4 +141,4 @@ def test_a_swap_is_not_judged_while_one_marker_is_displaced_and_the_other_missin
         Fault("dropout", 4.1, 0.8, (missing,)),
     )
     run = with_faults(flown("upper lost"), faults)
-    assert math.isfinite(swap(run, run_ticks(flown_pure(run).topics)).margin) == judged
+    assert math.isfinite(swap(run, run_ticks(fly_pure(run).topics)).margin) == judged

@@ -16,9 +16,9 @@ from q2q_sim.flight.unfinished_bag import why_unfinished
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.scenarios import library
-from q2q_sim.tools.fly_scenario import conclude
+from q2q_sim.tools.fly_scenario import print_verdict
 from q2q_sim.tools.judge_bags import evidence_in
-from q2q_sim.tools.report_bags import reported, verdicts
+from q2q_sim.tools.report_bags import report_bag, verdicts
 
 DURATION = 4.0
 TIMING = FlightTiming(400, 0, 10.0, latency_p50_ms=1.0, latency_p99_ms=2.0)
@@ -75,7 +75,7 @@ def test_a_flight_whose_bag_is_whole_is_ok(scenario: Path, messages: Messages, t
     record(messages, tmp_path / "bag")
     run = flown_run(scenario, tmp_path / "bag", tmp_path)
     assert str(run.verdict) == "ok: 4.0 s flown to the end"
-    assert conclude([run]) == 0
+    assert print_verdict([run]) == 0
 
 
 def test_a_flight_whose_disk_was_full_is_not_ok_and_says_what_is_missing(
@@ -85,7 +85,7 @@ def test_a_flight_whose_disk_was_full_is_not_ok_and_says_what_is_missing(
     record_on_full_disk(messages, bag, 0.5, folder / "stack.log")
     with pytest.warns(BagRepairWarning):
         run = flown_run(scenario, bag, folder)
-    assert conclude([run]) == 1
+    assert print_verdict([run]) == 1
     end = run.flight.t[-1]
     assert 0.9 < end < 3.5
     sentence = (
@@ -124,9 +124,9 @@ def test_who_reads_a_cut_bag_later_learns_that_its_end_is_unknown(
     record_on_full_disk(messages, bag, 0.5, tmp_path / "nodes" / "bag_record.log")
     flown = flown_vehicle(tmp_path / "whole", "crazyflie_2_0")
     with pytest.warns(BagRepairWarning):
-        told = verdicts([reported(bag, flown)])
+        told = verdicts([report_bag(bag, flown)])
     assert told.startswith("verdict: the recording was cut off at ")
-    assert verdicts([reported(tmp_path / "whole", flown)]) == "verdict: ok: 4.0 s flown to the end"
+    assert verdicts([report_bag(tmp_path / "whole", flown)]) == "verdict: ok: 4.0 s flown to the end"
     with pytest.warns(BagRepairWarning) as warned:
         evidence_in(bag)
     assert "no metadata" in str(warned[0].message)

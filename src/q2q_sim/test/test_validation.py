@@ -17,7 +17,7 @@ from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, check_stable, read_law
-from q2q_sim.experiments.validation.redrawn_flight import redrawn
+from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 from q2q_sim.experiments.validation.validate_flights import _all_flown
@@ -26,11 +26,11 @@ from q2q_sim.experiments.validation.validation import (
     RMS_RATIO,
     ValidatedFlight,
     as_json,
-    pooled,
-    validated,
-    verdict,
+    pooled_comparison,
+    validate_flight,
+    validation_sentence,
 )
-from q2q_sim.experiments.validation.validation_replay import longest_under, replayed_runs
+from q2q_sim.experiments.validation.validation_replay import longest_under_wake, replayed_runs
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.quadcopter import VEL
 from q2q_sim.plant.swarm import Swarm
@@ -107,7 +107,7 @@ def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
 
 def recorded(plan: TrackedFlight, make: MakeDraw) -> TrackedFlight:
     """Return a plan as flown under LAW by the first draw of an air."""
-    flown = redrawn(ReadFlight(plan, LAW), CRAZYFLIE_2_0.mass, make, [0])
+    flown = redraw_flight(ReadFlight(plan, LAW), CRAZYFLIE_2_0.mass, make, [0])
     pos, vel, quat = flown.pos[0], flown.vel[0], flown.quat[0]
     everywhere = np.ones(pos.shape[:2], dtype=bool)
     motion = Motion(plan.t, pos, vel, rotate(quat, UP))
@@ -127,7 +127,7 @@ def flight() -> TrackedFlight:
 @pytest.fixture(scope="module")
 def own(flight: TrackedFlight) -> ValidatedFlight:
     """Return the flight flown again in its own air."""
-    return validated(flight, CRAZYFLIE_2_0, air(1.0))
+    return validate_flight(flight, CRAZYFLIE_2_0, air(1.0))
 
 
 def test_the_law_is_read_from_the_commands(flight: TrackedFlight):
@@ -159,7 +159,7 @@ def test_a_limited_velocity_setpoint_gives_its_acceleration_by_the_command(fligh
 
 
 def test_a_flight_validates_in_its_own_air(own: ValidatedFlight):
-    found = pooled([own])
+    found = pooled_comparison([own])
     assert found.n > 200
     assert found.z_rms_ratio == pytest.approx(1.0, abs=0.15)
     assert found.correlation == pytest.approx(1.0, abs=0.1)
@@ -168,12 +168,12 @@ def test_a_flight_validates_in_its_own_air(own: ValidatedFlight):
 
 
 def test_a_flight_does_not_validate_in_an_air_twice_as_strong(flight: TrackedFlight):
-    found = pooled([validated(flight, CRAZYFLIE_2_0, air(2.0))])
+    found = pooled_comparison([validate_flight(flight, CRAZYFLIE_2_0, air(2.0))])
     assert found.z_rms_ratio is not None
     assert found.coverage95 is not None
     assert found.z_rms_ratio > RMS_RATIO[1]
     assert found.coverage95 < COVERAGE[0]
-    assert "times the recorded" in verdict(found)
+    assert "times the recorded" in validation_sentence(found)
 
 
 def test_a_flight_without_a_wake_has_clear_air_only(own: ValidatedFlight):
@@ -215,7 +215,7 @@ def test_gains_that_stabilise_no_vehicle_are_not_flown_again(
 def growth(law: OnboardLaw) -> float:
     """Return how much larger horizontal errors are in the last third of 24 s without downwash than before."""
     plan = passes(24.0)
-    flown = redrawn(ReadFlight(plan, law), CRAZYFLIE_2_0.mass, air(0.0), [0])
+    flown = redraw_flight(ReadFlight(plan, law), CRAZYFLIE_2_0.mass, air(0.0), [0])
     error = np.abs(flown.pos[0] - plan.ref_pos)[..., :2]
     return float(error[-800:].max() / error[:800].max())
 
@@ -275,7 +275,7 @@ def test_the_replay_shows_the_recording_beside_its_first_draw(own: ValidatedFlig
     np.testing.assert_array_equal(recorded.pos, own.flight.pos)
     height_error = simulated.pos[..., 2] - simulated.ref_pos[..., 2]
     np.testing.assert_array_equal(height_error, own.drawn[0])
-    assert longest_under([own]) is own
+    assert longest_under_wake([own]) is own
 
 
 def test_the_figure_of_a_flight_has_no_empty_panel(own: ValidatedFlight):

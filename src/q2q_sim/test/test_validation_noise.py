@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.identification.force.recorded_force import lagged
+from q2q_model.identification.force.recorded_force import first_order_lag
 from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
-from q2q_sim.experiments.validation.estimate_noise import coloured, noise_density
+from q2q_sim.experiments.validation.estimate_noise import colour_noise, noise_density
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration
 
 DT = 0.01
@@ -57,9 +57,9 @@ def test_motion_that_the_accelerometer_shows_is_no_noise():
 
 def test_drawn_noise_has_the_density_that_was_read():
     rng = np.random.default_rng(0)
-    slow = lagged(rng.standard_normal((20_000, 3)), DT * np.arange(20_000), 0.03)[:, None]
+    slow = first_order_lag(rng.standard_normal((20_000, 3)), DT * np.arange(20_000), 0.03)[:, None]
     frequency, density = noise_density(slow, np.zeros(slow.shape), 2, DT)
-    drawn = coloured(rng.standard_normal(slow.shape), frequency, density, DT)
+    drawn = colour_noise(rng.standard_normal(slow.shape), frequency, density, DT)
     _, again = noise_density(drawn, np.zeros(slow.shape), 2, DT)
     read = frequency > 3.2
     np.testing.assert_allclose(again[read].mean(), density[read].mean(), rtol=0.1)

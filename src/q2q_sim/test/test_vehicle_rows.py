@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from q2q_sim.report.significant import centimetres, significant
+from q2q_sim.report.significant import centimetres, significant_digits
 from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
 
 
@@ -46,7 +46,7 @@ def test_of_many_vehicles_the_worst_are_drawn() -> None:
     ],
 )
 def test_numbers_have_three_significant_digits_and_no_exponent(value: float | None, text: str) -> None:
-    assert significant(value) == text
+    assert significant_digits(value) == text
 
 
 def test_lengths_are_told_in_centimetres() -> None:

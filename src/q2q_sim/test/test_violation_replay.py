@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.signals.layout import Signal
 from q2q_sim.experiments.campaign import campaign_flight
-from q2q_sim.experiments.campaign.random_run import drawn
+from q2q_sim.experiments.campaign.random_run import draw_run
 from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop import closed_loop
@@ -51,8 +51,8 @@ def test_a_run_that_crashed_at_once_has_no_replay(tmp_path: Path):
 
 
 def test_a_campaign_keeps_the_replay_of_a_violation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    run = drawn(3)
-    flight = campaign_flight.JudgedFlight(campaign_flight.flown_pure(run).topics, (TILTED,))
-    monkeypatch.setattr(campaign_flight, "flown_pure", lambda _: flight)
+    run = draw_run(3)
+    flight = campaign_flight.JudgedFlight(campaign_flight.fly_pure(run).topics, (TILTED,))
+    monkeypatch.setattr(campaign_flight, "fly_pure", lambda _: flight)
     campaign_flight.fly_and_judge(3, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"3", "3.html", "3.yaml", "3.options.yaml"}

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure
-from q2q_sim.experiments.campaign.random_run import Run, drawn, fault_document
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure
+from q2q_sim.experiments.campaign.random_run import Run, draw_run, fault_document
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.violations import Limits
 
@@ -15,9 +15,9 @@ LOST = Fault("dropout", 1.2, 2.4, ("cf2",), 0.0)
 
 @pytest.mark.parametrize("seed", [102959, 310001])
 def test_a_vehicle_found_far_from_a_moving_plan_is_back_in_one_swing(seed: int) -> None:
-    run = drawn(seed)
+    run = draw_run(seed)
     document = {**run.document, "faults": [fault_document(LOST)]}
-    topics = flown_pure(Run(seed, document, run.options)).topics
+    topics = fly_pure(Run(seed, document, run.options)).topics
     row = topics["truth"][0].names.index("cf2")
     pairs = zip(topics["truth"], topics["reference_safe"], strict=True)
     off = np.array([np.hypot(*(flown.pos[row, :2] - planned.pos[row, :2])) for flown, planned in pairs])

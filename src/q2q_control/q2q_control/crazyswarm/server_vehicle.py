@@ -10,7 +10,7 @@ from math import inf, nan
 
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
-from q2q_control.radio.firmware_params import difference
+from q2q_control.radio.firmware_params import first_difference
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover, hover_ratio
 
@@ -69,7 +69,7 @@ class ServerVehicle:
         silent = VehicleReport(
             self.name,
             connected=connected,
-            wrong=difference(self._required, self._held) if complete else None,
+            wrong=first_difference(self._required, self._held) if complete else None,
             onboard=self._onboard(t),
             hover_ratio=self._hover_ratio(),
         )

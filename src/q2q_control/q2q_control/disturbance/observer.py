@@ -117,7 +117,7 @@ class DisturbanceObserver:
             step = GAP_MAX  # of no consequence: no row is known
         gain = observer_gain(self._poles[0], self._poles[1], step)
         rows = MeasuredRows(measured.pos, measured.vel, measured.acc, measured.fresh)
-        self.estimate = corrected(self.estimate, rows, self._known, gain, self._max)
+        self.estimate = correct_estimate(self.estimate, rows, self._known, gain, self._max)
         self._known |= measured.fresh
         return self.estimate
 
@@ -142,7 +142,7 @@ def observer_gain(state: float, disturbance: float, step: float) -> ObserverGain
 
 
 @compiled
-def corrected(
+def correct_estimate(
     old: Estimate, measured: MeasuredRows, known: NDArray[np.bool_], gain: ObserverGain, most: float
 ) -> Estimate:
     """Return the estimate one step later; rows that are not `known` (n,) start at the measurement.

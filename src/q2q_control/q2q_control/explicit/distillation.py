@@ -62,7 +62,7 @@ def distil(teacher: Teacher, params: DistillationParams, rng: np.random.Generato
         encounters = random_encounters(params.encounters, params.length, step, rng)
         policy = policy_of(law, teacher) if by_law else teacher_policy(teacher)
         situations.append(fly(encounters, policy, teacher, lambda shape: _gusts(shape, rng)).visited)
-        law = fitted(law, training_set(situations, teacher), params.iterations)
+        law = fit_weights(law, training_set(situations, teacher), params.iterations)
     return law
 
 
@@ -93,7 +93,7 @@ def training_set(situations: list[Situations], teacher: Teacher) -> TrainingSet:
     return TrainingSet(Features(*whole), np.clip(np.concatenate(commands), low, high))
 
 
-def fitted(law: ExplicitLaw, samples: TrainingSet, iterations: int) -> ExplicitLaw:
+def fit_weights(law: ExplicitLaw, samples: TrainingSet, iterations: int) -> ExplicitLaw:
     """Return the law with weights fitted to samples, starting at its own weights."""
     on = samples.features.gate > GATE_MIN
     x, gate, base = (_single(getattr(samples.features, name)[on]) for name in Features.__slots__)

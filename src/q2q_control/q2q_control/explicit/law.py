@@ -112,11 +112,11 @@ def workspace_of(law: ExplicitLaw) -> LawWorkspace:
 def evaluate(law: ExplicitLaw, pair: PairHorizon) -> Array:
     """Return u of the first vehicles of many pairs [m/s^2], (...,)."""
     seen = features(pair, law.chain, float(law.bounds[1]))
-    raw = seen.base + seen.gate * network(law, (seen.x - law.mean) / law.scale)
+    raw = seen.base + seen.gate * network_output(law, (seen.x - law.mean) / law.scale)
     return np.asarray(np.clip(raw, law.bounds[0], law.bounds[1]))
 
 
-def network(law: ExplicitLaw, z: Array) -> Array:
+def network_output(law: ExplicitLaw, z: Array) -> Array:
     """Return the network's output [m/s^2], (...,), of z (..., WIDTH)."""
     one = np.tanh(z @ law.first[:, :-1].T + law.first[:, -1])
     two = np.tanh(one @ law.second[:, :-1].T + law.second[:, -1])

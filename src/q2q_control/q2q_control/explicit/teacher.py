@@ -21,7 +21,7 @@ from q2q_control.mpc.problem.input_bounds import FALL
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, at_rest, retarded_pairs
+from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, pairs_at_rest, retarded_pairs
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -114,7 +114,7 @@ def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Arr
     vel = np.diff(path, axis=-2) / teacher.params.step
     rel = here[..., ::-1, :, :] - here
     now = SourceStates(
-        rel, vel[..., ::-1, :, :], at_rest(rel).source_axis
+        rel, vel[..., ::-1, :, :], pairs_at_rest(rel).source_axis
     )  # as seen from the exposed vehicle
     rel, motion = retarded_pairs(
         model,

@@ -52,7 +52,7 @@ class LastCommands:
         self._stamps = np.zeros(0)
 
     def memory(self, names: Names) -> Last:
-        """Return the last computed commands of vehicles, written in place by `complete`."""
+        """Return the last computed commands of vehicles, written in place by `complete_commands`."""
         if names != self._names:
             self._reorder(names)
         return self._values, self._stamps
@@ -64,7 +64,7 @@ class LastCommands:
 
 
 @compiled
-def complete(
+def complete_commands(
     tick: tuple[float, Mask],
     computed: tuple[Array, Mask],
     last: Last,

@@ -49,7 +49,7 @@ class PlanOutline:
     """[s]"""
 
 
-def outline(names: Names, trajectories: Sequence[Trajectory]) -> PlanOutline:
+def plan_outline(names: Names, trajectories: Sequence[Trajectory]) -> PlanOutline:
     """Return the outline of a plan, from samples every 10 ms."""
     pos = sampled_preview(names, trajectories, 0.0).samples[..., :3]  # (n, T, 3)
     duration = max(one.duration for one in trajectories)

@@ -26,7 +26,7 @@ def far_apart(names: Names, aim: Array, pos: Array) -> dict[str, float]:
     return {names[row]: float(away[row]) for row in np.flatnonzero(away >= FAR_M)}
 
 
-def in_words(away: Mapping[str, float]) -> str:
+def distances_text(away: Mapping[str, float]) -> str:
     """Return vehicles with their distances [m]: "cf1 1.2 m, cf2 3.0 m"."""
     return ", ".join(f"{name} {distance:.1f} m" for name, distance in away.items())
 
@@ -57,5 +57,5 @@ class FarSetpointMonitor:
         for is_down, words in ((False, _ELSEWHERE), (True, _BROUGHT_DOWN)):
             those = {name: away for name, away in far.items() if (name in self._brought_down) is is_down}
             if those:
-                found.append(words.format(in_words(those)))
+                found.append(words.format(distances_text(those)))
         return "; ".join(found)

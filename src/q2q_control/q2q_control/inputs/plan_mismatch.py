@@ -14,7 +14,7 @@ plan has ended: nothing is wrong.
 
 import numpy as np
 
-from q2q_control.inputs.far_setpoints import far_apart, in_words
+from q2q_control.inputs.far_setpoints import distances_text, far_apart
 from q2q_control.inputs.preview import SampledPreview
 from q2q_model.signals.values import SwarmSetpoint
 
@@ -30,7 +30,7 @@ _OVER = (
 def far_from_plan(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:
     """Return the vehicles whose setpoints are FAR_M or more from their plan, and how far; empty for none."""
     planned = plan.at(setpoint.names, np.array([setpoint.t]))[:, 0, :3]
-    return in_words(far_apart(setpoint.names, planned, setpoint.pos))
+    return distances_text(far_apart(setpoint.names, planned, setpoint.pos))
 
 
 class PlanMismatchMonitor:

@@ -77,7 +77,9 @@ def command_rule(params: MpcParams) -> CommandRule:
     )
 
 
-def commanded(solution: HorizonSolution, horizon: Horizon, outlook: Outlook, rule: CommandRule) -> Commanded:
+def commanded_acceleration(
+    solution: HorizonSolution, horizon: Horizon, outlook: Outlook, rule: CommandRule
+) -> Commanded:
     """Return each vehicle's commanded acceleration, the plan to remember, and the report.
 
     Rows of `solution` that failed are overwritten by the last plan.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.last_commands import Last, complete
+from q2q_control.failsafe.last_commands import Last, complete_commands
 from q2q_control.inputs.alignment import Aligned
 from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.compiled import compiled
@@ -25,7 +25,7 @@ class CommandLaw(NamedTuple):
     full_thrust: float
     """Thrust from which a command counts as saturated [N]."""
     rule: tuple[float, float]
-    """As that of q2q_control.failsafe.last_commands.complete."""
+    """As that of q2q_control.failsafe.last_commands.complete_commands."""
 
 
 def limited_command(tick: Aligned, acc: Array, law: CommandLaw, last: Last) -> SwarmCommand:
@@ -45,4 +45,4 @@ def write_commands(
     values, saturated = command_rows(acc, table, law.limits)
     for v in range(usable.size):
         saturated[v] = saturated[v] or values[v, 0] >= law.full_thrust
-    complete((t, usable), (values, saturated), last, law.rule, out)
+    complete_commands((t, usable), (values, saturated), last, law.rule, out)

@@ -28,8 +28,8 @@ from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import axis_chains
-from q2q_control.mpc.correction import faded_residual, thrust_reserve, tightened
-from q2q_control.mpc.fallback import MpcReport, command_rule, commanded
+from q2q_control.mpc.correction import faded_residual, thrust_reserve, tighten
+from q2q_control.mpc.fallback import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
@@ -37,9 +37,9 @@ from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
 from q2q_control.mpc.prediction.neighbours import (
     HeardPredictions,
     PredictedPaths,
-    blended,
+    blend,
     known_neighbours,
-    predicted,
+    usable_prediction,
 )
 from q2q_control.mpc.prediction.outlook import Forecaster, Outlook, correct_downwash, future_reference
 from q2q_control.mpc.prediction.present import Present, PresentEstimator
@@ -103,7 +103,7 @@ class Mpc:
             ValueError: the solver is not made for these parameters, or thrust_max does not carry the vehicle.
         """
         if self._setup.correct is not None:
-            params = tightened(params)
+            params = tighten(params)
         thrust_max = largest_thrust(self._vehicle, params.thrust_max if params.thrust_limited else None)
         self._solver = self._setup.solver(params, self._vehicle)
         self._params = params
@@ -161,7 +161,7 @@ class Mpc:
             correct_downwash(tick, interference, outlook.downwash, self._params)
         horizon = self._horizon(tick, self._present.update(tick), outlook)
         solution = self._solver.solve(horizon, outlook.downwash, outlook.plan.pattern, self._setup.in_time)
-        answer = commanded(solution, horizon, outlook, self._command_rule)
+        answer = commanded_acceleration(solution, horizon, outlook, self._command_rule)
         self._forecaster.keep(tick.names, answer.plan)
         self._predicted = tick, reference, answer.plan.offset, times
         self.report = answer.report
@@ -192,7 +192,7 @@ class Mpc:
         if self._predicted is None:
             return None
         tick, reference, offset, times = self._predicted
-        return predicted(tick, reference[..., :3] + offset, times)
+        return usable_prediction(tick, reference[..., :3] + offset, times)
 
     def _neighbours(
         self, state: SwarmState, setpoint: SwarmSetpoint, references: Array, times: Array
@@ -204,7 +204,7 @@ class Mpc:
         heard, share = self._heard.follow(setpoint.t, straight, times)
         if (share == 1.0).all():
             return heard
-        return blended(heard, known_neighbours(straight, setpoint, references), share)
+        return blend(heard, known_neighbours(straight, setpoint, references), share)
 
     def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
         eta, kept = outlook.downwash.eta[: len(tick.names)], np.zeros((len(tick.names), self._params.steps))

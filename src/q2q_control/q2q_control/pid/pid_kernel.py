@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.last_commands import Last, complete
+from q2q_control.failsafe.last_commands import Last, complete_commands
 from q2q_control.inputs.alignment import ETA_AT, POS_AT, REF_ACC_AT, REF_POS_AT, REF_VEL_AT, VEL_AT
 from q2q_control.pid.thrust_vector import Excess, ThrustLimits, write_command
 from q2q_model.compiled import compiled
@@ -91,12 +91,12 @@ def pid_commands(
         tick: Inputs.
         law: Gains and limits, as plain tuples: numba takes named ones in three times the time.
         memory: Integrals, (n, 3), and last computed commands; both advance.
-        rule: As that of q2q_control.failsafe.last_commands.complete.
+        rule: As that of q2q_control.failsafe.last_commands.complete_commands.
         out: As there.
     """
     t, dt, table, usable = tick
     computed = pid_rows(table, memory[0], PidGains(*law[0]), ThrustLimits(*law[1]), dt)
-    complete((t, usable), computed, memory[1], rule, out)
+    complete_commands((t, usable), computed, memory[1], rule, out)
 
 
 @compiled

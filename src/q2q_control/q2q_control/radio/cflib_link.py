@@ -12,7 +12,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
-from q2q_control.radio.firmware_params import TableEntry, difference, unsettable
+from q2q_control.radio.firmware_params import TableEntry, first_difference, unsettable
 from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
@@ -183,7 +183,7 @@ class CflibLink:
             return self._known.refused[0]
         if self._known.pose is None:
             return "has not logged its own estimate yet"
-        return difference(self._params, self._known.held)
+        return first_difference(self._params, self._known.held)
 
     def _reopen(self) -> None:
         self._crazyflie.close_link()

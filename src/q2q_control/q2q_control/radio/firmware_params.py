@@ -70,7 +70,7 @@ def _unsettable(name: str, value: float, table: Mapping[str, TableEntry]) -> str
     return ""
 
 
-def difference(required: Mapping[str, float], held: Mapping[str, float]) -> str:
+def first_difference(required: Mapping[str, float], held: Mapping[str, float]) -> str:
     """Return the first parameter whose value differs from the required one, with both; empty if none does."""
     for name, value in required.items():
         found = held.get(name, nan)

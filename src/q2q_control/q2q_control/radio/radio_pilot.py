@@ -39,7 +39,7 @@ from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
 from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
-from q2q_model.geometry.pose_ahead import moved_on
+from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
 
@@ -149,7 +149,7 @@ class RadioPilot:
         fresh = state.status == TrackStatus.TRACKED
         again = state.t == self._last_stamp or not send
         self._last_stamp = state.t
-        pos, quat = moved_on(state, self._params.pose_delay_s)
+        pos, quat = extrapolate_pose(state, self._params.pose_delay_s)
         turned = measured_attitudes(state)
         for row, name in enumerate(state.names):
             if name not in self._vehicles or not fresh[row] or not np.isfinite(state.pos[row]).all():

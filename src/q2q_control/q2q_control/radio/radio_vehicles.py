@@ -12,7 +12,7 @@ from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import LegacyScale
-from q2q_control.radio.setpoints import full_states, level_rpyt, names_cut, rpyt_setpoints
+from q2q_control.radio.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
 from q2q_model.node.health import Health
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names, SwarmState
@@ -81,7 +81,7 @@ class RadioVehicles:
 
     def _send(self, tick: FlownTick, now: float) -> None:
         if tick.command is not None:
-            self.pilot.cut(names_cut(tick.command), now)
+            self.pilot.cut(cut_vehicles(tick.command), now)
             if tick.flown:
                 self.pilot.fly_rpyt(tick.command.names, rpyt_setpoints(tick.command, self._scale), now)
         elif tick.setpoint is not None and tick.flown:

@@ -70,7 +70,7 @@ def rpyt_setpoints(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoi
     return [RpytSetpoint(roll, pitch, -yaw_rate, int(pwm)) for pitch, roll, yaw_rate, pwm in rows]
 
 
-def names_cut(command: SwarmCommand) -> Names:
+def cut_vehicles(command: SwarmCommand) -> Names:
     """Return the vehicles with status CUT."""
     return tuple(
         name for name, one in zip(command.names, command.status, strict=True) if one == CommandStatus.CUT

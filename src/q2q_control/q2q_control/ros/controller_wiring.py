@@ -11,7 +11,7 @@ from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_model.ros.node.input_warnings import AbsentNames, warn_of_missing_names
 from q2q_model.ros.node.node_parameters import declare
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (

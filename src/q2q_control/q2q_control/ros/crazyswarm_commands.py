@@ -8,7 +8,7 @@ from q2q_control.crazyswarm.message_conversion import legacy_twists
 from q2q_control.radio.radio_vehicles import other_publishers
 from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.radio.setpoints import FullState, full_states
-from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
@@ -31,7 +31,7 @@ class CrazyswarmCommands:
             ImportError: `full_state`, and the package of its message is missing.
         """
         self._node, self._legacy = node, legacy
-        self._full_state = find(CRAZYFLIE_PACKAGE, ("FullState",))[0] if full_state else Twist
+        self._full_state = find_types(CRAZYFLIE_PACKAGE, ("FullState",))[0] if full_state else Twist
         topic = FULL_STATE if full_state else LEGACY
         self._writers = {
             name: node.create_publisher(self._full_state, f"{name}/{topic}", QUEUE) for name in names

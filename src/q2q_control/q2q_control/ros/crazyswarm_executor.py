@@ -21,7 +21,7 @@ from std_srvs.srv import Empty
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_control.ros.server_vehicles import ServerVehicles
 from q2q_model.node.reply import Reply
 from q2q_model.signals.stamps import stamp_from_time, stamp_parts
@@ -36,7 +36,7 @@ class CrazyswarmExecutor:
         Raises:
             ImportError: crazyflie_interfaces is missing.
         """
-        takeoff, land, arm, stop = find(
+        takeoff, land, arm, stop = find_types(
             CRAZYFLIE_PACKAGE, ("Takeoff", "Land", "Arm", "NotifySetpointsStop"), "srv"
         )
         self._vehicles = ServerVehicles(node, vehicles)

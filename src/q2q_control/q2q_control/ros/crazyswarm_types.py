@@ -61,7 +61,7 @@ class PoseTypes:
         return made
 
 
-def find(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
+def find_types(package: str, names: Sequence[str], folder: str = "msg") -> list[type]:
     """Return types of a package; raise ImportError with what is missing and how to get it."""
     try:
         module = import_module(f"{package}.{folder}")
@@ -79,5 +79,7 @@ def find_pose_types(version: int = 1) -> PoseTypes:
 
     `version` is `topics.poses.version` of motion_capture.yaml; 2 is NamedPoseArrayV2, with latencies.
     """
-    array, one = find(MOCAP_PACKAGE, ("NamedPoseArrayV2" if version == 2 else "NamedPoseArray", "NamedPose"))
+    array, one = find_types(
+        MOCAP_PACKAGE, ("NamedPoseArrayV2" if version == 2 else "NamedPoseArray", "NamedPose")
+    )
     return PoseTypes(array, one)

@@ -17,7 +17,7 @@ from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.far_setpoints import FarSetpointMonitor
 from q2q_model.ros.node.steady_timer import steady_timer
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState

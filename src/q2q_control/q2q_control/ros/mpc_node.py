@@ -28,7 +28,7 @@ from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
 from q2q_model.ros.node.run import run
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal

@@ -19,7 +19,7 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.run import run
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.tunable import tunable
 from q2q_model.vehicle.constants import vehicle_by_name
@@ -43,7 +43,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     params = declare(node, PidParams(), in_flight=True)
     if own.live and (warning := soft_altitude(params)):
         node.get_logger().warning(warning)
-    block = corrected(node, own, params) if own.correct else Pid(params, vehicle, own.vehicles)
+    block = correcting_pid(node, own, params) if own.correct else Pid(params, vehicle, own.vehicles)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)
     if isinstance(block, ObservedPid):
@@ -53,7 +53,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     return wiring
 
 
-def corrected(node: Node, own: ControllerNodeParams, params: PidParams) -> ObservedPid:
+def correcting_pid(node: Node, own: ControllerNodeParams, params: PidParams) -> ObservedPid:
     """Return the PID that corrects the predicted downwash."""
     vehicle = vehicle_by_name(own.vehicle, own.firmware)
     residual = find_model(declare(node, PidNodeParams()).model).residual or REAL_FLIGHTS

@@ -13,7 +13,7 @@ from q2q_control.mpc.prediction.own_predictions import OwnPredictions
 from q2q_control.mpc.prediction.slots import BroadcastSchedule
 from q2q_control.mpc.receding import Mpc
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.qos import MANY_WRITERS, TICK_WRITER
 from q2q_model.signals.layout import Signal

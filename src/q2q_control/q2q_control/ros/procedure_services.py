@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
-from q2q_control.flight_procedure.observation import outline
+from q2q_control.flight_procedure.observation import plan_outline
 from q2q_control.flight_procedure.piloted_flight import OrderExecutor, PilotedFlight, ProcedureStatus
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Call, Step
@@ -85,7 +85,7 @@ class ProcedureServices:
 
     def _take_plan(self, message: Plan) -> None:
         try:
-            self._flight.store_plan(outline(tuple(message.names), decode_trajectories(message)))
+            self._flight.store_plan(plan_outline(tuple(message.names), decode_trajectories(message)))
         except ValueError as refusal:
             self._node.get_logger().error(f"next_plan refused, the last one is kept: {refusal}")
 

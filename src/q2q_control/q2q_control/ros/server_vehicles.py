@@ -22,7 +22,7 @@ from rclpy.task import Future
 from q2q_control.crazyswarm.reported_vehicles import ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.observation import VehicleReport
-from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find
+from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_model.ros.topics.qos import OUTSIDE
 
 SERVER = "crazyflie_server"
@@ -53,7 +53,7 @@ class ServerVehicles:
             ImportError: crazyflie_interfaces is missing.
         """
         self._vehicles = ReportedVehicles(vehicles)
-        status, log = find(CRAZYFLIE_PACKAGE, ("Status", "LogDataGeneric"))
+        status, log = find_types(CRAZYFLIE_PACKAGE, ("Status", "LogDataGeneric"))
         self._parameters = node.create_client(GetParameters, f"{SERVER}/get_parameters")
         self._answers: list[tuple[ServerVehicle, Future[GetParameters.Response]]] = []
         for one in vehicles:

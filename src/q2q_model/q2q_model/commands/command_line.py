@@ -19,7 +19,7 @@ from types import MappingProxyType
 from typing import NoReturn
 
 from q2q_model.commands.help_text import HelpText
-from q2q_model.commands.quiet_end import drop_output, ending_at_once, output_is_read
+from q2q_model.commands.quiet_end import drop_output, exiting_on_signal, output_is_read
 from q2q_model.node.lean_imports import lean_imports
 from q2q_model.writable_places import writable_file, writable_folder
 
@@ -60,7 +60,7 @@ class CommandLine(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}{self._hint(message)}; see --help\n")
 
     def _hint(self, message: str) -> str:
-        near = nearest(unknown_arguments(message), self.vocabulary())
+        near = nearest_word(unknown_arguments(message), self.vocabulary())
         return f"; did you mean {near}?" if near else ""
 
     def vocabulary(self) -> list[str]:
@@ -92,7 +92,7 @@ def run_command(
     args = line.parse_args(own, Namespace(argv=own))
     try:
         with warnings_in_one_line(line.prog):
-            with ending_at_once(INTERRUPTED), lean_imports():
+            with exiting_on_signal(INTERRUPTED), lean_imports():
                 work = prepare(args)
             status = work(args)
             sys.stdout.flush()
@@ -106,11 +106,11 @@ def run_command(
         if isinstance(refusal, BrokenPipeError) and not output_is_read():
             drop_output()
             return CUT_OFF
-        print(f"{line.prog}: {reason(refusal)}", file=sys.stderr)
+        print(f"{line.prog}: {failure_reason(refusal)}", file=sys.stderr)
         return refused
 
 
-def reason(refusal: ValueError | OSError) -> str:
+def failure_reason(refusal: ValueError | OSError) -> str:
     """Return why a command failed, in one line; of the operating system's errors the path and its words."""
     if isinstance(refusal, OSError) and refusal.strerror and refusal.filename:
         return f"{refusal.filename}: {refusal.strerror}"
@@ -238,7 +238,7 @@ def unknown_arguments(message: str) -> list[str]:
     return [word.partition("=")[0] for word in wrong]
 
 
-def nearest(wrong: list[str], known: list[str]) -> str:
+def nearest_word(wrong: list[str], known: list[str]) -> str:
     """Return the known word nearest to the first wrong one that has a near one; empty if none is near."""
     found = (match for word in wrong for match in get_close_matches(word, known, n=1))
     return next(found, "")

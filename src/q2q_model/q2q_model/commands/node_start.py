@@ -6,7 +6,7 @@ from importlib import import_module
 from types import MappingProxyType
 
 from q2q_model.commands.node_command_line import NodeCommandLine
-from q2q_model.commands.quiet_end import ending_at_once
+from q2q_model.commands.quiet_end import exiting_on_signal
 from q2q_model.node.lean_imports import lean_imports
 
 NO_FLAGS: Mapping[str, str] = MappingProxyType({})
@@ -19,7 +19,7 @@ def start_node(module: str, flags: Mapping[str, str] = NO_FLAGS) -> None:
         module: of the node; its docstring is the node's help.
         flags: see NodeCommandLine.
     """
-    with ending_at_once(0), lean_imports():
+    with exiting_on_signal(0), lean_imports():
         node = import_module(module)
     package, _, file = module.partition(".ros.")
     line = NodeCommandLine(package, file.removesuffix("_node"), node.__doc__, flags)

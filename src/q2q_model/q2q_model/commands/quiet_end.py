@@ -12,7 +12,7 @@ STDOUT = 1
 
 
 @contextmanager
-def ending_at_once(status: int) -> Iterator[None]:
+def exiting_on_signal(status: int) -> Iterator[None]:
     """Exit at once with a status on SIGINT or SIGTERM, while nothing needs cleaning up.
 
     An exception could be swallowed by the module that is being imported.

@@ -50,7 +50,7 @@ class _UnexpectedError(ValueError):
         self.value, self.expected = value, expected
 
 
-def structured(kind: type[T], plain: object, *, extra: bool) -> T:
+def structure(kind: type[T], plain: object, *, extra: bool) -> T:
     """Return plain values as a `kind`; raise ValueError with a sentence for each of the first mistakes."""
     try:
         return _converter(extra).structure(plain, kind)

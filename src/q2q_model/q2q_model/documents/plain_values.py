@@ -54,9 +54,9 @@ def from_plain(kind: type[T], plain: object, where: str, *, extra: bool = False)
         PlainValueError: naming `where` and the mistakes: key, value and what is expected.
     """
     # its cattrs takes 20 ms to import, and nodes that read no file start without it
-    from q2q_model.documents.plain_reader import structured
+    from q2q_model.documents.plain_reader import structure
 
     try:
-        return structured(kind, plain, extra=extra)
+        return structure(kind, plain, extra=extra)
     except ValueError as error:
         raise PlainValueError(f"{where}: {error}" if where else str(error)) from error

@@ -67,7 +67,7 @@ class SourceStates:
     """Body z, unit length, world, (..., 3)."""
 
 
-def at_rest(rel_pos: Array) -> PairMotion:
+def pairs_at_rest(rel_pos: Array) -> PairMotion:
     """Return the motion of level vehicles at rest, one pair for each relative position (..., 3)."""
     still = np.zeros_like(rel_pos)
     return PairMotion(source_vel=still, source_axis=still + UP, vel=still)

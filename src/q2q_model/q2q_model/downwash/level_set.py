@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.signals.values import Array
 
 STEP = 0.01
@@ -81,7 +81,7 @@ def level_set(model: InteractionModel, threshold: float) -> LevelSet:
     return LevelSet(threshold=threshold, table=table)
 
 
-def peak(model: InteractionModel) -> float:
+def peak_downwash(model: InteractionModel) -> float:
     """Return the largest downwash of a law [m/s^2]; 0 without interaction."""
     return float(_strength(model).max())
 
@@ -97,7 +97,7 @@ def _strength(model: InteractionModel) -> Array:
     across = np.arange(0.0, reach.horizontal + MARGIN + STEP, STEP)
     gap = np.arange(0.0, reach.vertical + MARGIN + STEP, STEP)
     rel_pos = np.stack(np.meshgrid(across, [0.0], gap, indexing="ij"), axis=-1)[:, 0]  # (rows, columns, 3)
-    still = at_rest(rel_pos)
+    still = pairs_at_rest(rel_pos)
     pushes = [np.linalg.norm(model.acceleration(sign * rel_pos, still), axis=-1) for sign in (1.0, -1.0)]
     within = (across[:, None] <= reach.horizontal) & (gap <= reach.vertical)
     return np.where(within, np.maximum(*pushes), 0.0)

@@ -37,19 +37,19 @@ class MeasuredPush:
         passed, self._t = state.t - self._t, state.t
         dt = passed if 0.0 <= passed < LONGEST_STEP else LONGEST_STEP
         if state.names != self._names:
-            self._thrust = rows_among(self._names, state.names, self._thrust)
+            self._thrust = reordered_rows(self._names, state.names, self._thrust)
             self._names = state.names
-        commanded = rows_among(command.names, state.names, command.thrust)
+        commanded = reordered_rows(command.names, state.names, command.thrust)
         keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
         before = np.where(np.isfinite(self._thrust), self._thrust, commanded)
         settled = keep * before + (1.0 - keep) * commanded
         self._thrust = np.where(np.isfinite(commanded), settled, before)
-        force = rotate(state.quat, rows_among(imu.names, state.names, imu.specific_force_body))[:, 2]
+        force = rotate(state.quat, reordered_rows(imu.names, state.names, imu.specific_force_body))[:, 2]
         body_z = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
         return np.asarray(force - self._thrust * body_z / self._vehicle.mass)
 
 
-def rows_among(names: Names, among: Names, values: Array) -> Array:
+def reordered_rows(names: Names, among: Names, values: Array) -> Array:
     """Return the rows of `values` in the order of `among`; NaN for missing ones."""
     rows = index_of(among, names)
     out = np.full((len(among), *values.shape[1:]), np.nan)

@@ -37,10 +37,10 @@ from q2q_model.estimation.position.position_tracks import PositionTracks, TrackU
 from q2q_model.estimation.usual_tick import (
     POSE_WIDTH,
     QUAT_AT,
+    extend_memory,
     no_poses,
     remember_poses,
     usual_tick,
-    with_more,
 )
 from q2q_model.signals.values import (
     Array,
@@ -224,7 +224,7 @@ class MocapFilter:
         self._names += new
         self._positions.grow(len(new))
         self._attitudes.grow(len(new))
-        self._recent = with_more(self._recent, len(new))
+        self._recent = extend_memory(self._recent, len(new))
         self._find_memory()
 
     def _count_nominal(self) -> None:

@@ -11,10 +11,14 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import Table
-from q2q_model.estimation.attitude.attitude_steps import AttitudeGateParams
-from q2q_model.estimation.attitude.attitude_steps import follow as follow_attitudes
-from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE, Offered, TrackMemory
-from q2q_model.estimation.position.position_steps import follow as follow_positions
+from q2q_model.estimation.attitude.attitude_steps import AttitudeGateParams, follow_attitudes
+from q2q_model.estimation.position.position_steps import (
+    UNUSUAL,
+    WHOLE,
+    Offered,
+    TrackMemory,
+    follow_positions,
+)
 from q2q_model.estimation.position.track_columns import TrackParams
 from q2q_model.signals.values import Array, Mask
 
@@ -35,7 +39,7 @@ def no_poses(count: int) -> RecentPoses:
     return np.full((RECENT, count, POSE_WIDTH), np.nan), np.zeros(1, np.int64)
 
 
-def with_more(recent: RecentPoses, extra: int) -> RecentPoses:
+def extend_memory(recent: RecentPoses, extra: int) -> RecentPoses:
     """Return the memory with `extra` vehicles more."""
     poses, newest = recent
     return np.concatenate((poses, no_poses(extra)[0]), axis=1), newest

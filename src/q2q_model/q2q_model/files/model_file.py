@@ -25,7 +25,7 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.model_bounds import check_model
 from q2q_model.files.model_names import ModelFileError
-from q2q_model.files.sealed_json import FileFormat, sealed, unsealed
+from q2q_model.files.sealed_json import FileFormat, seal, unseal
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -116,13 +116,13 @@ def encode(content: ModelFile) -> str:
             body["residual"] = to_plain(content.residual, "residual")
     except PlainValueError as error:
         raise ModelFileError(str(error)) from error
-    return sealed(body, FORMAT)
+    return seal(body, FORMAT)
 
 
 def decode(text: str) -> ModelFile:
     """Return the contents of a file's text; raise ModelFileError if it is not valid."""
     try:
-        body = unsealed(text, FORMAT)
+        body = unseal(text, FORMAT)
         residual = body.get("residual")
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
         check_model(model)

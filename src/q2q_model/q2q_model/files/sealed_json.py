@@ -32,13 +32,13 @@ class FileFormat:
     """Command that creates such files, in messages."""
 
 
-def sealed(body: Mapping[str, Plain], form: FileFormat) -> str:
+def seal(body: Mapping[str, Plain], form: FileFormat) -> str:
     """Return the text of a file with these entries."""
     whole = {"format": form.name, "version": form.version, **body}
     return json.dumps(whole | {"checksum": checksum(whole)}, indent=1) + "\n"
 
 
-def unsealed(text: str, form: FileFormat) -> dict[str, Plain]:
+def unseal(text: str, form: FileFormat) -> dict[str, Plain]:
     """Return the entries of a file's text, without the checksum.
 
     Raises:

@@ -98,7 +98,7 @@ def _source(value: object, where: str) -> SourceColumn:
     return SourceColumn(given.from_, given.scale, given.offset)
 
 
-def mapped(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
+def map_columns(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
     """Return our columns, each from the first of its sources that is there."""
     found = {}
     for ours, sources in chosen.items():
@@ -120,10 +120,10 @@ def mapped_table(columns: Mapping[str, Array], chosen: ColumnMap) -> dict[str, A
     prefixed = {ours: of for ours, of in chosen.items() if ours not in plain}
     names = [one.name for of in prefixed.values() for one in of]
     require_sources(prefixed, [name for name in names if _prefixes(columns, [name])], _all_names(columns))
-    found = dict(columns) | mapped(columns, plain)
+    found = dict(columns) | map_columns(columns, plain)
     for prefix in _prefixes(columns, names):
         own = {name.removeprefix(prefix): columns[name] for name in columns if name.startswith(prefix)}
-        found |= {f"{prefix}{ours}": values for ours, values in mapped(own, prefixed).items()}
+        found |= {f"{prefix}{ours}": values for ours, values in map_columns(own, prefixed).items()}
     return found
 
 

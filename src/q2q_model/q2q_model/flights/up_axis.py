@@ -16,7 +16,7 @@ OUTLIERS = 0.02
 """Share of the positions that may be outliers [-]: twice that of the noisiest bag."""
 
 
-def doubt_of_height(pos: Array) -> str:
+def y_up_reason(pos: Array) -> str:
     """Return why y and not z seems to be up in positions (..., 3), NaN where unknown; empty if z may be."""
     known = pos[np.isfinite(pos).all(axis=-1)]
     if not len(known):

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from q2q_model.flights.column_map import FIRMWARE, ColumnMap, mapped, require_sources
+from q2q_model.flights.column_map import FIRMWARE, ColumnMap, map_columns, require_sources
 from q2q_model.flights.usd_log import UsdLog
-from q2q_model.geometry.quaternion32 import decompressed
+from q2q_model.geometry.quaternion32 import decompress_quat
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
 
@@ -67,7 +67,7 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
 
 
 def _columns(variables: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
-    found = mapped(variables, chosen)
+    found = map_columns(variables, chosen)
     if not all(one in found for one in QUAT) and (quat := _quat(variables)) is not None:
         found |= dict(zip(QUAT, _continuous(quat).T, strict=True))
     return found
@@ -76,7 +76,7 @@ def _columns(variables: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Arr
 def _quat(variables: Mapping[str, Array]) -> Array | None:
     """Return attitudes x y z w, (T, 4), from packed bits or from angles; None where neither is logged."""
     if QUAT_BITS in variables:
-        return np.array([decompressed(int(bits)) for bits in variables[QUAT_BITS]])
+        return np.array([decompress_quat(int(bits)) for bits in variables[QUAT_BITS]])
     if all(one in variables for one in ATTITUDE):
         roll, pitch, yaw = (np.deg2rad(variables[one]) for one in ATTITUDE)
         return quat_from_euler(roll, -pitch, yaw)

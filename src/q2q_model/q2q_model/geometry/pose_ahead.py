@@ -37,6 +37,6 @@ class MeasuredMotion(Protocol):
         """Body rate [rad/s], (..., 3)."""
 
 
-def moved_on(motion: MeasuredMotion, delay: float) -> tuple[Array, Array]:
+def extrapolate_pose(motion: MeasuredMotion, delay: float) -> tuple[Array, Array]:
     """Return positions [m], (..., 3), and attitudes, (..., 4), after `delay` [s] at constant velocities."""
     return motion.pos + delay * motion.vel, integrate_quat(motion.quat, motion.ang_vel_body, delay)

@@ -12,7 +12,7 @@ Four = tuple[float, float, float, float]
 _TOP = (1 << 9) - 1
 
 
-def compressed(quat: Four) -> int:
+def compress_quat(quat: Four) -> int:
     """Return the 32 bits of a unit quaternion x y z w."""
     largest = max(range(4), key=lambda k: abs(quat[k]))
     sign = -1.0 if quat[largest] < 0.0 else 1.0
@@ -25,7 +25,7 @@ def compressed(quat: Four) -> int:
     return bits
 
 
-def decompressed(bits: int) -> Four:
+def decompress_quat(bits: int) -> Four:
     """Return the quaternion x y z w of 32 bits."""
     largest = bits >> 30
     parts = [0.0] * 4

@@ -38,7 +38,7 @@ from q2q_model.identification.selection.candidates import (
     score_candidates,
     with_deviation,
 )
-from q2q_model.identification.selection.held_out import Score, doubts, score_on
+from q2q_model.identification.selection.held_out import Score, model_doubts, score_on
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, Vehicle
 
@@ -107,7 +107,7 @@ def identify(
     best, model, unfit = fit_best(trials, evidence)
     model = with_deviation(best.candidate, model, evidence)
     zone, on_zone = _learned_zone(model, params.threshold, records)
-    doubted = doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []
+    doubted = model_doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []
     train = score_on(model, evidence, loop)
     spread = parameter_intervals(best.candidate, model, evidence, loop)
     return Identification(

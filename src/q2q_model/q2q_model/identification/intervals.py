@@ -86,7 +86,7 @@ def least_squares_rows(jacobian: Array, residual: Array, cluster: Array) -> Esti
     return EstimatingRows(jacobian, residual, np.ones_like(residual), cluster)
 
 
-def clusters(stretches: Sequence[Stretch], shortest: float) -> Array:
+def cluster_rows(stretches: Sequence[Stretch], shortest: float) -> Array:
     """Return the cluster of every row, (m,), in the order of the stretches.
 
     Args:

@@ -98,7 +98,7 @@ class LiveRefinement:
 
     def refined(self) -> InteractionModel:
         """Return the model with its gain applied."""
-        return scaled(self._predictor.model, self._estimate().gain)
+        return scale_downwash(self._predictor.model, self._estimate().gain)
 
     def _follow(self, names: Names) -> None:
         """Reorder the sums by name; those of new vehicles are zero."""
@@ -118,7 +118,7 @@ class LiveRefinement:
         return LiveEstimate(self._t, gain, self._names, offset, square)
 
 
-def scaled(model: InteractionModel, gain: float) -> InteractionModel:
+def scale_downwash(model: InteractionModel, gain: float) -> InteractionModel:
     """Return a model whose downwash is `gain` times as strong."""
     if isinstance(model, Jet):
         return replace(model, strength=gain * model.strength)

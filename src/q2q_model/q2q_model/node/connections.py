@@ -55,7 +55,7 @@ def connections_from_text(text: str, node: str) -> Connections:
     return Connections(reads, {topic: int(count) for topic, _, count in pairs}, out, lacks)
 
 
-def unmatched(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
+def unmatched_topics(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
     """Return, for each node, the published topics that lack a matched subscriber."""
     readers = Counter(topic for one in nodes.values() for topic in one.reads)
     short = {
@@ -65,7 +65,7 @@ def unmatched(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
     return {name: topics for name, topics in short.items() if topics}
 
 
-def undelivered(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
+def undelivered_topics(nodes: Mapping[str, Connections]) -> dict[str, list[str]]:
     """Return, for each node, the latched topics whose published value it has not received yet."""
     out = {topic for one in nodes.values() for topic in one.out}
     missing = {name: [topic for topic in one.lacks if topic in out] for name, one in nodes.items()}
@@ -95,6 +95,9 @@ def missing_connections(names: Iterable[str], nodes: Mapping[str, Connections]) 
     """Return descriptions of what the named nodes still wait for; `nodes` are those that have answered."""
     silent = [f"{name} has not answered" for name in names if name not in nodes]
     return silent or [
-        *(f"{name} waits for readers of {', '.join(topics)}" for name, topics in unmatched(nodes).items()),
-        *(f"{name} waits for {', '.join(topics)}" for name, topics in undelivered(nodes).items()),
+        *(
+            f"{name} waits for readers of {', '.join(topics)}"
+            for name, topics in unmatched_topics(nodes).items()
+        ),
+        *(f"{name} waits for {', '.join(topics)}" for name, topics in undelivered_topics(nodes).items()),
     ]

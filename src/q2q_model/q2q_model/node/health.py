@@ -58,7 +58,7 @@ class HealthReport:
     """Whether messages are refused or ticks lack an input, which a user mends."""
 
 
-def report(before: Health, now: Health) -> HealthReport:
+def health_report(before: Health, now: Health) -> HealthReport:
     """Return the diagnostic status of the time between two readings of the counters."""
     ticks = now.ticks - before.ticks
     values = {

@@ -18,7 +18,7 @@ from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import Interference, SwarmState
 from q2q_model.tunable import check_bounds, tunable
@@ -53,7 +53,7 @@ def build(node: Node) -> TickWiring[Interference]:
     wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
     wiring.expect_one_writer("model")
     node.create_subscription(String, "model", model_receiver(node, predictor, age, wiring.health), LATCHED)
-    block = predictor if params.correct_vehicle == "none" else corrected(predictor, params, found)
+    block = predictor if params.correct_vehicle == "none" else corrected_predictor(predictor, params, found)
     if isinstance(block, CorrectedPredictor):
         receive_measured_ticks(node, block.sense, wiring.health.refuse)
     wiring.rehearse(block.update, block.reset)
@@ -61,7 +61,7 @@ def build(node: Node) -> TickWiring[Interference]:
     return wiring
 
 
-def corrected(
+def corrected_predictor(
     predictor: InteractionPredictor, params: InterferenceParams, found: ModelFile
 ) -> CorrectedPredictor:
     """Return the predictor corrected by the topics `imu` and `command`."""

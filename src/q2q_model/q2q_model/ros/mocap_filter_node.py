@@ -12,7 +12,7 @@ from q2q_model.node.mocap_troubles import MocapTroubles
 from q2q_model.ros.node.input_warnings import StandingStamps, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.vehicle_topics import VehicleTopics
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable

@@ -114,13 +114,13 @@ def _stacked(names: Names, group: Sequence[tuple[int, Signal]]) -> SignalRows:
         names=names,
         t=np.array([signal.t for signal in signals]),
         values={
-            column.attribute: joined([getattr(signal, column.attribute) for signal in signals])
+            column.attribute: stack_equal([getattr(signal, column.attribute) for signal in signals])
             for column in LAYOUTS[type(signals[0])].columns
         },
         place=np.array([where for where, _ in group], dtype=np.intp),
     )
 
 
-def joined(arrays: Sequence[NDArray[Number]]) -> NDArray[Number]:
+def stack_equal(arrays: Sequence[NDArray[Number]]) -> NDArray[Number]:
     """Return arrays of one shape as one, as np.stack does in four times as long."""
     return np.concatenate(arrays).reshape(len(arrays), *arrays[0].shape)

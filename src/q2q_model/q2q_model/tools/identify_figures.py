@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from q2q_model import palette
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.flight_evidence import every_record, is_lower, motion_along
@@ -123,7 +123,7 @@ def _downwash_figure(model: InteractionModel) -> Figure:
 def _grid(model: InteractionModel, across: Array, dz: Array) -> Array:
     x, z = np.meshgrid(across, dz)
     rel_pos = np.stack([x, np.zeros_like(x), z], axis=-1)
-    return np.asarray(model.acceleration(rel_pos, at_rest(rel_pos))[..., 2])
+    return np.asarray(model.acceleration(rel_pos, pairs_at_rest(rel_pos))[..., 2])
 
 
 def _axes(title: str, x: str, y: str) -> tuple[Figure, Axes]:

@@ -13,7 +13,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import Plain, PlainValueError, to_plain
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import save
-from q2q_model.flights.up_axis import doubt_of_height
+from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.identify_report import report, summary
@@ -98,7 +98,7 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         flown = common_vehicle(kept, args.vehicle)
         recordings, repairs = read_recordings(kept, topic_map(args.topics))
         for flight in (one.flight for one in recordings):
-            if doubt := doubt_of_height(flight.mocap_pos):
+            if doubt := y_up_reason(flight.mocap_pos):
                 progress.console.print(f"identify: flight {flight.name}: {doubt}", highlight=False)
         found = identify(recordings, _params(args, flown.vehicle), steps.begin)
         remarks = [f"repaired: {repair}" for repair in repairs]

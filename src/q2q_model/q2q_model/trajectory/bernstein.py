@@ -30,7 +30,7 @@ def ascending_powers(points: Array, durations: Array) -> Array:
     return np.asarray(unit / np.asarray(durations)[..., None] ** np.arange(order))
 
 
-def halves(points: Array) -> tuple[Array, Array]:
+def split_in_half(points: Array) -> tuple[Array, Array]:
     """Return the control points of the first and the second half of the interval, (..., order) each."""
     first = _first_half(points.shape[-1])
     return np.asarray(points @ first.T), np.asarray(points @ first[::-1, ::-1].T)

@@ -14,7 +14,7 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -74,7 +74,7 @@ def random_swap(
     return tuple(_way(row, ends, room.time) for row, ends in enumerate(zip(places, goals, strict=True)))
 
 
-def held_plan(
+def plan_swap(
     swarm: tuple[VehicleWaypoints, ...], zone: Zone, room: RoomSize, thrust: tuple[Vehicle, float]
 ) -> SwarmPlan | None:
     """Return the certified plan of a swap within the walls, None if there is none.
@@ -86,7 +86,9 @@ def held_plan(
         thrust: the vehicle, and the acceleration that it keeps in reserve [m/s^2].
     """
     try:
-        plan = avoid(swarm, zone, params=AvoidanceParams(steps=STEPS, starts=1, within=room.within)).plan
+        plan = avoid_zones(
+            swarm, zone, params=AvoidanceParams(steps=STEPS, starts=1, within=room.within)
+        ).plan
         check_feasible(plan, swarm, *thrust)
     except ValueError as refusal:
         if isinstance(refusal, InfeasibleError) or "thrust" in str(refusal):

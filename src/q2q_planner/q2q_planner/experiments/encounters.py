@@ -228,7 +228,7 @@ def conditions_hold(encounter: Encounter, params: SafeReplannerParams) -> bool:
     )
 
 
-def judge(
+def judge_encounter(
     flown: Sequence[SwarmSetpoint], encounter: Encounter, params: SafeReplannerParams
 ) -> EncounterVerdict:
     """Return the verdict on an encounter."""

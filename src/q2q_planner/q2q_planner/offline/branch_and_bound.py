@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_model.trajectory.bernstein import halves
+from q2q_model.trajectory.bernstein import split_in_half
 from q2q_planner.offline.rounding_bound import DEEPEST
 
 TOLERANCE = 1e-5
@@ -46,7 +46,7 @@ class Least(NamedTuple):
     """No value is below this [m]; within the tolerance if there were no more than MOST_STRETCHES."""
 
 
-def least(
+def least_on_stretches(
     points: Array,
     bounds: Callable[[Array], StretchBounds],
     tolerance: float = TOLERANCE,
@@ -69,7 +69,7 @@ def least(
         floor = min(floor, float(here.lower[~split].min(initial=np.inf)))
         if not split.any():
             return found._replace(bound=min(floor, found.value))
-        points = np.concatenate(halves(points[split]))
+        points = np.concatenate(split_in_half(points[split]))
         length *= 0.5
         row = np.tile(row[split], 2)
         share = np.concatenate([share[split], share[split] + length])

@@ -18,9 +18,9 @@ import numpy as np
 
 from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array, Rows
-from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, StretchBounds, least
+from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, StretchBounds, least_on_stretches
 from q2q_planner.offline.convex_zone import Lathe, lathe_around
 from q2q_planner.offline.rounding_bound import MOST_ROUNDING, NOT_BOUNDED, ROUNDING, rounding_slack
 from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
@@ -62,7 +62,7 @@ def certify(plan: SwarmPlan, zone: Zone) -> Certificate:
         words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
         return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
     stretches = _stretches(shared, lathe)
-    found = least(stretches.points, lambda points: _stretch_bounds(points, lathe))
+    found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, lathe))
     pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
     piece = stretches.piece[found.row]
     t = shared.starts[piece] + found.share * shared.durations[piece]
@@ -117,7 +117,7 @@ def _relative(points: Array, which: tuple[Rows, ...], first: Rows, second: Rows)
 
 
 def _midpoints(points: Array) -> Array:
-    return np.asarray(halves(points)[0][..., -1])
+    return np.asarray(split_in_half(points)[0][..., -1])
 
 
 def _stretch_bounds(points: Array, lathe: Lathe) -> StretchBounds:

@@ -19,12 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.level_set import LevelSet, level_set, peak
+from q2q_model.downwash.level_set import LevelSet, level_set, peak_downwash
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
 from q2q_planner.offline.altitude_response import altitude_rms
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -90,14 +90,14 @@ def avoid_downwash(
         ValueError: the model has no downwash, or the waypoints cannot be flown.
     """
     before = _predicted(minimum_snap_plan(swarm, reading), downwash)
-    strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak(downwash.model))
+    strong, faint = np.log(np.array([STRONGEST, FAINTEST]) * peak_downwash(downwash.model))
     tried: list[DownwashPlan] = []
     refusals: list[InfeasibleError] = []
     for _ in range(HALVINGS):
         middle = 0.5 * (strong + faint)
         zone = level_set(downwash.model, float(np.exp(middle)))
         try:
-            found = avoid(swarm, zone, reading, params)
+            found = avoid_zones(swarm, zone, reading, params)
         except InfeasibleError as refusal:
             refusals.append(refusal)
             faint = middle  # too large

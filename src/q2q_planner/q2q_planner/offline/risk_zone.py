@@ -104,7 +104,7 @@ def risk_zone(model: InteractionModel, terms: RiskTerms, residual: ResidualProce
     push = largest_push(terms, residual)
     grown = 2.0 * np.array([terms.tube.horizontal, terms.tube.vertical])
     strong = np.zeros((1, 2))  # (radius, height) of corners
-    if push < level_set.peak(model):
+    if push < level_set.peak_downwash(model):
         strong = lathe_around(level_set.level_set(model, push)).profile + 0.5 * level_set.STEP
 
     def support(normal: Array) -> Array:

@@ -25,7 +25,7 @@ class SharedPieces:
     """Ascending powers of the time since the piece's start, (pieces, n, 3, order)."""
 
 
-def split(trajectory: Trajectory, cuts: Array) -> Trajectory:
+def split_at(trajectory: Trajectory, cuts: Array) -> Trajectory:
     """Return the same curve with pieces that also end at `cuts` [s]; at rest beyond its end."""
     ends = np.cumsum(trajectory.durations)
     times = _merged(np.concatenate([[0.0], ends, cuts]))
@@ -44,7 +44,7 @@ def shared_pieces(trajectories: Sequence[Trajectory]) -> SharedPieces:
     order = max(trajectory.coefficients.shape[-1] for trajectory in trajectories)
     aligned = np.zeros((len(cuts) - 1, len(trajectories), 3, order))
     for row, trajectory in enumerate(trajectories):
-        pieces = split(trajectory, cuts).coefficients[:, :3]
+        pieces = split_at(trajectory, cuts).coefficients[:, :3]
         aligned[:, row, :, : pieces.shape[-1]] = pieces
     return SharedPieces(cuts[:-1], np.diff(cuts), aligned)
 

@@ -39,11 +39,11 @@ from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.setpoint_error import (
     SetpointError,
-    matched,
+    match_rows,
     no_error,
     reference_between,
-    settled,
-    shifted,
+    settle,
+    shift_reference,
 )
 
 STEP = 0.01
@@ -118,14 +118,14 @@ class PotentialField:
         if before is None or abs(setpoint.t - before.t) > LONGEST_GAP:
             self._error = no_error(setpoint.names)
         else:
-            self._error = matched(self._error, setpoint.names)
+            self._error = match_rows(self._error, setpoint.names)
             if setpoint.t > before.t:
                 self._error = _advance(self._error, _rows_as(before, setpoint), setpoint, self.params)
         push = swarm_push(setpoint.pos + self._error.pos, self.params)
-        self._error = settled(self._error, np.asarray(push.any(axis=1)))
+        self._error = settle(self._error, np.asarray(push.any(axis=1)))
         self._on_reference = not (self._error.pos.any() or self._error.vel.any())
         acc = push - self.params.k_d * self._error.vel - self.params.k_p * self._error.pos
-        self._before, self._answer = setpoint, shifted(setpoint, self._error, acc)
+        self._before, self._answer = setpoint, shift_reference(setpoint, self._error, acc)
         return self._answer
 
 

@@ -34,7 +34,7 @@ def no_error(names: Names) -> SetpointError:
     return SetpointError(names, np.zeros((len(names), 3)), np.zeros((len(names), 3)))
 
 
-def matched(error: SetpointError, names: Names) -> SetpointError:
+def match_rows(error: SetpointError, names: Names) -> SetpointError:
     """Return the error with the rows of `names`; a new vehicle starts on its reference."""
     if error.names == names:
         return error
@@ -45,7 +45,7 @@ def matched(error: SetpointError, names: Names) -> SetpointError:
     return SetpointError(names, np.where(known, error.pos[rows], 0.0), np.where(known, error.vel[rows], 0.0))
 
 
-def settled(error: SetpointError, pushed: Mask) -> SetpointError:
+def settle(error: SetpointError, pushed: Mask) -> SetpointError:
     """Return the error, set to zero where it is small and not pushed (n,)."""
     largest = np.maximum(np.abs(error.pos), np.abs(error.vel)).max(axis=1)
     rest = ((largest < SETTLE_TOLERANCE) & ~pushed)[:, None]
@@ -54,7 +54,7 @@ def settled(error: SetpointError, pushed: Mask) -> SetpointError:
     return SetpointError(error.names, np.where(rest, 0.0, error.pos), np.where(rest, 0.0, error.vel))
 
 
-def shifted(setpoint: SwarmSetpoint, error: SetpointError, acc: Array) -> SwarmSetpoint:
+def shift_reference(setpoint: SwarmSetpoint, error: SetpointError, acc: Array) -> SwarmSetpoint:
     """Return the reference shifted by the error and its acceleration `acc` [m/s^2], (n, 3).
 
     If both are exactly zero for all vehicles it is the reference object itself.

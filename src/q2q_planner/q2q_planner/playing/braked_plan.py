@@ -17,7 +17,7 @@ BRAKE_S = 1.0
 """T [s]: adds an acceleration of v / T to the plan's own, 1 m/s^2 at 1 m/s."""
 
 
-def braked(plan: SwarmPlan, s: float) -> SwarmPlan:
+def brake_plan(plan: SwarmPlan, s: float) -> SwarmPlan:
     """Return the plan that starts at plan time s [s] of `plan` and comes to rest within BRAKE_S."""
     curves = tuple(_braked(one, s) for one in plan.trajectories)
     return replace(plan, trajectories=curves)

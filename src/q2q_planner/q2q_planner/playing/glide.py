@@ -53,7 +53,7 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
         ValueError: no order keeps the vehicles apart; names the pair and its distance.
     """
     here = here.copy()
-    here[:, 3] = there[:, 3] + wrapped(here[:, 3] - there[:, 3])  # the short way round
+    here[:, 3] = there[:, 3] + wrap_angles(here[:, 3] - there[:, 3])  # the short way round
     zone = Cylinder(params.glide_eps, params.glide_d)
     together = _together(names, here, there, params)
     proof = certify(together, zone)
@@ -66,7 +66,7 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
     raise ValueError(_told(proof, zone))
 
 
-def wrapped(angle: Array) -> Array:
+def wrap_angles(angle: Array) -> Array:
     """Return angles [rad] from -pi to pi."""
     return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
 

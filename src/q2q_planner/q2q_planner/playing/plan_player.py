@@ -18,8 +18,8 @@ from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_planner.playing.braked_plan import braked
-from q2q_planner.playing.glide import GlideParams, glide, wrapped
+from q2q_planner.playing.braked_plan import brake_plan
+from q2q_planner.playing.glide import GlideParams, glide, wrap_angles
 
 AT_FIRST = 1e-3
 """Largest distance of the reference from the first points at which the plan may start [m]."""
@@ -99,7 +99,7 @@ class PlanPlayer:
         if self.played is None:
             return Reply(granted=False, reason="the reference follows the measured vehicles: glide first")
         off = here - self._first()
-        far, turned = np.linalg.norm(off[:, :3], axis=1), np.abs(wrapped(off[:, 3]))
+        far, turned = np.linalg.norm(off[:, :3], axis=1), np.abs(wrap_angles(off[:, 3]))
         row = int(np.maximum(far, turned).argmax())
         if max(far[row], turned[row]) > AT_FIRST:
             state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m and {turned[row]:.2f} rad"
@@ -111,7 +111,7 @@ class PlanPlayer:
         """Brake along what is played."""
         if self.played is None or self._last is None:
             return Reply(granted=False, reason="nothing is played")
-        stopping = braked(self.played.plan, self._now() - self.played.start)
+        stopping = brake_plan(self.played.plan, self._now() - self.played.start)
         self.played = Played(stopping, self._now())
         return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
 

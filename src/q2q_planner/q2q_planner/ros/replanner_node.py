@@ -12,7 +12,7 @@ from rclpy.node import Node
 from q2q_model.node.health import Health
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.run import run
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams

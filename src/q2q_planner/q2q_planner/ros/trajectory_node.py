@@ -19,7 +19,7 @@ from q2q_model.node.reply import Reply
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.ready import note_latched
 from q2q_model.ros.node.run import run
-from q2q_model.ros.node.tick import TickWiring
+from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint

@@ -7,7 +7,7 @@ from q2q_model.vehicle.thrust_map import MOTOR_THRUST, STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
 from q2q_planner.offline.minimum_snap.waypoint_document import WaypointDocument
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.tools.waypoint_file import naming, read_document, timed_waypoints
+from q2q_planner.tools.waypoint_file import naming_file, read_document, timed_waypoints
 
 
 def read_swarm(asked: Namespace) -> tuple[Namespace, tuple[VehicleWaypoints, ...]]:
@@ -17,7 +17,7 @@ def read_swarm(asked: Namespace) -> tuple[Namespace, tuple[VehicleWaypoints, ...
         ValueError: naming the file, and the key, or vehicle, waypoint and bound.
     """
     document = read_document(asked.waypoints)
-    with naming(asked.waypoints):
+    with naming_file(asked.waypoints):
         vehicle = _vehicle_of(asked.vehicle, document)
     flown = Namespace(**vars(asked) | {"vehicle": vehicle, "reading": asked.reading or document.reading})
     limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration), vehicle)

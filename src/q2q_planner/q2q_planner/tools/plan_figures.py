@@ -44,8 +44,8 @@ def draw_all(
     """
     folder.mkdir(parents=True, exist_ok=True)
     t = np.arange(0.0, plan.duration + TICK, TICK)
-    avoiding, reference = sampled(plan, t), sampled(free, t)
-    online = replanned(free, t, zone)
+    avoiding, reference = sample_positions(plan, t), sample_positions(free, t)
+    online = replan_samples(free, t, zone)
     both = {"without avoidance": reference, "with avoidance": avoiding}
     fig10 = _beside(plan, both, zone)
     fig12 = _beside(plan, {"reference": reference, "modified online": online}, zone)
@@ -58,12 +58,12 @@ def draw_all(
     ]
 
 
-def sampled(plan: SwarmPlan, t: Array) -> Array:
+def sample_positions(plan: SwarmPlan, t: Array) -> Array:
     """Return positions of all vehicles at times t [s], (T, n, 3)."""
     return np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)
 
 
-def replanned(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
+def replan_samples(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
     """Return the plan after the safe replanner, (T, n, 3), with the zone's radius and half height."""
     hull = lathe_around(zone)
     replanner = SafeReplanner(SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0))

@@ -13,7 +13,7 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid
+from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.convex_zone import lathe_around
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
@@ -43,7 +43,7 @@ class Planned:
     cpu_ms: float
 
 
-def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, before: float) -> Planned:
+def make_plan(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, before: float) -> Planned:
     """Return the plan for the command line; raise ValueError if there is none.
 
     `before` is the processor time at its start [s].
@@ -51,7 +51,7 @@ def planned(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, bef
     warm = plan_file.load(asked.warm) if asked.warm else None
     params = _params_of(asked)
     if asked.avoid:
-        found = avoid(swarm, zone, asked.reading, params, warm)
+        found = avoid_zones(swarm, zone, asked.reading, params, warm)
         proofs = found.certificate, found.within
         return Planned(found.plan, *proofs, found.cost, found.infimum, _ms_since(before))
     plan = minimum_snap_plan(swarm, asked.reading)
@@ -94,7 +94,7 @@ def run(asked: Namespace) -> int:
         check_upload_of(swarm, asked.upload, (asked.out, asked.json, asked.csv))
     before = process_time()
     zone, words = zone_of(asked, swarm, _params_of(asked))
-    made = planned(asked, swarm, zone, before)
+    made = make_plan(asked, swarm, zone, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold
     check_feasible(made.plan, swarm, asked.vehicle, reserve)
     uploads = upload_rows(made.plan) if asked.upload else {}

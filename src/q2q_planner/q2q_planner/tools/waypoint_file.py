@@ -27,7 +27,7 @@ def read_waypoints(path: Path, limits: FlightLimits, reading: Reading) -> tuple[
 def read_document(path: Path) -> WaypointDocument:
     """Return the document of a file; raise ValueError naming the file, the place and what is expected."""
     plain = load_yaml(path)
-    with naming(path):
+    with naming_file(path):
         return checked_document(plain)
 
 
@@ -35,12 +35,12 @@ def timed_waypoints(
     path: Path, document: WaypointDocument, limits: FlightLimits, reading: Reading
 ) -> tuple[VehicleWaypoints, ...]:
     """Return the waypoints of a file's document; as `read_waypoints`."""
-    with naming(path):
+    with naming_file(path):
         return timed_swarm(document, limits, reading)
 
 
 @contextmanager
-def naming(path: Path) -> Iterator[None]:
+def naming_file(path: Path) -> Iterator[None]:
     """Put the path of the file before the message of a ValueError."""
     try:
         yield

@@ -12,7 +12,7 @@ is null is switched off.
 from pathlib import Path
 
 from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
-from q2q_model.files.sealed_json import FileFormat, SealedFileError, sealed, unsealed
+from q2q_model.files.sealed_json import FileFormat, SealedFileError, seal, unseal
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.room_air import RoomAir
 
@@ -43,7 +43,7 @@ def load(path: Path) -> RoomAir:
 def encode(air: RoomAir) -> str:
     """Return the file's text."""
     try:
-        return sealed({"air": to_plain(air, "air")}, FORMAT)
+        return seal({"air": to_plain(air, "air")}, FORMAT)
     except PlainValueError as error:
         raise AirError(str(error)) from error
 
@@ -51,6 +51,6 @@ def encode(air: RoomAir) -> str:
 def decode(text: str) -> RoomAir:
     """Return the air of a file's text; raise AirError if it is not valid."""
     try:
-        return from_plain(RoomAir, unsealed(text, FORMAT).get("air"), "air")
+        return from_plain(RoomAir, unseal(text, FORMAT).get("air"), "air")
     except (SealedFileError, PlainValueError) as error:
         raise AirError(str(error)) from error

@@ -27,7 +27,7 @@ class AirError(ValueError):
     """Error for an air that does not exist, is not valid, or gives no valid push."""
 
 
-def cause(error: BaseException) -> str:
+def error_line(error: BaseException) -> str:
     """Return kind and first line of an error of a user's class; numba's have many lines."""
     lines = str(error).strip().splitlines()
     return ": ".join([type(error).__name__, *lines[:1]])

@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_model.signals.array_answer import array_answer
 from q2q_model.signals.values import Array
-from q2q_sim.air.air_names import AirError, cause
+from q2q_sim.air.air_names import AirError, error_line
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake
 
 LARGEST = Push(np.array(1e3), np.array(1.0))
@@ -47,7 +47,7 @@ class CheckedWake:
             raise self._failed("reset", error) from error
 
     def _failed(self, what: str, error: BaseException) -> AirError:
-        return AirError(f"air {self._name}: {what} raised {cause(error)}")
+        return AirError(f"air {self._name}: {what} raised {error_line(error)}")
 
     def _within(self, what: str, values: Array, limit: float, t: float) -> Array:
         try:

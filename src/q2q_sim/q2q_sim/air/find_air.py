@@ -6,10 +6,10 @@ from pathlib import Path
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
-from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path, cause, is_recorded
+from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path, error_line, is_recorded
 from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.made_airs import made_air
-from q2q_sim.air.room_air import RoomAir, without
+from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake import AirSetup, Wake
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 
@@ -28,12 +28,12 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
     if is_recorded(name):
         from q2q_sim.air.learning.recorded_air import recorded_air
 
-        return without(recorded_air(name), off)
+        return without_terms(recorded_air(name), off)
     if name in LAWS or OWN.fullmatch(name):
         if off:
             raise AirError(f"air {name} has no terms that could be switched off ({', '.join(off)})")
         return wake_by_name(name) if name in LAWS else _own(name)
-    return without(made_air(name) if name in MADE else load(air_path(name)), off)
+    return without_terms(made_air(name) if name in MADE else load(air_path(name)), off)
 
 
 def _own(name: str) -> Wake:
@@ -41,13 +41,13 @@ def _own(name: str) -> Wake:
     try:
         found = getattr(_imported(module), wanted, None)
     except (Exception, SystemExit) as error:
-        raise AirError(f"air {name}: {module} cannot be imported ({cause(error)})") from error
+        raise AirError(f"air {name}: {module} cannot be imported ({error_line(error)})") from error
     if not isinstance(found, type):
         raise AirError(f"air {name}: {module} has no class {wanted}")
     try:
         made = found()
     except (Exception, SystemExit) as error:
-        raise AirError(f"air {name}: {wanted}() raised {cause(error)}") from error
+        raise AirError(f"air {name}: {wanted}() raised {error_line(error)}") from error
     if not isinstance(made, Wake):
         raise AirError(f"air {name}: the class needs methods reset(setup) and push(now)")
     wake = CheckedWake(made)

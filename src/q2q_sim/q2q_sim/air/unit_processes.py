@@ -32,7 +32,7 @@ FADE_S = 0.1
 
 
 @compiled(**BORROWING)
-def follow(noise: Array, last: Array, keep: float, fresh: float) -> None:
+def filter_noise(noise: Array, last: Array, keep: float, fresh: float) -> None:
     """Turn white noise (steps, n) in place into an Ornstein-Uhlenbeck process that goes on from `last` (n,).
 
     `keep` and `fresh` are e^(-h/T) and sqrt(1 - e^(-2 h/T)).
@@ -56,7 +56,7 @@ class OrnsteinUhlenbeck:
     def block(self, steps: int) -> Array:
         """Return the next `steps` values, (steps, count)."""
         values = self._rng.standard_normal((steps, len(self._last)))
-        follow(values, self._last, self._keep, self._fresh)
+        filter_noise(values, self._last, self._keep, self._fresh)
         return values
 
 
@@ -78,12 +78,12 @@ class PlayedBack:
         at = begin + self._each * np.arange(steps + fade)[:, None]  # (steps + fade, count)
         piece = np.interp(at, np.arange(len(self._recording)), self._recording)
         if len(self._tail):
-            piece[:fade] = faded(self._tail, piece[:fade])
+            piece[:fade] = cross_fade(self._tail, piece[:fade])
         self._tail = piece[steps:].copy()
         return np.asarray(piece[:steps])
 
 
-def faded(before: Array, after: Array) -> Array:
+def cross_fade(before: Array, after: Array) -> Array:
     """Return a piece (k, n) that fades out into another, (k, n), both of unit variance."""
     angle = 0.5 * math.pi * (np.arange(len(after))[:, None] + 0.5) / len(after)
     return np.asarray(np.sin(angle) * after + np.cos(angle) * before)

@@ -90,7 +90,7 @@ def max_delay(kind: WakeLaw) -> float:
 
 
 @compiled
-def width(kind: int, gap: float) -> float:
+def wake_width(kind: int, gap: float) -> float:
     """Return s [m] at |dz| = gap [m]."""
     if kind == PAPER:
         return PAPER_S0 + PAPER_KS * gap
@@ -98,9 +98,9 @@ def width(kind: int, gap: float) -> float:
 
 
 @compiled
-def push(kind: int, gap: float, dxy_squared: float) -> float:
+def wake_push(kind: int, gap: float, dxy_squared: float) -> float:
     """Return P [m/s^2]."""
-    s = width(kind, gap)
+    s = wake_width(kind, gap)
     if dxy_squared > (EDGE * s) ** 2:
         return 0.0
     profile = math.exp(-dxy_squared / (2.0 * s * s))
@@ -112,7 +112,7 @@ def push(kind: int, gap: float, dxy_squared: float) -> float:
 @compiled
 def pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
     """Return the vertical acceleration [m/s^2] of i by j and of j by i, at dz = z_j - z_i [m]."""
-    strength = push(kind, abs(dz), dxy_squared)
+    strength = wake_push(kind, abs(dz), dxy_squared)
     upper = PAPER_UPPER if kind == PAPER else MEASURED_UPPER
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
     share = along * along * (3.0 - 2.0 * along)  # weight of the lower vehicle's part, for i
@@ -120,7 +120,7 @@ def pair_eta(kind: int, dxy_squared: float, dz: float) -> tuple[float, float]:
 
 
 @compiled
-def delay(kind: int, dz: float) -> float:
+def wake_delay(kind: int, dz: float) -> float:
     """Return the delay of the downwash from a source at height difference dz [m], [s]; 0 upwards."""
     if kind != MEASURED or dz <= 0.0:
         return 0.0
@@ -128,6 +128,6 @@ def delay(kind: int, dz: float) -> float:
 
 
 @compiled
-def reach(kind: int, gap: float) -> float:
+def wake_reach(kind: int, gap: float) -> float:
     """Return the largest horizontal distance at which a source at |dz| = gap acts on a vehicle [m]."""
-    return float(EDGE * width(kind, gap) + FASTEST * delay(kind, gap))
+    return float(EDGE * wake_width(kind, gap) + FASTEST * wake_delay(kind, gap))

@@ -33,9 +33,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     require_existing("flight", *(args.real or []))
-    from q2q_sim.processes.warm_start import begin
+    from q2q_sim.processes.warm_start import start_warm_parent
 
-    begin()  # it imports in parallel
+    start_warm_parent()  # it imports in parallel
     if args.real is not None:
         from q2q_sim.tools import demo_real
 

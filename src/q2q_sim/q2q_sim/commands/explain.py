@@ -41,9 +41,9 @@ def _prepare(args: Namespace) -> Work:
         require_existing("bag", args.bag)
     for folder in filter(None, (args.out, args.json and args.json.parent)):
         folder.mkdir(parents=True, exist_ok=True)  # refused now, and not after minutes of flights
-    from q2q_sim.experiments.explanation.explain_bag import explain_bag, score
+    from q2q_sim.experiments.explanation.explain_bag import explain_bag, score_explanations
 
-    return explain_bag if args.bag else score
+    return explain_bag if args.bag else score_explanations
 
 
 def parser() -> CommandLine:

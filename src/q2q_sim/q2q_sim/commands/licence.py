@@ -50,9 +50,9 @@ def _prepare(args: Namespace) -> Work:
         require_existing("program", args.script)
     else:
         require_existing("folder", args.score)
-    from q2q_sim.experiments.licence.licence_program import judge, score
+    from q2q_sim.experiments.licence.licence_program import judge_program, score_programs
 
-    return judge if args.script else score
+    return judge_program if args.script else score_programs
 
 
 def parser() -> CommandLine:

@@ -23,9 +23,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     if args.only:
-        from q2q_sim.experiments.paper.paper_numbers import chosen, paper_numbers
+        from q2q_sim.experiments.paper.paper_numbers import paper_numbers, select_numbers
 
-        chosen(paper_numbers(), args.only)
+        select_numbers(paper_numbers(), args.only)
     from q2q_sim.experiments.paper.reproduction import run
 
     return run

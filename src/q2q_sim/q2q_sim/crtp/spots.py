@@ -13,7 +13,7 @@ SPACING = 0.4
 """Smallest distance of two spots [m]: twice a Crazyflie with guards, and clearance."""
 
 
-def apart(desired: Array) -> Array:
+def spread_spots(desired: Array) -> Array:
     """Return spots (n, 2) at least SPACING apart, as near to `desired` (n, 2) [m] as the order allows."""
     spots = np.array(desired, dtype=np.float64)
     grid = _grid(len(spots))

@@ -129,7 +129,7 @@ def check_sizes(faults: Sequence[Fault]) -> None:
             )
 
 
-def after_the_end(faults: Sequence[Fault], duration: float) -> list[str]:
+def remarks_on_late_faults(faults: Sequence[Fault], duration: float) -> list[str]:
     """Return remarks on faults that start after a flight of `duration` [s]."""
     late = [fault for fault in faults if fault.start >= duration]
     return [f"fault {one.kind} at {one.start:g} s is after the end, {duration:g} s" for one in late]

@@ -140,7 +140,7 @@ class ExtendedKalman:
         turned = np.where(large[:, None], error, 0.0)
         self.quat = normalised(quat_multiply(self.quat, quat_from_vector(turned)))
         A = np.tile(np.eye(9), (len(error), 1, 1))
-        A[:, D, D] = small_turn(0.5 * turned)
+        A[:, D, D] = small_rotation(0.5 * turned)
         self.cov = A @ self.cov @ A.transpose(0, 2, 1)
 
     def _keep_bounds(self) -> None:
@@ -172,21 +172,21 @@ def transition(R: Array, p: Array, w: Array) -> Array:
     """Return A of a tick, (n, 9, 9), at attitude R (n, 3, 3), velocity p and rate w, body, (n, 3) each."""
     A = np.tile(np.eye(9), (len(R), 1, 1))
     A[:, X, P] = DT * R
-    A[:, X, D] = -DT * R @ crossing(p)
-    A[:, P, P] -= DT * crossing(w)
-    A[:, P, D] = -DT * GRAVITY * crossing(R[:, 2])
-    A[:, D, D] = small_turn(0.5 * DT * w)
+    A[:, X, D] = -DT * R @ cross_matrix(p)
+    A[:, P, P] -= DT * cross_matrix(w)
+    A[:, P, D] = -DT * GRAVITY * cross_matrix(R[:, 2])
+    A[:, D, D] = small_rotation(0.5 * DT * w)
     return A
 
 
-def small_turn(half: Array) -> Array:
+def small_rotation(half: Array) -> Array:
     """Return exp(-[d]x) to the second order for d (n, 3), as the firmware has it, (n, 3, 3)."""
     outer = half[:, :, None] * half[:, None]
     squared = np.einsum("ni,ni->n", half, half)[:, None, None]
-    return np.asarray(np.eye(3) - crossing(half) + 0.5 * (outer - squared * np.eye(3)))
+    return np.asarray(np.eye(3) - cross_matrix(half) + 0.5 * (outer - squared * np.eye(3)))
 
 
-def crossing(vector: Array) -> Array:
+def cross_matrix(vector: Array) -> Array:
     """Return the matrix [a]x of the cross product, a x b = [a]x b, (n, 3) -> (n, 3, 3)."""
     x, y, z = vector.T
     zero = np.zeros_like(x)

@@ -17,7 +17,7 @@ from q2q_sim.firmware.commander.commander import Commander, Priority
 from q2q_sim.firmware.commander.planner import MOVING, Planner, PlanState
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three, setpoint_of
 from q2q_sim.firmware.controllers.attitude_of import DEG, legacy_degrees
-from q2q_sim.firmware.controllers.choice import FirmwareController, chosen, refusal_of, start_controller
+from q2q_sim.firmware.controllers.choice import FirmwareController, choose, refusal_of, start_controller
 from q2q_sim.firmware.controllers.columns import MOTOR, SETPOINT_WIDTH, Power, setpoint_row
 from q2q_sim.firmware.estimator import DT, Estimator
 from q2q_sim.firmware.motors.airframe import Airframe
@@ -238,7 +238,7 @@ class Firmware:
         asked = int(self.parameters["stabilizer.controller"])
         if asked == self._controller:
             return
-        flown = chosen(asked, self._controller)
+        flown = choose(asked, self._controller)
         self.console += refusal_of(asked, flown)
         if asked <= max(FirmwareController):
             start_controller(flown, self.rows.memory)

@@ -8,7 +8,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.firmware.controllers.columns import CONTROL, MEMORY_WIDTH, MOTOR_COMMAND, frame_row
 from q2q_sim.firmware.controllers.mixer import cap, mix
 from q2q_sim.firmware.motors.airframe import airframe_of
-from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensated
+from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensate
 from q2q_sim.firmware_check.table_rows import Table, numbers
 
 
@@ -40,5 +40,5 @@ def compare_mixer(table: Table) -> MixerDifference:
 
 def compare_compensation(table: Table) -> CompensationDifference:
     """Return the largest difference over all rows of compensation.csv."""
-    gaps = [float(row["ratio"]) - compensated(float(row["control"]), float(row["volt"])) for row in table]
+    gaps = [float(row["ratio"]) - compensate(float(row["control"]), float(row["volt"])) for row in table]
     return CompensationDifference(float(np.abs(gaps).max()) / PWM_TOP)

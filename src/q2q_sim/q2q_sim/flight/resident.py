@@ -17,7 +17,7 @@ import yaml
 
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.domain import own_domain
-from q2q_sim.processes.processes import NodeDiedError, NodeSpec, sections
+from q2q_sim.processes.processes import NodeDiedError, NodeSpec, parameter_sections
 from q2q_sim.processes.worker_pool import worker_pool
 
 RECYCLE = 50
@@ -53,7 +53,7 @@ class ResidentNodes:
         (stack,) = specs
         folder.mkdir(parents=True, exist_ok=True)
         parameters = folder / "stack.yaml"
-        parameters.write_text(yaml.safe_dump(sections(stack)))
+        parameters.write_text(yaml.safe_dump(parameter_sections(stack)))
         try:
             return self._pool.submit(_fly, parameters).result()
         except BrokenProcessPool as died:
@@ -73,8 +73,8 @@ def _redirect_output(log: Path) -> None:
 
 
 def _fly(parameters: Path) -> FlightTiming:
-    from q2q_sim.ros.resident_flight import fly_here
+    from q2q_sim.ros.resident_flight import fly_in_process
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # injected clock jumps are corrected with a warning
-        return fly_here(parameters)
+        return fly_in_process(parameters)

@@ -64,7 +64,7 @@ def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
 
 
 @compiled
-def put(
+def send_packets(
     flying: Counted,
     commands: Asked,
     sent: Sent,
@@ -103,7 +103,7 @@ def put(
 
 
 @compiled
-def watch(onboard: Onboard, now_ns: int) -> None:
+def run_watchdog(onboard: Onboard, now_ns: int) -> None:
     """Level vehicles that have received nothing for 0.5 s and cut their motors after 2 s."""
     received_ns, locked, applied = onboard
     for i in range(received_ns.size):
@@ -116,7 +116,7 @@ def watch(onboard: Onboard, now_ns: int) -> None:
 
 
 @compiled
-def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int], out: Array) -> int:
+def deliver_packets(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int], out: Array) -> int:
     """Write each vehicle's setpoint in each physics step of a tick; return how many packets stay in the air.
 
     Args:
@@ -129,7 +129,7 @@ def deliver(flying: Flying, count: int, onboard: Onboard, clock: tuple[int, int]
     when, what = flying
     received_ns, locked, applied = onboard
     now_ns, step_ns = clock
-    watch(onboard, now_ns)
+    run_watchdog(onboard, now_ns)
     steps, left = out.shape[0], 0
     for s in range(steps):
         out[s] = applied

@@ -20,7 +20,7 @@ import numpy as np
 from q2q_model.signals.values import Array, Mask, Rows, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.link.packets import deliver, put
+from q2q_sim.link.packets import deliver_packets, send_packets
 from q2q_sim.random_streams import DrawnAhead, stream
 
 
@@ -59,7 +59,9 @@ class Radio:
         self._onboard = np.zeros(n, dtype=np.int64), locked, applied
         sent, nothing = (np.zeros(0, dtype=np.intp), self._next_ns, locked), (np.zeros((4, 0)), *self._scale)
         never = np.zeros(n), 0.0, np.zeros(n), 0.0
-        put((*self._flying, 0), nothing, sent, never, (0, 0, 0))  # loads the kernel before the first tick
+        send_packets(
+            (*self._flying, 0), nothing, sent, never, (0, 0, 0)
+        )  # loads the kernel before the first tick
 
     @property
     def locked(self) -> Mask:
@@ -77,12 +79,12 @@ class Radio:
         flying, asked = (*self._flying, self._count), (values, *self._scale)
         sent, clock = (rows, self._next_ns, jammed), (now_ns, self._gap_ns, self._latency_ns)
         chance = self._loss.next(), self._params.loss, self._jitter.next(), self._params.jitter * 1e9
-        self._count = put(flying, asked, sent, chance, clock)
+        self._count = send_packets(flying, asked, sent, chance, clock)
 
     def applied(self, now_ns: int, step_ns: int, steps: int) -> Array:
         """Return the setpoint of each vehicle in each physics step of the tick, (steps, n, 4)."""
         out = np.empty((steps, len(self._next_ns), 4))
-        self._count = deliver(self._flying, self._count, self._onboard, (now_ns, step_ns), out)
+        self._count = deliver_packets(self._flying, self._count, self._onboard, (now_ns, step_ns), out)
         return out
 
 

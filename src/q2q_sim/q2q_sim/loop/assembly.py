@@ -17,7 +17,7 @@ from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.level_set import peak
+from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.estimation.mocap_filter import MocapFilter
@@ -29,7 +29,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import firmware_of
 from q2q_model.vehicle.thrust_map import STOCK
-from q2q_planner.offline.avoidance.joint_plan import avoid
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams
@@ -113,7 +113,7 @@ def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
         return scenario.plan
     if zone is None:
         return minimum_snap_plan(scenario.waypoints, scenario.reading)
-    return avoid(scenario.waypoints, zone, scenario.reading).plan
+    return avoid_zones(scenario.waypoints, zone, scenario.reading).plan
 
 
 def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
@@ -124,7 +124,7 @@ def plan_around(scenario: Scenario, known: ModelFile) -> SwarmPlan:
     Raises:
         InfeasibleError: no such plan was found.
     """
-    if not peak(known.interaction) > 0.0:
+    if not peak_downwash(known.interaction) > 0.0:
         return plan_of(scenario, known.zone)
     downwash = LearnedDownwash(known.interaction, known.gains or PAPER_LOOP)
     return avoid_downwash(scenario.waypoints, downwash, scenario.reading).found.plan

@@ -26,7 +26,7 @@ def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header
     return {topic: kind for topic, kind in TYPE_NAMES.items() if not topics or topic in topics} | further
 
 
-def told_of_silence(asked: Collection[str], heard: Collection[str]) -> str:
+def silent_topics_note(asked: Collection[str], heard: Collection[str]) -> str:
     """Return what a user has to know of topics without a message; empty if there is nothing.
 
     Args:

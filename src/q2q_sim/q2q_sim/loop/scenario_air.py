@@ -24,7 +24,7 @@ def air_of(scenario: Scenario) -> FlownAir:
     return wake_by_name(scenario.wake)
 
 
-def air_words(scenario: Scenario) -> str:
+def air_description(scenario: Scenario) -> str:
     """Return the air and the terms that are off, for the metadata of a bag; empty if it flies in a wake."""
     off = "".join(f" without {term}" for term in scenario.air_without)
     return f"{scenario.air}{off}"

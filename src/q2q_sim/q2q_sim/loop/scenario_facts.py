@@ -3,7 +3,7 @@
 from q2q_model.bag import FlightFacts
 from q2q_model.vehicle.constants import firmware_of
 from q2q_sim.loop.assembly import Options
-from q2q_sim.loop.scenario_air import air_words
+from q2q_sim.loop.scenario_air import air_description
 from q2q_sim.scenarios.scenario import Scenario
 
 
@@ -18,7 +18,7 @@ def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = 
         correct="true" if options.correct else "",
         model=scenario.model,
         wake="" if scenario.air else scenario.wake,
-        air=air_words(scenario),
+        air=air_description(scenario),
         seed=str(seed),
         duration=f"{scenario.duration:g}",
     )

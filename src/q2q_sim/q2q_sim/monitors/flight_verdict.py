@@ -21,7 +21,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus
-from q2q_sim.monitors.metrics import tick_of
+from q2q_sim.monitors.metrics import tick_period
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.closeness import separation
 from q2q_sim.monitors.policies.evidence import Evidence
@@ -205,5 +205,5 @@ def _unseen(evidence: Evidence) -> Iterator[str]:
 
 
 def _duration(flight: Flight) -> float:
-    tick = tick_of(flight)
+    tick = tick_period(flight)
     return float(flight.t[-1] - flight.t[0]) + (tick if np.isfinite(tick) else 0.0)

@@ -55,7 +55,7 @@ class FlightMetrics:
 def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> FlightMetrics:
     """Return the metrics of a flight of `vehicle`s; the zone defaults to the paper's."""
     pos = best_position(flight)
-    dt = tick_of(flight)
+    dt = tick_period(flight)
     separation, zone_time = _closeness(pos, dt, zone)
     weight, when = vehicle.hover_thrust, exposure(pos, dt)
     rows = {
@@ -76,14 +76,14 @@ def best_position(flight: Flight) -> Array:
     return np.where(np.isfinite(flight.true_pos), flight.true_pos, flight.pos)
 
 
-def tick_of(flight: Flight) -> float:
+def tick_period(flight: Flight) -> float:
     """Return the time between ticks [s]; NaN for fewer than two."""
     return float(np.median(np.diff(flight.t))) if len(flight.t) > 1 else float("nan")
 
 
 def _vehicle(when: Exposure, error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
     """Return the metrics of one vehicle from its exposure (T,), position error (T, 3) and thrust (T,)."""
-    given = held(thrust)
+    given = held_thrust(thrust)
     known = len(given) > 0
     effort = float(np.sum(given**2)) * dt if known else float("nan")
     return VehicleMetrics(
@@ -98,7 +98,7 @@ def _vehicle(when: Exposure, error: Array, thrust: Array, dt: float, weight: flo
     )
 
 
-def held(thrust: Array) -> Array:
+def held_thrust(thrust: Array) -> Array:
     """Return commanded thrust from the first command; a tick without one holds the last, (<= T,)."""
     known = np.isfinite(thrust)
     last = np.maximum.accumulate(np.where(known, np.arange(len(thrust)), -1))

@@ -88,14 +88,14 @@ class Disturbance:
         """Return the drive of this tick, (n, 7), and advance the air by one tick."""
         now = self.drive.copy()
         if self._std > 0.0:
-            blow(self.drive, self._normal(), self._keep, self._fresh)
+            advance_wind(self.drive, self._normal(), self._keep, self._fresh)
         if self._steady:
             now[:, :3] += self._mean
         return now
 
 
 @compiled
-def blow(drive: Array, normal: Array, keep: float, fresh: float) -> None:
+def advance_wind(drive: Array, normal: Array, keep: float, fresh: float) -> None:
     """Advance the air of a drive (n, 7) by one tick, by standard normal deviates (n, 3)."""
     for i in range(len(drive)):
         for k in range(3):

@@ -103,7 +103,7 @@ def reach(to: JetReach, gap: float) -> float:
 
 
 @compiled(**HOT)
-def watch(state: Array, ring: Array, rows: Rows, extremes: Array) -> Extremes:
+def update_extremes(state: Array, ring: Array, rows: Rows, extremes: Array) -> Extremes:
     """Raise the extremes to slopes and speeds of this step; return those of the past."""
     n, slots = state.shape[0], ring.shape[0]
     period = rows[n] // slots

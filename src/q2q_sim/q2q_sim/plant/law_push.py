@@ -7,7 +7,7 @@ import math
 
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
-from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, delay, pair_eta, reach
+from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, pair_eta, wake_delay, wake_reach
 from q2q_sim.plant.order_by_x import Rows, sort_by_x
 from q2q_sim.plant.past_states import SHARE
 from q2q_sim.plant.quadcopter import ETA, Four, X, Y, Z
@@ -33,7 +33,7 @@ def _past_source(ring: Array, steps: int, vehicle: int, late: float) -> Four:
 def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int], step: float) -> float:
     """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
     i, j = pair
-    late = delay(MEASURED, state[j, Z] - state[i, Z]) / step
+    late = wake_delay(MEASURED, state[j, Z] - state[i, Z]) / step
     x, y, z, share = _past_source(ring, steps, j, late)
     dx, dy = x - state[i, X], y - state[i, Y]
     return float(share * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
@@ -50,7 +50,7 @@ def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> N
     if kind == NONE or n < 2:
         return
     sort_by_x(state[:, X], rows)
-    bound = reach(kind, highest - lowest)
+    bound = wake_reach(kind, highest - lowest)
     for a in range(n):
         i = rows[a]
         for b in range(a + 1, n):
@@ -59,7 +59,7 @@ def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> N
             if dx > bound:
                 break
             dz = state[j, Z] - state[i, Z]
-            if dx * dx + dy * dy > reach(kind, abs(dz)) ** 2:
+            if dx * dx + dy * dy > wake_reach(kind, abs(dz)) ** 2:
                 continue
             if kind == PAPER:
                 on_i, on_j = pair_eta(kind, dx * dx + dy * dy, dz)

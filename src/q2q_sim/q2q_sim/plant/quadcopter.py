@@ -251,7 +251,7 @@ def _stand(row: Array, body: Body) -> None:
 
 
 @compiled(**BORROWING)
-def beyond(commanded: Four, ceilings: Four) -> float:
+def excess_share(commanded: Four, ceilings: Four) -> float:
     """Return a quarter of what the rotors are asked for beyond their ceilings [N].
 
     Every rotor that gives as much loses it: rotors at their limit cost the vehicle thrust, not attitude.
@@ -281,7 +281,7 @@ def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
     ceilings = (row[CEILING1], row[CEILING2], row[CEILING3], row[CEILING4])
     asked = (commanded[0], commanded[1], commanded[2], commanded[3])
-    lost = beyond(asked, ceilings)
+    lost = excess_share(asked, ceilings)
     share = share_given(asked, ceilings, lost)
     for k in range(4):
         target = drive[GAIN1 + k] * share * max(commanded[k] - lost, 0.0)

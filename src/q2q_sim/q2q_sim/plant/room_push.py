@@ -13,7 +13,7 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import INSIDE
 from q2q_sim.air.unit_processes import RESIDUAL, WANDER_X, WANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
-from q2q_sim.plant.jet_reach import JetReach, reach, reach_of, watch
+from q2q_sim.plant.jet_reach import JetReach, reach, reach_of, update_extremes
 from q2q_sim.plant.near_pairs import update
 from q2q_sim.plant.order_by_x import Rows
 from q2q_sim.plant.past_states import SHARE, SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, recall
@@ -96,7 +96,7 @@ def beside_axis(room: RoomLaw, k: int, tick: int) -> Three:
 
 
 @compiled(**HOT)
-def meet(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
+def write_jet_row(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
     """Write what the k-th vehicle is for the jet into row `kept`; return whether it is in the jet."""
     one, table, under = room.numbers, room.table, room.under
     away_x, away_y, dz = beside_axis(room, k, tick)
@@ -117,7 +117,7 @@ def meet(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
 
 
 @compiled(**HOT)
-def choose(found: Rows, room: RoomLaw, j: int, count: int, to: JetReach) -> int:
+def add_pairs_in_reach(found: Rows, room: RoomLaw, j: int, count: int, to: JetReach) -> int:
     """Add the vehicles in reach of vehicle j to the pairs; return their number."""
     places, near = room.places, room.near
     x, y, z = places[X, j], places[Y, j], places[Z, j]
@@ -132,19 +132,19 @@ def choose(found: Rows, room: RoomLaw, j: int, count: int, to: JetReach) -> int:
 
 
 @compiled(**HOT)
-def collect(ring: Array, room: RoomLaw, count: int, now: Now) -> int:
+def keep_pairs_in_jet(ring: Array, room: RoomLaw, count: int, now: Now) -> int:
     """Keep of the pairs those with a vehicle in the jet; return their number."""
     for k in range(count):  # all pasts are read before a branch depends on one
         late = room.under[k, TAU] / room.numbers.step
         recall(ring, now.slot, room.source[k], late, room.under[k, PAST:])
     kept = 0
     for k in range(count):
-        kept += meet(room, k, kept, now.tick)
+        kept += write_jet_row(room, k, kept, now.tick)
     return kept
 
 
 @compiled(**HOT)
-def leave(under: Array, first: int, end: int, one: RoomNumbers) -> None:
+def write_shares_left(under: Array, first: int, end: int, one: RoomNumbers) -> None:
     """Write the share of a jet that each vehicle in it leaves to those below."""
     for k in range(first, end):
         aside = under[k, RADIUS] / one.absorbing_width
@@ -161,7 +161,7 @@ def edge_torque(under: Array, k: int, strength: float, one: RoomNumbers) -> tupl
 
 
 @compiled(**HOT)
-def tip(state: Array, i: int, tx: float, ty: float) -> None:
+def add_torque(state: Array, i: int, tx: float, ty: float) -> None:
     """Add a torque about world x and y to a vehicle's row, in body axes."""
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
     state[i, TX] += (1.0 - 2.0 * (y * y + z * z)) * tx + 2.0 * (x * y + w * z) * ty
@@ -170,12 +170,12 @@ def tip(state: Array, i: int, tx: float, ty: float) -> None:
 
 
 @compiled(**HOT)
-def shed(state: Array, room: RoomLaw, first: int, end: int) -> None:
+def add_source_jet(state: Array, room: RoomLaw, first: int, end: int) -> None:
     """Add the jet of a source to the vehicles in it, those of the pairs `first` to `end`."""
     one, under, met, j = room.numbers, room.under, room.met, room.source[first]
     absorbing = end > first + 1 and one.absorbed > 0.0
     if absorbing:
-        leave(under, first, end, one)
+        write_shares_left(under, first, end, one)
     for k in range(first, end):
         strength = under[k, STRENGTH]
         if absorbing:
@@ -187,7 +187,7 @@ def shed(state: Array, room: RoomLaw, first: int, end: int) -> None:
         state[j, ETA] += one.upper_ratio * push
         if one.torque != 0.0:
             tx, ty = edge_torque(under, k, strength, one)
-            tip(state, i, tx, ty)
+            add_torque(state, i, tx, ty)
 
 
 @compiled(**HOT)
@@ -203,7 +203,7 @@ def drag(state: Array, i: int, per_s: float) -> None:
 
 
 @compiled(**HOT)
-def load(state: Array, i: int, one: RoomNumbers) -> None:
+def lag_rotor_load(state: Array, i: int, one: RoomNumbers) -> None:
     """Take the load of a vehicle's rotors from their ceilings, ahead by the lag of thrust."""
     rotors = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
     tx, ty, _ = rotor_torque(rotors, one.lever, 0.0)
@@ -216,7 +216,7 @@ def load(state: Array, i: int, one: RoomNumbers) -> None:
 
 
 @compiled(**HOT)
-def surround(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -> None:
+def add_surroundings(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -> None:
     """Add residual, ground effect and drag to the push on a vehicle; take the load of its rotors off."""
     eta = abs(state[i, ETA])
     state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
@@ -229,11 +229,11 @@ def surround(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -
     if one.drag != 0.0:
         drag(state, i, one.drag)
     if one.rate_load != 0.0:
-        load(state, i, one)
+        lag_rotor_load(state, i, one)
 
 
 @compiled(**HOT)
-def clear(state: Array, ceilings: Array, faded: float) -> None:
+def clear_push(state: Array, ceilings: Array, faded: float) -> None:
     """Write no push, no torque and the largest thrust of each rotor, less what faded, into every state."""
     for i in range(state.shape[0]):
         for column in range(ETA, CEILING1):
@@ -246,7 +246,7 @@ def clear(state: Array, ceilings: Array, faded: float) -> None:
 def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
     """Add the jets of all vehicles."""
     n, places = state.shape[0], room.places
-    past = watch(state, ring, rows, room.extremes)
+    past = update_extremes(state, ring, rows, room.extremes)
     for i in range(n):
         places[X, i], places[Y, i], places[Z, i] = state[i, X], state[i, Y], state[i, Z]
     found = room.near.found if update(room.near, places, rows, room.bound, past) else rows
@@ -254,14 +254,14 @@ def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
     to = reach_of(room.bound, past)
     chosen = 0
     for a in range(n):
-        chosen = choose(found, room, rows[a], chosen, to)
+        chosen = add_pairs_in_reach(found, room, rows[a], chosen, to)
         if chosen >= AT_ONCE or a == n - 1:
-            count, chosen, first = collect(ring, room, chosen, now), 0, 0
+            count, chosen, first = keep_pairs_in_jet(ring, room, chosen, now), 0, 0
             while first < count:
                 end = first + 1
                 while end < count and room.source[end] == room.source[first]:
                     end += 1
-                shed(state, room, first, end)
+                add_source_jet(state, room, first, end)
                 first = end
 
 
@@ -269,9 +269,9 @@ def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
 def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
     """Write push, torque and largest rotor thrust of every vehicle; `mass` in [kg]."""
     n, one, unit = state.shape[0], room.numbers, room.unit
-    clear(state, room.ceilings, one.fading * one.step * float(rows[n]))
+    clear_push(state, room.ceilings, one.fading * one.step * float(rows[n]))
     if n > 1 and room.bound.near > 0.0:
         add_jets(state, ring, rows, room)
     tick = rows[n] % unit.shape[1]
     for i in range(n):
-        surround(state, i, unit[RESIDUAL, tick, i], one, mass)
+        add_surroundings(state, i, unit[RESIDUAL, tick, i], one, mass)

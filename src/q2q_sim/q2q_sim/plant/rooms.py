@@ -26,7 +26,7 @@ from q2q_sim.plant.near_pairs import NearPairs
 from q2q_sim.plant.past_states import empty_ring, remember
 from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
 from q2q_sim.plant.room_law import RoomLaw
-from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_in, still_air
+from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
 
 AT_ONCE = 64
 """Vehicles whose rooms take all steps of a call together: their states stay in the first-level cache."""
@@ -48,13 +48,13 @@ class RoomsSetup:
 
 
 @compiled(**HOT)
-def near_in(near: NearPairs, r: int) -> NearPairs:
+def near_of_room(near: NearPairs, r: int) -> NearPairs:
     """Return the list of room r."""
     return NearPairs(near.begin[r], near.end[r], near.found[r], near.rank[r], near.at[r], near.limits[r])
 
 
 @compiled(**HOT)
-def air_in(airs: Air, r: int, work: int) -> Air:
+def air_of_room(airs: Air, r: int, work: int) -> Air:
     """Return the air in room r of `stacked` airs, with the workspace of the room `work`."""
     kind, ring, rows, law = airs
     room = RoomLaw(
@@ -65,7 +65,7 @@ def air_in(airs: Air, r: int, work: int) -> Air:
         law.extremes[r],
         law.ceilings[r],
         law.gains[r],
-        near_in(law.near, r),
+        near_of_room(law.near, r),
         law.places[work],
         law.under[work],
         law.met[work],
@@ -75,7 +75,7 @@ def air_in(airs: Air, r: int, work: int) -> Air:
 
 
 @compiled(**HOT)
-def ask_ahead(airs: Air, first: int, end: int) -> None:
+def prefetch_rooms(airs: Air, first: int, end: int) -> None:
     """Ask memory for what rooms from `first` to `end` read at once: their present, and random numbers."""
     n, slots, steps = airs.rows.shape[1] - 1, airs.ring.shape[1], airs.room.unit.shape[2]
     for r in range(first, end):
@@ -111,10 +111,10 @@ def run_rooms(state: Array, inputs: RoomsInputs, share: Share, work: Work) -> No
     for first in range(share[0], share[1], together):
         end = min(first + together, share[1])
         low, high = first * n, end * n
-        ask_ahead(airs, first, end)
+        prefetch_rooms(airs, first, end)
         for k in range(commands.shape[0]):
             for r in range(first, end):
-                air_push(state[r * n : (r + 1) * n], air_in(airs, r, share[0]), body)
+                air_push(state[r * n : (r + 1) * n], air_of_room(airs, r, share[0]), body)
             advance_rows(state[low:high], commands[k, low:high], drive[low:high], body, work)
             for r in range(first, end):
                 remember(state[r * n : (r + 1) * n], airs.ring[r], airs.rows[r], weight)
@@ -137,12 +137,12 @@ class Rooms:
                 "a seed for each room, and one or more of all are needed"
             )
         step = 1.0 / PHYSICS_RATE
-        self.body = body_in(setup.air, setup.vehicle, step)
+        self.body = body_of_room(setup.air, setup.vehicle, step)
         states = [state_at_rest(start, setup.vehicle.mass) for start in setup.start]
         self.state = np.stack(states)
         """Rows of each room, (rooms, n, STATE_WIDTH)."""
         pairs = zip(states, seeds, strict=True)
-        self.airs = stacked([still_air(state, setup.air, self.body, seed) for state, seed in pairs])
+        self.airs = stack_airs([still_air(state, setup.air, self.body, seed) for state, seed in pairs])
         self._processes = [
             UnitProcesses(setup.air, count, step, seed) for seed in seeds if isinstance(setup.air, RoomAir)
         ]
@@ -195,7 +195,7 @@ class Rooms:
         return steps - passed
 
 
-def stacked(airs: Sequence[Air]) -> Air:
+def stack_airs(airs: Sequence[Air]) -> Air:
     """Return the airs of many rooms in one: all arrays but the table with a leading axis of rooms."""
     first, laws = airs[0], [air.room for air in airs]
     law = RoomLaw(

@@ -84,7 +84,7 @@ def air_push(state: Array, air: Air, body: Body) -> None:
 
 
 @compiled(nogil=True)
-def run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
+def run_steps(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
     """Advance by one physics step for each row of commands; releases the GIL."""
     work = (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))
     for k in range(commands.shape[0]):
@@ -95,7 +95,7 @@ def run(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> No
 
 @compiled(nogil=True)
 def run_in_law(state: Array, air: LawAir, commands: Array, drive: Array, body: PlainBody) -> None:
-    """Do as `run` in the air of a wake law: for ten vehicles in two thirds of the time."""
+    """Do as `run_steps` in the air of a wake law: for ten vehicles in two thirds of the time."""
     work = (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))
     (kind, ring, rows), (gains, frame, mass, decay, step) = air, body
     whole = Body(AttitudeGains(*gains), frame, mass, decay, step)
@@ -151,8 +151,8 @@ class Swarm:
         """
         self.names = names
         step = 1.0 / PHYSICS_RATE
-        self._use(body_in(air, vehicle, step))
-        self._flown = vehicle_in(air, vehicle)
+        self._use(body_of_room(air, vehicle, step))
+        self._flown = vehicle_of_room(air, vehicle)
         self.state = state_at_rest(start, vehicle.mass)
         self.air = still_air(self.state, air, self.body, seed)
         self._law: LawAir | None = self.air[:3] if isinstance(air, WakeLaw) else None
@@ -180,7 +180,7 @@ class Swarm:
         done = 0
         while done < len(commands):
             end = done + self.prepare()
-            run(self.state, self.air, commands[done:end], drive, self.body)
+            run_steps(self.state, self.air, commands[done:end], drive, self.body)
             done = end
 
     def use_attitude_loop(self, attitude: AttitudeParams) -> None:
@@ -236,7 +236,7 @@ class Swarm:
         )
 
 
-def vehicle_in(air: FlownAir, vehicle: Vehicle) -> Vehicle:
+def vehicle_of_room(air: FlownAir, vehicle: Vehicle) -> Vehicle:
     """Return the vehicle with thrust lag and largest thrust of a room's vehicles."""
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return vehicle
@@ -244,19 +244,19 @@ def vehicle_in(air: FlownAir, vehicle: Vehicle) -> Vehicle:
     return replace(vehicle, thrust_lag=own.thrust_lag_s, thrust_max=own.headroom * vehicle.hover_thrust)
 
 
-def body_in(air: FlownAir, vehicle: Vehicle, step: float) -> Body:
+def body_of_room(air: FlownAir, vehicle: Vehicle, step: float) -> Body:
     """Return the constants of a vehicle in an air, for steps of `step` [s].
 
     The ceilings of a room's vehicles limit their rotors, and nothing else does.
     """
-    body = body_of(vehicle_in(air, vehicle), attitude_loop_in(air), step)
+    body = body_of(vehicle_of_room(air, vehicle), attitude_loop_of_room(air), step)
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return body
     lever, drag, _ = body.frame
     return body._replace(frame=(lever, drag, math.inf))
 
 
-def attitude_loop_in(air: FlownAir) -> AttitudeParams:
+def attitude_loop_of_room(air: FlownAir) -> AttitudeParams:
     """Return the attitude loop of a room's vehicles, else that of the plant."""
     if not isinstance(air, RoomAir) or air.vehicle is None:
         return AttitudeParams()

@@ -13,7 +13,7 @@ from typing import Self
 import yaml
 
 from q2q_model.tunable import ParameterValue
-from q2q_sim.processes.warm_start import NodeStart, fork
+from q2q_sim.processes.warm_start import NodeStart, start_forked
 
 END_PATIENCE_S = 60.0
 """Time from the first SIGINT to SIGKILL [s]: a recorder of a busy machine writes what it still has."""
@@ -83,10 +83,10 @@ class Processes:
     def start(self, spec: NodeSpec) -> None:
         """Start a node with its parameters; its output goes to `<label>.log`."""
         parameters = self._folder / f"{spec.label}.yaml"
-        parameters.write_text(yaml.safe_dump(sections(spec)))
+        parameters.write_text(yaml.safe_dump(parameter_sections(spec)))
         remapped = ("-r", f"__node:={spec.name}") if spec.name else ()
         self._log(spec.label).touch()  # a node that is killed at once never opens it
-        self._running[spec.label] = fork(
+        self._running[spec.label] = start_forked(
             NodeStart(
                 package=spec.package,
                 executable=spec.executable,
@@ -146,7 +146,7 @@ class Processes:
         return lines[-1] if lines else "no output"
 
 
-def sections(spec: NodeSpec) -> dict[str, object]:
+def parameter_sections(spec: NodeSpec) -> dict[str, object]:
     """Return the parameter file of a process: one section, or one for each of its nodes."""
     if not spec.inside:
         return {"/**": {"ros__parameters": _plain(spec.parameters)}}

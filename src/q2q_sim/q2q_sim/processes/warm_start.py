@@ -41,7 +41,7 @@ class NodeStart:
     """Allowed cores; empty is any."""
 
 
-def begin() -> None:
+def start_warm_parent() -> None:
     """Start the warm parent unless it runs; it is ready some seconds later."""
     forkserver.set_forkserver_preload([PARENT])
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # inherited: only this process handles Ctrl-C
@@ -51,9 +51,9 @@ def begin() -> None:
         signal.signal(signal.SIGINT, before)
 
 
-def fork(start: NodeStart) -> BaseProcess:
+def start_forked(start: NodeStart) -> BaseProcess:
     """Start a node and return its process."""
-    begin()
+    start_warm_parent()
     process = get_context("forkserver").Process(target=_become, args=(start,), daemon=True)
     process.start()
     return process
@@ -70,7 +70,7 @@ def say_in_a_line(kind: type[BaseException], error: BaseException, trace: Traceb
         sys.__excepthook__(kind, error, trace)
 
 
-def settle(cores: frozenset[int]) -> None:
+def join_session(cores: frozenset[int]) -> None:
     """Make this process a session of its own on its cores that ends with the warm parent.
 
     Raises:
@@ -84,7 +84,7 @@ def settle(cores: frozenset[int]) -> None:
 
 def _become(start: NodeStart) -> None:
     sys.excepthook = sys.__excepthook__
-    settle(start.cores)
+    join_session(start.cores)
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # the warm parent ignores it
     with start.log.open("wb") as log:
         for stream in (1, 2):

@@ -12,7 +12,7 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.monitors.exposure import AFTER, exposed
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
-from q2q_sim.monitors.metrics import best_position, tick_of
+from q2q_sim.monitors.metrics import best_position, tick_period
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances
 
@@ -157,5 +157,5 @@ def _sag_words(flight: Flight, pos: Array, since: float) -> str:
 
 def _sag_under_another(flight: Flight, pos: Array) -> Array:
     """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
-    under = exposed(pos, round(AFTER / tick_of(flight)) if len(pos) > 1 else 0)
+    under = exposed(pos, round(AFTER / tick_period(flight)) if len(pos) > 1 else 0)
     return np.where(under, _reference(flight)[:, :, 2] - pos[:, :, 2], np.nan)

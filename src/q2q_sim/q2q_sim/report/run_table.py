@@ -11,7 +11,7 @@ from q2q_sim.flight.scenario_flight import FlightRun
 from q2q_sim.monitors.flight_verdict import verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.report.html_page import Grid
-from q2q_sim.report.significant import significant
+from q2q_sim.report.significant import significant_digits
 from q2q_sim.report.vehicle_rows import vehicle_rows
 
 MODE_WORDS = {
@@ -60,10 +60,10 @@ def run_verdicts(runs: Sequence[FlightRun]) -> str:
 
 def _note(run: FlightRun) -> str:
     timing, missed = run.timing, counted(run.timing.missed_ticks, "tick")
-    latency, tail = significant(timing.latency_p50_ms, 2), significant(timing.latency_p99_ms, 2)
+    latency, tail = significant_digits(timing.latency_p50_ms, 2), significant_digits(timing.latency_p99_ms, 2)
     return (
-        f"{MODE_WORDS[run.request.mode]}: {significant(run.metrics.zone_time_s)} s in the zone, "
-        f"{significant(timing.real_time_factor, 2)} x real time, {missed} missed,\n"
+        f"{MODE_WORDS[run.request.mode]}: {significant_digits(run.metrics.zone_time_s)} s in the zone, "
+        f"{significant_digits(timing.real_time_factor, 2)} x real time, {missed} missed,\n"
         f"    mocap to command {latency} ms in the median, {tail} ms at p99"
     )
 
@@ -71,7 +71,7 @@ def _note(run: FlightRun) -> str:
 def _rows(run: FlightRun) -> list[tuple[str, ...]]:
     numbers = {name: _numbers(run.metrics, one) for name, one in run.metrics.vehicles.items()}
     mode = MODE_WORDS[run.request.mode]
-    return [(mode, name, *map(significant, row)) for name, row in vehicle_rows(numbers)]
+    return [(mode, name, *map(significant_digits, row)) for name, row in vehicle_rows(numbers)]
 
 
 def _numbers(metrics: FlightMetrics, one: VehicleMetrics) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ CENTIMETRE = 100.0
 """In a metre."""
 
 
-def significant(value: float | None, digits: int = DIGITS) -> str:
+def significant_digits(value: float | None, digits: int = DIGITS) -> str:
     """Return a number as text: "0.131", "2060", "0.0003"; a count as it is; "-" if it is unknown."""
     if isinstance(value, int):
         return str(value)
@@ -22,4 +22,4 @@ def significant(value: float | None, digits: int = DIGITS) -> str:
 
 def centimetres(metres: float) -> str:
     """Return a length [m] in centimetres: "34 cm", "5.2 cm", "0.6 cm"."""
-    return f"{significant(CENTIMETRE * metres, 2)} cm"
+    return f"{significant_digits(CENTIMETRE * metres, 2)} cm"

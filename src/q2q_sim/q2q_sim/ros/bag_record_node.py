@@ -34,7 +34,7 @@ from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.loop.recorded_topics import recorded_types, told_of_silence
+from q2q_sim.loop.recorded_topics import recorded_types, silent_topics_note
 from q2q_sim.loop.topics import TYPE_NAMES, is_latched
 
 
@@ -139,7 +139,7 @@ class Recorder:
             self._writer.close()
         except BagError as refusal:
             self._give_up(refusal)
-        if silence := told_of_silence(self._asked, self._heard):
+        if silence := silent_topics_note(self._asked, self._heard):
             print(f"bag_record: {silence}", file=sys.stderr)
         for topic, count in self._lost.items():
             lost = f"lost {counted(count, 'message')} of {topic}"

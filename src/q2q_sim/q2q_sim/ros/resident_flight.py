@@ -22,7 +22,7 @@ from q2q_sim.ros.flight_director import START_S, FlightDirector
 SIMULATOR = "simulator"
 
 
-def fly_here(parameters: Path) -> FlightTiming:
+def fly_in_process(parameters: Path) -> FlightTiming:
     """Fly a parameter file with a section for each node; return the wall-clock timing.
 
     Raises:
@@ -59,4 +59,4 @@ def _nodes(executor: Executor) -> Iterator[list[Node]]:
             node.destroy_node()
     finally:
         for made in kept.values():
-            stack.close(made)
+            stack.close_ports(made)

@@ -36,7 +36,7 @@ from q2q_model.signals.cdr import encode_stamp
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import timing_as_text
-from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearsed_room
+from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearse_room
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.ros.ready_nodes import ReadyNodes
 
@@ -62,7 +62,7 @@ class Simulator:
         self._node = node
         params = declare(node, SimulatorParams())
         scenario = chosen_scenario(params)
-        room = rehearsed_room(scenario, params.seed)
+        room = rehearse_room(scenario, params.seed)
         self._crtp: CrtpEndpoint | None = None
         if params.crtp:
             from q2q_sim.ros.crtp_room import open_crtp  # firmware that other rooms are spared

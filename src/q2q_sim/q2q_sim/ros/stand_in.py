@@ -105,14 +105,14 @@ class StandInNode:
 
     def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> NullEntity:
         """Record a published topic."""
-        self.ports.append(RecordedPort("publishes", topic, type_name(kind, "msg"), quality(qos)))
+        self.ports.append(RecordedPort("publishes", topic, type_name(kind, "msg"), qos_text(qos)))
         return NullEntity()
 
     def create_subscription(
         self, kind: type, topic: str, receive: Receive, qos: QoSProfile | int, **_: object
     ) -> NullEntity:
         """Record a subscribed topic and its callback."""
-        self.ports.append(RecordedPort("reads", topic, type_name(kind, "msg"), quality(qos)))
+        self.ports.append(RecordedPort("reads", topic, type_name(kind, "msg"), qos_text(qos)))
         self.readers.append((kind, receive))
         return NullEntity()
 
@@ -144,7 +144,13 @@ class StandInNode:
     def declare_parameter(self, name: str, default: object, descriptor: ParameterDescriptor) -> Valued:
         """Record a parameter; return the user's value, else its default."""
         self.parameters.append(
-            Declared(name, default, descriptor.description, allowed(descriptor), bool(descriptor.read_only))
+            Declared(
+                name,
+                default,
+                descriptor.description,
+                allowed_values_text(descriptor),
+                bool(descriptor.read_only),
+            )
         )
         fallback = default if isinstance(default, bool | int | float | str | list) else None
         return Valued(self._given.get(name, fallback))
@@ -177,7 +183,7 @@ def _refuses(changed: Callable[[list[Update]], SetParametersResult], update: Upd
         return True
 
 
-def allowed(descriptor: ParameterDescriptor) -> str:
+def allowed_values_text(descriptor: ParameterDescriptor) -> str:
     """Return a description of a parameter's allowed values; empty for any of its type."""
     if descriptor.additional_constraints:
         return str(descriptor.additional_constraints)
@@ -194,7 +200,7 @@ def type_name(kind: type, folder: str) -> str:
     return f"{kind.__module__.partition('.')[0]}/{folder}/{kind.__name__}"
 
 
-def quality(qos: QoSProfile | int) -> str:
+def qos_text(qos: QoSProfile | int) -> str:
     """Return a description of a quality of service; a bare depth is reliable and volatile, as in rclpy."""
     if isinstance(qos, int):
         return f"reliable, volatile, depth {qos}"

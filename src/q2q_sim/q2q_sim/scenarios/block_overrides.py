@@ -27,10 +27,10 @@ BLOCKS: dict[str, ParamsClass] = {
 
 def block_params(block: str, default: P, overrides: Overrides) -> P:
     """Return a block's parameters with a scenario's overrides."""
-    return overridden(default, overrides.get(block, {}), block)
+    return override_params(default, overrides.get(block, {}), block)
 
 
-def overridden(params: P, values: Mapping[str, object], where: str) -> P:
+def override_params(params: P, values: Mapping[str, object], where: str) -> P:
     """Return `params` with values from a document.
 
     Raises:
@@ -39,7 +39,7 @@ def overridden(params: P, values: Mapping[str, object], where: str) -> P:
     return with_overrides(params, _values(params, values, where))
 
 
-def merged(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Overrides:
+def merge_overrides(room: Overrides, own: Mapping[str, Mapping[str, object]]) -> Overrides:
     """Return the overrides of a room with those of a document, which come first.
 
     Raises:

@@ -14,7 +14,7 @@ from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.faults.faults import Fault, check_vehicles
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
-from q2q_sim.scenarios.block_overrides import BLOCKS, overridden
+from q2q_sim.scenarios.block_overrides import BLOCKS, override_params
 from q2q_sim.scenarios.settings import Overrides
 from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon import ViconParams
@@ -75,7 +75,7 @@ class Scenario:
         _check_latency(self)
         check_vehicles(self.faults, self.names)
         for block, values in self.overrides.items():
-            overridden(BLOCKS[block], values, block)
+            override_params(BLOCKS[block], values, block)
 
     @property
     def names(self) -> Names:

@@ -35,7 +35,7 @@ from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_docume
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.faults.faults import Fault, check_sizes
-from q2q_sim.scenarios.block_overrides import merged, overridden
+from q2q_sim.scenarios.block_overrides import merge_overrides, override_params
 from q2q_sim.scenarios.scenario import AttitudeLoop, Scenario
 from q2q_sim.scenarios.settings import setting_by_name
 
@@ -94,12 +94,12 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         in_air=scenario_from_document(name, document_in_air(document), plan) if given.in_air else None,
         attitude=given.attitude,
         model=given.model,
-        vicon=overridden(room.vicon, given.vicon, "vicon"),
-        radio=overridden(room.radio, given.radio, "radio"),
-        imu=overridden(room.imu, given.imu, "imu"),
-        disturbance=overridden(room.disturbance, given.disturbance, "disturbance"),
+        vicon=override_params(room.vicon, given.vicon, "vicon"),
+        radio=override_params(room.radio, given.radio, "radio"),
+        imu=override_params(room.imu, given.imu, "imu"),
+        disturbance=override_params(room.disturbance, given.disturbance, "disturbance"),
         faults=given.faults,
-        overrides=merged(room.overrides, given.overrides),
+        overrides=merge_overrides(room.overrides, given.overrides),
     )
 
 

@@ -129,7 +129,9 @@ class Vicon:
         if params.pos_noise == 0.0 and params.angle_noise == 0.0:
             return truth.pos, truth.quat
         pos, quat = np.empty(truth.pos.shape), np.empty(truth.quat.shape)
-        blur((truth.pos, truth.quat), self._noise.next(), (params.pos_noise, params.angle_noise), pos, quat)
+        add_noise(
+            (truth.pos, truth.quat), self._noise.next(), (params.pos_noise, params.angle_noise), pos, quat
+        )
         return pos, quat
 
     def _flipped(self, quat: Array) -> Array:
@@ -190,7 +192,7 @@ class Vicon:
 
 
 @compiled
-def blur(
+def add_noise(
     truth: tuple[Array, Array], noise: Array, sizes: tuple[float, float], pos: Array, quat: Array
 ) -> None:
     """Write noisy poses; the attitude is turned by exp of a rotation vector (q2q_model.geometry.rotations).

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from time import monotonic
 
-from q2q_model.compiled import KERNELS, uncached
+from q2q_model.compiled import KERNELS, uncached_kernels
 from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.tools.kernel_calls import calls
 
@@ -23,14 +23,14 @@ WORKERS = 2
 def main() -> int:
     """Fill the cache; return the exit status, 1 if a kernel is never called."""
     import_kernels()
-    missing = uncached()
+    missing = uncached_kernels()
     if not missing:
         return 0
     began = monotonic()
     print(f"compiling {len(missing)} of {len(KERNELS)} kernels for this processor", flush=True)
     with worker_pool(WORKERS) as pool:
         list(pool.map(make_call, range(len(calls()))))
-    left = uncached()
+    left = uncached_kernels()
     for name in left:
         print(
             f"compile_kernels: {name} is never called: call it in q2q_sim.tools.kernel_calls", file=sys.stderr

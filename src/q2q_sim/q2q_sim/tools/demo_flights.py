@@ -20,9 +20,9 @@ from q2q_sim.report.panels import save
 from q2q_sim.report.run_table import MODE_WORDS, run_grid, run_notes, run_verdicts
 from q2q_sim.report.significant import centimetres
 from q2q_sim.report.vehicle_rows import drawn_vehicles
-from q2q_sim.tools.fly_scenario import conclude, fly_with_progress
-from q2q_sim.tools.fly_scenario import show as print_runs
-from q2q_sim.tools.write_replay import part_of
+from q2q_sim.tools.fly_scenario import fly_with_progress, print_verdict
+from q2q_sim.tools.fly_scenario import print_flights as print_runs
+from q2q_sim.tools.write_replay import part_of_flight
 
 SCENARIO = "table6"
 LEAD = "Q2 (cf2) passes 0.5 m above Q1 (cf1), which hovers in its downwash."
@@ -39,10 +39,10 @@ DRAWN = ("altitude", "thrust")
 
 def run(args: Namespace) -> int:
     """Fly the demonstration; return the exit status."""
-    return conclude(show(args.out, args.json))
+    return print_verdict(fly_and_show(args.out, args.json))
 
 
-def show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:
+def fly_and_show(out: Path, json_file: Path | None) -> Sequence[FlightRun]:
     """Fly the three modes; print the table; write bags, pictures, page and JSON; return the flights."""
     runs = fly_requests([FlightRequest(SCENARIO, mode, stack=True) for mode in MODE_WORDS], out)
     print_runs(runs)
@@ -84,15 +84,15 @@ def write_demo_page(runs: Sequence[FlightRun], out: Path) -> None:
 def replay_of(ignoring: FlightRun, aware: FlightRun) -> Markup:
     """Return the replay of the passage in two flights beside each other."""
     vehicle = load_scenario(ignoring.request).vehicle
-    start, end = passage(ignoring.flight)
+    start, end = passage_times(ignoring.flight)
     runs = [
-        replay_run(part_of(run.flight, start, end), vehicle, MODE_WORDS[run.request.mode], since=start)
+        replay_run(part_of_flight(run.flight, start, end), vehicle, MODE_WORDS[run.request.mode], since=start)
         for run in (ignoring, aware)
     ]
     return Markup(replay_element(runs))
 
 
-def passage(flight: Flight) -> tuple[float, float]:
+def passage_times(flight: Flight) -> tuple[float, float]:
     """Return when any vehicle is under another, with some time around it [s since the start]; else all."""
     since = flight.t - flight.t[0]
     under = exposed(best_position(flight), after=0).any(axis=1)

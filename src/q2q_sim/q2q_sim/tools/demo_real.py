@@ -24,8 +24,8 @@ from q2q_sim.flight.run_json import runs_json
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.tools.demo_flights import fly_requests, print_numbers
 from q2q_sim.tools.demo_real_page import write_real_page
-from q2q_sim.tools.fly_scenario import conclude
-from q2q_sim.tools.fly_scenario import show as print_runs
+from q2q_sim.tools.fly_scenario import print_flights as print_runs
+from q2q_sim.tools.fly_scenario import print_verdict
 from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 PASSAGE = "table6_room"
@@ -68,7 +68,7 @@ def run(args: Namespace) -> int:
     write_real_page(flights.origin, scores, runs, args.out)
     if args.json:
         write_json(_as_json(flights, scores, runs), args.json)
-    return conclude(runs)
+    return print_verdict(runs)
 
 
 def find_flights(given: Sequence[Path]) -> DemoFlights:

@@ -12,7 +12,7 @@ from q2q_sim.report.html_page import Grid, Heading, KeyNumber, PageVerdict, Part
 from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
 from q2q_sim.report.run_table import run_grid, run_verdicts
-from q2q_sim.report.significant import significant
+from q2q_sim.report.significant import significant_digits
 from q2q_sim.tools.demo_flights import draw_runs, key_numbers, replay_of
 
 HEAD = ("flight", "samples under another", "R2", "R2, 20 ms ahead", "model fitted to")
@@ -22,7 +22,7 @@ MOST_NAMED = 3
 
 def write_real_page(origin: str, scores: HeldOutScores, runs: Sequence[FlightRun], out: Path) -> None:
     """Write the page: replay, numbers, measured and predicted downwash, tables."""
-    shown = typical(scores.flights)
+    shown = median_flight(scores.flights)
     caption = f"{shown.name}, the flight of median R2, predicted by a model of other flights"
     together = scores.together
     parts: list[Part] = [
@@ -30,7 +30,7 @@ def write_real_page(origin: str, scores: HeldOutScores, runs: Sequence[FlightRun
         replay_of(*runs[:2]),
         [
             KeyNumber(
-                f"R2 {significant(together.r2_exposed, 2)}",
+                f"R2 {significant_digits(together.r2_exposed, 2)}",
                 f"of the measured downwash, in {len(scores.flights)} flights left out of the fit",
             ),
             *key_numbers(runs[0].metrics, runs[1].metrics),
@@ -52,7 +52,7 @@ def write_real_page(origin: str, scores: HeldOutScores, runs: Sequence[FlightRun
     print(f"page: {out / 'index.html'}")
 
 
-def typical(flights: Sequence[HeldOutFlight]) -> HeldOutFlight:
+def median_flight(flights: Sequence[HeldOutFlight]) -> HeldOutFlight:
     """Return the flight of median R2."""
     known = {one.score.r2_exposed: one for one in flights if one.score.r2_exposed is not None}
     return known[median_low(known)]
@@ -70,7 +70,7 @@ def held_out_figure(one: HeldOutFlight) -> Figure:
 
 def _row(one: HeldOutFlight) -> tuple[str, ...]:
     score = one.score
-    r2, ahead = significant(score.r2_exposed), significant(score.r2_ahead_20ms)
+    r2, ahead = significant_digits(score.r2_exposed), significant_digits(score.r2_ahead_20ms)
     many = len(one.fitted_to) > MOST_NAMED
     fitted_to = f"{len(one.fitted_to)} other flights" if many else ", ".join(one.fitted_to)
     return (one.name, str(score.n), r2, ahead, fitted_to)

@@ -21,7 +21,7 @@ from q2q_sim.report.panels import save
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.tools.demo_real import find_flights, score_flights
-from q2q_sim.tools.demo_real_page import held_out_figure, typical
+from q2q_sim.tools.demo_real_page import held_out_figure, median_flight
 from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 
@@ -42,7 +42,7 @@ def write_images(out: Path = OUT) -> list[Path]:
     if not flights.further:
         print(f"docs: real_flight.png is left as it is: {flights.origin}", file=sys.stderr)
         return [write_flight(out)]
-    shown = typical(score_flights(flights).flights)
+    shown = median_flight(score_flights(flights).flights)
     return [write_flight(out), save(held_out_figure(shown), out / "real_flight.png")]
 
 

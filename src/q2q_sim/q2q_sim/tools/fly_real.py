@@ -17,7 +17,12 @@ from q2q_model.flights.flight_log import log_at
 from q2q_model.flights.flight_table import flight_table
 from q2q_model.flights.table_file import read_columns
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, force_samples, pooled
+from q2q_model.identification.force.downwash_force import (
+    ForceSamples,
+    ForceScore,
+    force_samples,
+    pooled_score,
+)
 from q2q_model.identification.force.recorded_force import motion_of, push_of_log
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import FLIGHTS, flights_folder
@@ -43,7 +48,7 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     seen = motion_of(flight)
     motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
     samples = force_samples(push_of_log(name, log_at(log, log.t, flight.names), motion))
-    found = scored(samples, flight.eta[at, :, 2])
+    found = score_prediction(samples, flight.eta[at, :, 2])
     pushes = [
         PredictedPush(flight.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])
         for one in samples
@@ -56,11 +61,11 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     return 0
 
 
-def scored(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
+def score_prediction(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
     """Score predicted vertical downwash [m/s^2], (T, n), as published by the node."""
     y = [one.y[one.exposed] for one in samples]
     misses = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
-    return pooled(y, misses, samples)
+    return pooled_score(y, misses, samples)
 
 
 def print_score(name: str, model: str, found: ForceScore) -> None:

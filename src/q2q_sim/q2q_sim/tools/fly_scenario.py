@@ -11,7 +11,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.vehicle.constants import Vehicle, firmware_of
-from q2q_sim.faults.faults import after_the_end
+from q2q_sim.faults.faults import remarks_on_late_faults
 from q2q_sim.flight.run_json import runs_json
 from q2q_sim.flight.scenario_flight import MEASURED, FlightRequest, FlightRun, fly, load_scenario
 from q2q_sim.flight.unfinished_bag import recorder_notes
@@ -32,22 +32,22 @@ def run(args: Namespace) -> int:
 
         return fly_real(args.real, args.model, args.json)
     flown = _fly(args)
-    show([flown])
+    print_flights([flown])
     try:
         if args.json:
             write_json(runs_json([flown]), args.json)
     finally:
-        status = conclude([flown])
+        status = print_verdict([flown])
     return status
 
 
-def conclude(runs: Sequence[FlightRun]) -> int:
+def print_verdict(runs: Sequence[FlightRun]) -> int:
     """Print the verdict on some flights as the last line; return the exit status, 1 if one is not ok."""
     print(run_verdicts(runs))
     return int(not all(run.verdict.ok for run in runs))
 
 
-def show(runs: Sequence[FlightRun]) -> None:
+def print_flights(runs: Sequence[FlightRun]) -> None:
     """Print the table of some flights, and their timing."""
     console = Console()
     console.print(run_table(runs))
@@ -95,7 +95,7 @@ def _fly(args: Namespace) -> FlightRun:
             f"fly: {request.scenario}: in air {request.air} by {change} (`in_air` of the scenario)",
             file=sys.stderr,
         )
-    for remark in after_the_end(flown.faults, flown.duration):
+    for remark in remarks_on_late_faults(flown.faults, flown.duration):
         print(f"fly: {request.scenario}: {remark}", file=sys.stderr)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:

@@ -11,7 +11,7 @@ from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped_tabl
 from q2q_model.flights.flight_table import CARRIED, POS, FlightTable, flight_table, log_of, signals_of
 from q2q_model.flights.table_file import read_columns
 from q2q_model.flights.table_vehicles import vehicle_prefixes
-from q2q_model.flights.up_axis import doubt_of_height
+from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.flights.usd_flight import columns_of_logs
 from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
@@ -27,7 +27,7 @@ def run(args: Namespace) -> int:
     for topic, count in counts.items():
         print(f"  {topic}: {counted(count, 'message')}")
     print(f"  {counted(int(table.gap.sum()), 'sample')} in gaps of the source: not in /mocap")
-    for note in filter(None, [*notes, doubt_of_height(table.vectors(POS))]):
+    for note in filter(None, [*notes, y_up_reason(table.vectors(POS))]):
         print(f"  {note}")
     if not args.vehicle:
         print("  its vehicle is not named; --vehicle names it for the tools that read the bag")

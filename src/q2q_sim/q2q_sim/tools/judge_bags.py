@@ -24,7 +24,7 @@ from q2q_sim.monitors.policies import (
     Violation,
     evidence_of,
     judge,
-    unjudged,
+    policies_without_evidence,
 )
 from q2q_sim.scenarios import library
 
@@ -55,7 +55,7 @@ class JudgedBag:
 def run(args: Namespace) -> int:
     """Check the named bags; return 1 if a policy is violated, else 2 if a bag has nothing to judge."""
     found = {
-        str(bag): judged(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
+        str(bag): judge_bag(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
         for bag in args.bags
     }
     if args.json:
@@ -72,13 +72,13 @@ def run(args: Namespace) -> int:
     return NOT_JUDGED if any(one.is_empty for one in found.values()) else 0
 
 
-def judged(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
+def judge_bag(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
     """Return how a flight keeps the policies; without true positions by the filtered ones."""
     if np.isfinite(evidence.true_pos).any():
-        return JudgedBag(judge(evidence, circumstances), unjudged(evidence))
+        return JudgedBag(judge(evidence, circumstances), policies_without_evidence(evidence))
     filtered = replace(evidence, true_pos=evidence.state_pos)
     policies = {name: policy for name, policy in POLICIES.items() if name != "belief"}
-    lacking = {*unjudged(filtered), "belief"}
+    lacking = {*policies_without_evidence(filtered), "belief"}
     return JudgedBag(
         judge(filtered, circumstances, policies), tuple(name for name in POLICIES if name in lacking)
     )

@@ -1,7 +1,7 @@
 """Calls of every compiled function, with which set-up fills the cache.
 
-Compilation takes minutes, the calls almost nothing: flights last a few ticks. `q2q_model.compiled.uncached`
-names kernels that none of them calls.
+Compilation takes minutes, the calls almost nothing: flights last a few ticks. Kernels that none of them
+calls are named by `q2q_model.compiled.uncached_kernels`.
 """
 
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from q2q_control.explicit.distillation import DistillationParams, distil
 from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, solve_situations
-from q2q_control.failsafe.blind_flight.stacking import stacked
+from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at
@@ -26,7 +26,7 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
-from q2q_model.identification.force.recorded_force import lagged
+from q2q_model.identification.force.recorded_force import first_order_lag
 from q2q_model.identification.gains.impulse_response import impulse_response
 from q2q_model.node.rehearsal import rehearse
 from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState
@@ -99,7 +99,10 @@ def _in_a_rooms_air() -> None:
 
 def _replanned() -> None:
     _flown("stack3", replan="safe")  # with bounded jerk
-    fly(replace(library.load("stack3"), duration=TICKS, overrides={}), FlightOptions(replan="safe"))
+    fly(
+        replace(library.load("stack3"), duration=TICKS, overrides={}),
+        FlightOptions(replan="safe"),
+    )
 
 
 def _many() -> None:
@@ -114,7 +117,7 @@ def _firmware() -> None:
 
 def _nearness() -> None:
     pair = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
-    stacked(pair, np.arange(2), 0.3, 0.0)
+    stacked_pairs(pair, np.arange(2), 0.3, 0.0)
     least_distances(pair[None])
     any_in_zone(pair[None], Cylinder())
     under_another(pair[None], 0.15, 1.5)
@@ -147,4 +150,4 @@ def _explicit() -> None:
 
 def _identification() -> None:
     impulse_response(PAPER_LOOP, 0.01, 3)
-    lagged(np.zeros((3, 2)), np.array([0.0, 0.01, 0.02]), 0.07)
+    first_order_lag(np.zeros((3, 2)), np.array([0.0, 0.01, 0.02]), 0.07)

@@ -11,8 +11,8 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_model.tools.recordings import topic_map
 from q2q_sim.air.air_file import save
-from q2q_sim.air.learning.evidence.fitted import Fitted
 from q2q_sim.air.learning.learned_air import LearnedAir, learn_air
+from q2q_sim.air.learning.statistics.fitted import Fitted
 from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 

@@ -26,7 +26,7 @@ from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, draw
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import save
-from q2q_sim.report.significant import significant
+from q2q_sim.report.significant import significant_digits
 from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools.bag_verdict import bag_verdict
@@ -68,7 +68,7 @@ def run(args: Namespace) -> int:
     """Write the requested report; return the exit status."""
     topics, bags = topic_map(args.topics), [args.bag, *args.compare]
     flights = [
-        reported(bag, flown_vehicle(bag, args.vehicle), topics, name)
+        report_bag(bag, flown_vehicle(bag, args.vehicle), topics, name)
         for bag, name in zip(bags, distinct_names(bags), strict=True)
     ]
     write(flights, args.out)
@@ -81,7 +81,7 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def reported(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, name: str = "") -> Reported:
+def report_bag(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, name: str = "") -> Reported:
     """Return a bag's flight with its metrics, under a `name`; `topics` maps the topics of a foreign bag."""
     read = flight_of_bag(bag, topics)
     flight = replace(read, name=name or read.name)
@@ -190,7 +190,7 @@ def _mocap(one: Reported) -> list[tuple[str, ...]]:
 
 def _lines(one: Reported, numbers: Mapping[str, Sequence[float]]) -> list[tuple[str, ...]]:
     """Return the rows of a table about one flight."""
-    return [(one.flight.name, name, *map(significant, row)) for name, row in vehicle_rows(numbers)]
+    return [(one.flight.name, name, *map(significant_digits, row)) for name, row in vehicle_rows(numbers)]
 
 
 def _nodes(flights: Sequence[Reported]) -> list[Part]:

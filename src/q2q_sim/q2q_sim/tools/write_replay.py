@@ -47,7 +47,7 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     flown = _vehicle(path, args.vehicle, is_table=is_table)
     if flown.note:
         print(f"replay_page: {flown.note}", file=sys.stderr)
-    part = part_of(recording.flight, args.start, args.end)
+    part = part_of_flight(recording.flight, args.start, args.end)
     whole = args.end is None and not is_table
     verdict = (
         bag_verdict(path, part, flown.vehicle)
@@ -74,7 +74,7 @@ def _vehicle(path: Path, override: str, *, is_table: bool) -> FlownVehicle:
     return FlownVehicle(vehicle_by_name(override or DEFAULT_VEHICLE))
 
 
-def part_of(flight: Flight, start: float, end: float | None) -> Flight:
+def part_of_flight(flight: Flight, start: float, end: float | None) -> Flight:
     """Return a flight from `start` to `end` [s] after its first tick; raise ValueError if that is empty."""
     since = flight.t - flight.t[0]
     kept = (since >= start) & (since <= (np.inf if end is None else end))

@@ -154,7 +154,7 @@ class SceneBuilder:
 
     def _zones(self, state: SwarmState, known: list[int]) -> list[Shape]:
         zone = Cylinder(self._params.eps, self._params.d)
-        inside = breached(state.pos[known], zone)
+        inside = zones_breached(state.pos[known], zone)
         size = (2.0 * zone.eps, 2.0 * zone.eps, 2.0 * zone.d)
         return [
             Shape(
@@ -193,7 +193,7 @@ class SceneBuilder:
         return trail.as_points()
 
 
-def breached(pos: Array, zone: Cylinder) -> NDArray[np.bool_]:
+def zones_breached(pos: Array, zone: Cylinder) -> NDArray[np.bool_]:
     """Return which vehicles at pos [m], (n, 3), have another in their zone, (n,)."""
     inside = zone.signed_distance(pos[None, :] - pos[:, None]) < 0.0  # (n, n)
     np.fill_diagonal(inside, val=False)

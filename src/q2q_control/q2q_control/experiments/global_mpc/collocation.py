@@ -17,7 +17,7 @@ from q2q_control.experiments.global_mpc.problem import (
     downwash,
     thrust_acceleration,
 )
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -117,7 +117,7 @@ def _law(model: InteractionModel) -> casadi.Function:
     across, depth = np.linspace(0.0, ACROSS_MAX, 121), np.linspace(-DEPTH_MAX, DEPTH_MAX, 251)
     rel = np.zeros((depth.size, across.size, 3))
     rel[..., 0], rel[..., 2] = across, depth[:, None]
-    eta = model.acceleration(rel, at_rest(rel))[..., 2]
+    eta = model.acceleration(rel, pairs_at_rest(rel))[..., 2]
     spline = casadi.interpolant("eta", "bspline", [across.tolist(), depth.tolist()], eta.ravel().tolist())
     place = casadi.MX.sym("place", 2)
     inside = casadi.vertcat(

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.downwash.interaction_model import InteractionModel, at_rest
+from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -73,7 +73,7 @@ def downwash(model: InteractionModel, pos: Array) -> Array:
         for j in range(len(pos)):
             if i != j:
                 rel = pos[j] - pos[i]
-                total[i] += model.acceleration(rel, at_rest(rel))
+                total[i] += model.acceleration(rel, pairs_at_rest(rel))
     return total
 
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.failsafe.blind_flight.stacking import stacked
+from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_model.signals.values import Array, Mask, Names, Rows, index_of, rows_by_name
 
 JET_WIDTH = 0.076
@@ -106,7 +106,7 @@ class FadingDownwash:
 
 def _above(pos: Array, below: Rows) -> _Above:
     """Return those that may push some vehicles down."""
-    pairs = stacked(pos, below, ABOVE_RADIUS, 0.0)
+    pairs = stacked_pairs(pos, below, ABOVE_RADIUS, 0.0)
     return _Above(pairs.below, pairs.above, pos[pairs.above, :2] - pos[pairs.below, :2])
 
 

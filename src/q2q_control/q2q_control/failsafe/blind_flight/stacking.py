@@ -16,7 +16,7 @@ class Stacked(NamedTuple):
     above: Rows
 
 
-def stacked(pos: Array, below: Rows, reach: float, gap: float) -> Stacked:
+def stacked_pairs(pos: Array, below: Rows, reach: float, gap: float) -> Stacked:
     """Return who is above some vehicles, in the order of these.
 
     Args:
@@ -31,7 +31,7 @@ def stacked(pos: Array, below: Rows, reach: float, gap: float) -> Stacked:
 
 @compiled
 def is_above(pos: Array, below: Rows, reach: float, gap: float) -> NDArray[np.bool_]:
-    """Return for each of `below` (m,) who is above it, (m, n); arguments as of `stacked`."""
+    """Return for each of `below` (m,) who is above it, (m, n); arguments as of `stacked_pairs`."""
     over = np.zeros((below.size, pos.shape[0]), dtype=np.bool_)
     for k in range(below.size):
         x, y, z = pos[below[k]]

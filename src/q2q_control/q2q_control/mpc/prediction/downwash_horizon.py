@@ -32,7 +32,7 @@ from q2q_control.mpc.prediction.downwash_stages import (
     DownwashHorizon,
     Tracks,
     bounding_boxes,
-    displaced,
+    displaced_places,
     sum_downwash,
     within_reach,
 )
@@ -191,4 +191,4 @@ def _places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) 
         return replace(now, pos=pos.reshape(now.pos.shape))
 
     rel_pos, motion = retarded_pairs(model, middle[i], vel[i], now, past)
-    return displaced(rel_pos, moves), motion
+    return displaced_places(rel_pos, moves), motion

@@ -88,7 +88,7 @@ def within_reach(path: Array, pairs: Pairs, reach: tuple[float, float]) -> Mask:
 
 
 @compiled
-def displaced(places: Array, moves: Rows) -> Array:
+def displaced_places(places: Array, moves: Rows) -> Array:
     """Return places (p, N, 3), then moved by +DELTA and by -DELTA along each axis, (1 + 2 moves, p, N, 3)."""
     found = np.empty((1 + 2 * moves.size, *places.shape))
     for m in range(found.shape[0]):

@@ -139,7 +139,7 @@ class HeardPredictions:
         return next((one for one in reversed(self._heard.get(name, ())) if one.t < t - SAME_STAMP), None)
 
 
-def blended(heard: Neighbours, known: Neighbours, share: Array) -> Neighbours:
+def blend(heard: Neighbours, known: Neighbours, share: Array) -> Neighbours:
     """Return neighbours as heard and as known without predictions, by the shares of the predictions (n,)."""
     along = share[:, None, None]
     return known._replace(
@@ -149,7 +149,7 @@ def blended(heard: Neighbours, known: Neighbours, share: Array) -> Neighbours:
     )
 
 
-def predicted(tick: Aligned, path: Array, times: Array) -> PredictedPaths | None:
+def usable_prediction(tick: Aligned, path: Array, times: Array) -> PredictedPaths | None:
     """Return the prediction of a tick's usable vehicles, or None; `path` is (n, N + 1, 3) at `times`."""
     names = tuple(name for name, usable in zip(tick.names, tick.usable, strict=True) if usable)
     if not names:

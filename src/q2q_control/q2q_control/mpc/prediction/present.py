@@ -55,7 +55,7 @@ class PresentEstimator:
         if tracked.pending.durations:
             push = tick.table[:, ETA] + disturbance
             for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
-                roll(chains, seconds, acc, push, self._lags)
+                roll_chains(chains, seconds, acc, push, self._lags)
         return Present(tick.t + self._params.latency, chains, disturbance, tracked.residual)
 
     def sense(self, imu: SwarmImu) -> None:
@@ -68,7 +68,7 @@ class PresentEstimator:
 
 
 @compiled
-def roll(
+def roll_chains(
     chains: Array, seconds: float, command: Array, push: Array, lags: tuple[float, float, float]
 ) -> None:
     """Move chains (n, 3 axes, 3) on by a time [s] under a commanded acceleration and a push, (n, 3) each."""

@@ -70,7 +70,7 @@ def _ticks(tracks: Mapping[str, Poses], tolerance_s: float) -> Array:
 
 def _unmatched(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
     """Return why no pose of a vehicle is in a frame."""
-    if misfit := apart(f"poses of {vehicle}", t, ticks):
+    if misfit := clock_mismatch(f"poses of {vehicle}", t, ticks):
         return misfit
     period_s = float(np.median(np.diff(ticks)))
     return (
@@ -79,7 +79,7 @@ def _unmatched(vehicle: str, t: Array, ticks: Array, tolerance_s: float) -> str:
     )
 
 
-def apart(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> str:
+def clock_mismatch(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> str:
     """Return why ascending stamps `t` are of other times than the ticks; empty if they are not.
 
     They may end up to `before_s` [s] before the first tick.

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_model.bag.foreign.pose_frames import Poses, apart
+from q2q_model.bag.foreign.pose_frames import Poses, clock_mismatch
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 
@@ -28,7 +28,7 @@ def with_references(flight: Flight, given: Mapping[str, Poses]) -> tuple[Flight,
     for vehicle, track in given.items():
         if vehicle not in flight.names:
             raise ValueError(f"references of {vehicle}; vehicles are {', '.join(flight.names)}")
-        if misfit := apart(f"references of {vehicle}", track.t, flight.t, HELD_S):
+        if misfit := clock_mismatch(f"references of {vehicle}", track.t, flight.t, HELD_S):
             raise ValueError(misfit)
         row = np.searchsorted(track.t, flight.t, side="right") - 1
         held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)

@@ -77,7 +77,7 @@ def indexed_files(bag: Path) -> list[IndexedFile]:
         raise NotIndexedError(f"{bag}: {type(damage).__name__}: {damage}") from damage
 
 
-def logged(file: IndexedFile, topics: Collection[str]) -> Iterator[Logged]:
+def messages_by_log_time(file: IndexedFile, topics: Collection[str]) -> Iterator[Logged]:
     """Yield the messages on these topics in the order of their log time.
 
     Damage raises an Exception when it is reached, and so do messages counted in the summary but missing in

@@ -14,7 +14,12 @@ from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader
 
 from q2q_model.bag.storage.fault import BagError
-from q2q_model.bag.storage.indexed_mcap import IndexedFile, NotIndexedError, indexed_files, logged
+from q2q_model.bag.storage.indexed_mcap import (
+    IndexedFile,
+    NotIndexedError,
+    indexed_files,
+    messages_by_log_time,
+)
 from q2q_model.bag.storage.latched import connection_is_latched
 from q2q_model.bag.storage.salvage import salvage
 from q2q_model.counted import counted
@@ -128,7 +133,7 @@ def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> S
         done = 0
         try:
             for file in files:
-                for number, stamp_ns, data in logged(file, topics):
+                for number, stamp_ns, data in messages_by_log_time(file, topics):
                     channel = file.channels[number]
                     done += 1
                     yield RawMessage(channel.topic, stamp_ns, data, channel.type_name)

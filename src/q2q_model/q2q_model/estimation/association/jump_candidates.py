@@ -30,7 +30,7 @@ CANDIDATE = np.dtype(
 """Columns of a candidate [s, m]."""
 
 
-def joined(candidates: Table, t: float, away: Array, limits: OutlierThresholds) -> Mask:
+def joins_candidates(candidates: Table, t: float, away: Array, limits: OutlierThresholds) -> Mask:
     """Return which samples at t [s] join candidates, from whose last ones they are `away` [m], (..., n)."""
     since = t - candidates["last_time"]
     recent = (candidates["samples"] > 0) & (since <= GAP_S + SAME_INSTANT)

@@ -11,7 +11,7 @@ from q2q_model.estimation.association.jump_candidates import (
     CANDIDATE,
     SAME_INSTANT,
     Table,
-    joined,
+    joins_candidates,
     mean_velocity,
 )
 from q2q_model.estimation.association.suspected_swaps import LastSample, Suspicion, Unmatched, suspected_swaps
@@ -85,4 +85,4 @@ class Reacquisition:
     def joins(self, t: float, pos: Array) -> Mask:
         """Return which samples at pos [m] (n, 3) join the candidates of their rows, (n,)."""
         away = np.linalg.norm(pos - self._candidates["last_pos"], axis=-1)
-        return joined(self._candidates, t, away, self._limits)
+        return joins_candidates(self._candidates, t, away, self._limits)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.estimation.association.jump_candidates import Table, joined, mean_velocity
+from q2q_model.estimation.association.jump_candidates import Table, joins_candidates, mean_velocity
 from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
 
@@ -102,7 +102,7 @@ def _goes_on(found: Suspicion, mine: Rows, others: Rows, own: tuple[Rows, Rows])
     """Return which samples (r,) join candidates of others (m,) that are nearer than their own, (r, m)."""
     candidates = found.candidates[others]
     away = _distances(found.pos[mine], candidates["last_pos"])
-    joins = joined(candidates, found.t, away, found.limits)
+    joins = joins_candidates(candidates, found.t, away, found.limits)
     return joins & _less(np.where(joins, away, np.inf), own)
 
 

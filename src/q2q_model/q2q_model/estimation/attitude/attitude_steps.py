@@ -62,7 +62,7 @@ class Attitudes(NamedTuple):
 
 
 @compiled
-def columns_of(table: Table) -> Attitudes:
+def attitude_columns(table: Table) -> Attitudes:
     """Return the columns of a table, views of it."""
     return Attitudes(
         table["seen"], table["time"], table["rejected_since"], table["quat"], table["ang_vel_body"]
@@ -70,12 +70,12 @@ def columns_of(table: Table) -> Attitudes:
 
 
 @compiled
-def follow(t: float, measured: Array, params: AttitudeGateParams, table: Table) -> bool:
+def follow_attitudes(t: float, measured: Array, params: AttitudeGateParams, table: Table) -> bool:
     """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are usual.
 
     That is: no track is new or rejected samples before, and every sample is absent or passes the gate.
     """
-    tracks = columns_of(table)
+    tracks = attitude_columns(table)
     turn = np.empty(4)
     for i in range(len(measured)):
         elapsed = t - tracks.time[i]

@@ -31,7 +31,7 @@ from q2q_model.estimation.attitude.attitude_steps import (
     UNIT_TOLERANCE,
     AttitudeGateParams,
     Attitudes,
-    follow,
+    follow_attitudes,
 )
 from q2q_model.geometry.rotations import identity_quat, matrix_from_quat, quat_between, vector_from_quat
 from q2q_model.signals.values import Array, Mask, SwarmState
@@ -104,7 +104,7 @@ class AttitudeTracks:
             t: Capture time [s], later than before.
             measured: Quaternion of every vehicle, (n, 4); NaN where absent.
         """
-        if follow(t, measured, self._params, self._table):
+        if follow_attitudes(t, measured, self._params, self._table):
             return 0
         return int(self._gate(t, _unit_or_nan(measured)).sum())
 

@@ -37,7 +37,7 @@ THAW_STEP = 0.005
 """Deviation from the prediction of a sample after repeated ones that shows them to be old [m]: 5 standard
 deviations of a sample; 10 m/s^2 move a vehicle by 0.5 mm within a tick."""
 UNUSUAL, WITH_GAPS, WHOLE = 0, 1, 2
-"""Outcomes of `follow`: no track has changed; some vehicles have no sample; the tick is nominal."""
+"""Outcomes of `follow_positions`: no track has changed; some vehicles have no sample; the tick is nominal."""
 
 
 class Prediction(NamedTuple):
@@ -198,7 +198,7 @@ def accept(
 
 
 @compiled
-def follow(
+def follow_positions(
     t: float,
     offered: Offered,
     params: TrackParams,

@@ -33,7 +33,7 @@ from q2q_model.estimation.position.position_steps import (
     Prediction,
     TrackMemory,
     accept,
-    follow,
+    follow_positions,
     look_ahead,
 )
 from q2q_model.estimation.position.steady_gain import PERIOD
@@ -134,13 +134,13 @@ class PositionTracks:
         samples = measured.copy()  # of one layout for the kernels, whatever they are cut from
         repeats, pos, vel = self._none if repeated is None else repeated, *np.empty((2, *samples.shape))
         offered = Offered(samples, repeats, repeated is None)
-        outcome = follow(t, offered, self._params, self.memory, (pos, vel))
+        outcome = follow_positions(t, offered, self._params, self.memory, (pos, vel))
         if outcome != UNUSUAL:
             return self.usual(outcome, samples, pos, vel)
         return self.unusual(t, samples, repeats)
 
     def unusual(self, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
-        """Return the tracks after the samples of a tick that `follow` did not take, as `update`."""
+        """Return the tracks after the samples of a tick that `follow_positions` did not take, as `update`."""
         at = look_ahead((t, np.nan), samples, repeats, self._params, self._table)
         assigned = self._associate(t, at)
         pos, vel = accept(t, at, assigned, self._noise_var, self._table)
@@ -149,7 +149,7 @@ class PositionTracks:
         return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, at.frozen, nominal=False)
 
     def usual(self, outcome: int, measured: Array, pos: Array, vel: Array) -> TrackUpdate:
-        """Return the result of a tick that `follow` took, (n, 3) each."""
+        """Return the result of a tick that `follow_positions` took, (n, 3) each."""
         if outcome == WHOLE:
             return TrackUpdate(pos, vel, self._rows, self._none, self._all, self._none, nominal=True)
         present = _present(measured)

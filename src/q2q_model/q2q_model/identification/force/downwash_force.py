@@ -106,8 +106,8 @@ def score(model: InteractionModel, samples: Sequence[ForceSamples]) -> ForceScor
         (residual - predicted_residual(one.motion.t, residual, one.usable))[one.exposed]
         for one, residual in zip(exposed, residuals, strict=True)
     ]
-    found = pooled(y, misses, samples)
-    return replace(found, r2_ahead_20ms=pooled(y, ahead, samples).r2_exposed)
+    found = pooled_score(y, misses, samples)
+    return replace(found, r2_ahead_20ms=pooled_score(y, ahead, samples).r2_exposed)
 
 
 def residual_of(model: InteractionModel, one: ForceSamples) -> Array:
@@ -118,7 +118,7 @@ def residual_of(model: InteractionModel, one: ForceSamples) -> Array:
     return residual
 
 
-def pooled(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceSamples]) -> ForceScore:
+def pooled_score(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceSamples]) -> ForceScore:
     """Return the score of residuals y - eta over exposed rows."""
     upper = np.concatenate([one.y[one.upper] for one in samples]) if samples else np.empty(0)
     mean_upper = float(upper.mean()) if upper.size else None

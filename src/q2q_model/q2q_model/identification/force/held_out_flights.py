@@ -10,7 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore, pooled, residual_of, score
+from q2q_model.identification.force.downwash_force import (
+    ForceSamples,
+    ForceScore,
+    pooled_score,
+    residual_of,
+    score,
+)
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
 from q2q_model.signals.values import Array
 
@@ -47,7 +53,7 @@ class HeldOutScores:
         y = [sample.y[sample.exposed] for sample in samples]
         predicted = [eta for one in self.flights for eta in one.predicted]
         misses = [(sample.y - eta)[sample.exposed] for sample, eta in zip(samples, predicted, strict=True)]
-        return pooled(y, misses, samples)
+        return pooled_score(y, misses, samples)
 
 
 def held_out_scores(

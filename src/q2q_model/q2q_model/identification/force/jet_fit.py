@@ -26,7 +26,7 @@ from q2q_model.identification.intervals import (
     EstimatingRows,
     Interval,
     Stretch,
-    clusters,
+    cluster_rows,
     intervals,
     least_squares_rows,
 )
@@ -139,7 +139,7 @@ def _fit(
         f_scale=TURBULENT,
     )
     jet = _jet(form, names, found.x)
-    cluster = clusters(residuals(jet), BLOCK)
+    cluster = cluster_rows(residuals(jet), BLOCK)
     rows = (_soft_l1_rows if loss == "soft_l1" else least_squares_rows)(found.jac, found.fun, cluster)
     spread = tuple(zip(names, intervals(found.x, rows, (low, high)), strict=True))
     return JetFit(jet=jet, intervals=spread, mse=float(np.mean(found.fun**2)))

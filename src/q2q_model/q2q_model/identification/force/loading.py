@@ -23,7 +23,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import BLOCK
-from q2q_model.identification.intervals import Interval, Stretch, clusters, intervals, least_squares_rows
+from q2q_model.identification.intervals import Interval, Stretch, cluster_rows, intervals, least_squares_rows
 from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -56,7 +56,7 @@ def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Inte
         Stretch(flight, one.motion.t[rows], missed)
         for (flight, one, rows), missed in zip(parts, np.split(residual, ends), strict=True)
     ]
-    rows = least_squares_rows(jacobian, residual, clusters(stretches, BLOCK))
+    rows = least_squares_rows(jacobian, residual, cluster_rows(stretches, BLOCK))
     return intervals(np.array([scale, loading]), rows)[1]
 
 

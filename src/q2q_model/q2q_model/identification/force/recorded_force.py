@@ -115,7 +115,9 @@ class RecordedAcceleration:
 
     def push(self, lag: float) -> Array:
         """Return the push [m/s^2], (T, n), for a thrust lag [s]; 0 where unknown."""
-        return np.where(self.whole, self.force - lagged(self.thrust, self.t, lag) * self.thrust_gain, 0.0)
+        return np.where(
+            self.whole, self.force - first_order_lag(self.thrust, self.t, lag) * self.thrust_gain, 0.0
+        )
 
 
 def recorded_acceleration(flight: Flight, vehicle: Vehicle) -> RecordedAcceleration | None:
@@ -159,7 +161,7 @@ def motion_of(flight: Flight) -> Motion:
     return Motion(t=flight.t, pos=pos, vel=vel, axis=axis)
 
 
-def lagged(values: Array, t: Array, lag: float) -> Array:
+def first_order_lag(values: Array, t: Array, lag: float) -> Array:
     """Return values (T, n) after a first-order lag [s]; missing ones (NaN) are interpolated first."""
     known = _filled(t, values)
     if lag <= 0.0:

@@ -82,7 +82,7 @@ class AltitudeRecord:
         return np.asarray(np.gradient(self.ref[..., 2], self.dt, axis=0))
 
 
-def thinned(record: AltitudeRecord, every: int) -> AltitudeRecord:
+def decimate(record: AltitudeRecord, every: int) -> AltitudeRecord:
     """Return every `every`-th tick of a record."""
     rows = slice(None, None, every)
     return replace(
@@ -173,7 +173,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(repaired, flight.t, axis=0))
     t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
     axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle, placed & _finite_rows(ref))
-    pos, vel, axis, ref = (resampled(flight.t, values, t) for values in (pos, vel, axis, ref))
+    pos, vel, axis, ref = (resample(flight.t, values, t) for values in (pos, vel, axis, ref))
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
     return AltitudeRecord(
         name=flight.name,
@@ -259,7 +259,7 @@ def _commanded_acc(flight: Flight, vehicle: Vehicle, known: Mask) -> Array:
     return np.asarray(np.where(known & flies, acc, np.nan))
 
 
-def resampled(t: Array, values: Array, at: Array) -> Array:
+def resample(t: Array, values: Array, at: Array) -> Array:
     """Return `values` (T, ...) interpolated between finite rows at times `at`; NaN if none is finite."""
     columns = values.reshape(t.size, -1)
     out = np.empty((at.size, columns.shape[1]))

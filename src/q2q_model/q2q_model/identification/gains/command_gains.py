@@ -22,7 +22,7 @@ from scipy.special import fdtrc
 
 from q2q_model.counted import counted
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, clusters, intervals
+from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, cluster_rows, intervals
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -155,7 +155,7 @@ def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Arra
         if OFFSET in terms:
             columns[own] -= slope[own] @ columns[own] / max(slope[own].sum(), 1.0)
         stretches.append(Stretch(int(group) // MOST_VEHICLES, system.t[own], psi[own]))
-    return EstimatingRows(columns, psi, slope, clusters(stretches, BLOCK))
+    return EstimatingRows(columns, psi, slope, cluster_rows(stretches, BLOCK))
 
 
 def _design(system: _Equation, terms: Sequence[int]) -> Array:

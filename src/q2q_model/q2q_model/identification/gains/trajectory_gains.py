@@ -29,7 +29,7 @@ from q2q_model.identification.gains.impulse_response import free_response
 from q2q_model.identification.intervals import (
     Interval,
     Stretch,
-    clusters,
+    cluster_rows,
     intervals,
     least_squares_rows,
 )
@@ -89,7 +89,7 @@ def gains_from_trajectories(
         for k, (record, residual) in enumerate(zip(records, residuals, strict=True))
         for one in residual.T
     ]
-    rows = least_squares_rows(found.jac, found.fun, clusters(stretches, BLOCK))
+    rows = least_squares_rows(found.jac, found.fun, cluster_rows(stretches, BLOCK))
     spread = intervals(found.x, rows, (np.minimum(bounds[0], 0.0), bounds[1]))
     rho = _correlation(residuals)
     each = np.concatenate(offsets)

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, thinned
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, decimate
 from q2q_model.identification.gains.impulse_response import free_response, impulse_response
 from q2q_model.identification.networks.gradient import Evaluation, evaluate, pullback
 from q2q_model.signals.values import Array, Rows
@@ -103,7 +103,7 @@ def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float,
         reach: horizontal and vertical distance [m] beyond which eta is zero.
     """
     every = -(-active_samples(record, reach).size // MOST_ACTIVE)
-    record = thinned(record, every) if every > 1 else record
+    record = decimate(record, every) if every > 1 else record
     n = len(record.names)
     i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
     rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)

@@ -134,7 +134,7 @@ def fit_best(
     left = list(trials)
     remarks: list[str] = []
     while left:
-        best = best_of(left)
+        best = best_trial(left)
         try:
             return best, best.candidate.fit(flights), remarks
         except FAILURES as failure:
@@ -143,7 +143,7 @@ def fit_best(
     raise ValueError(f"no model can be fitted to these flights: {'; '.join(remarks)}")
 
 
-def best_of(trials: Sequence[Trial]) -> Trial:
+def best_trial(trials: Sequence[Trial]) -> Trial:
     """Return the trial with the least held-out error, the earlier of two within `MARGIN`."""
     best = trials[0]
     for trial in trials[1:]:

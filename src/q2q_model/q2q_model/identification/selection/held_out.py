@@ -51,7 +51,7 @@ class _Sums:
     """(2, missed total)."""
 
 
-def doubts(gains: GainFit, held_out: Score, evidence: Sequence[FlightEvidence]) -> list[str]:
+def model_doubts(gains: GainFit, held_out: Score, evidence: Sequence[FlightEvidence]) -> list[str]:
     """Return why a model with this score is not to be flown with, as far as its flights show it."""
     found = []
     known = gains.k_p.is_positive and gains.k_d.is_positive

@@ -7,7 +7,7 @@ from time import monotonic
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from q2q_model.node.health import Health, HealthReport, report
+from q2q_model.node.health import Health, HealthReport, health_report
 from q2q_model.ros.node.steady_timer import steady_timer
 
 MOST_WARNINGS = 20
@@ -29,7 +29,7 @@ def publish_health(
         rate = (health.ticks - last[0].ticks) / max(now - reported[0], 0.01 * PERIOD_S)
         reported[0] = now
         health.extra |= {"rate_hz": f"{rate:.1f}", **facts()}
-        graded = report(last[0], health)
+        graded = health_report(last[0], health)
         if graded.trouble and graded.summary not in warned and len(warned) < MOST_WARNINGS:
             warned.add(graded.summary)
             node.get_logger().warning(graded.summary)

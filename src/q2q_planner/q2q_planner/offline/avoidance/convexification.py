@@ -14,7 +14,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
-from q2q_planner.offline.avoidance.deviation_space import bent
+from q2q_planner.offline.avoidance.deviation_space import bend
 from q2q_planner.offline.avoidance.half_spaces import SPACING
 from q2q_planner.offline.avoidance.separating_planes import HARD, least_bends
 from q2q_planner.offline.avoidance.step_planes import watched_samples
@@ -86,7 +86,7 @@ def search(problem: Problem, start: Start) -> Attempt:
 def _bent_plan(problem: Problem, bends: Array) -> SwarmPlan:
     rows = zip(problem.free.trajectories, problem.spaces, bends[: len(problem.spaces)], strict=True)
     return SwarmPlan(
-        problem.free.names, tuple(bent(curve, space, y[: space.dimension]) for curve, space, y in rows)
+        problem.free.names, tuple(bend(curve, space, y[: space.dimension]) for curve, space, y in rows)
     )
 
 

@@ -21,7 +21,7 @@ from q2q_model.trajectory.hermite import end_scales, hermite_matrix, piece_energ
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_planner.offline.minimum_snap.minimum_snap import POSITION_HALF, Reading
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.offline.shared_pieces import split
+from q2q_planner.offline.shared_pieces import split_at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,9 +72,9 @@ def _space(times: tuple[float, ...], reading: Reading, pieces: int) -> Deviation
     return DeviationSpace(knots, nodes.reshape(len(knots), POSITION_HALF, -1))
 
 
-def bent(trajectory: Trajectory, space: DeviationSpace, y: Array) -> Trajectory:
+def bend(trajectory: Trajectory, space: DeviationSpace, y: Array) -> Trajectory:
     """Return the trajectory bent by y (m, 3)."""
-    whole = split(trajectory, space.knots)
+    whole = split_at(trajectory, space.knots)
     nodes = np.einsum("kpm,ma->kap", space.nodes, y)
     coefficients = whole.coefficients.copy()
     coefficients[:, :3, : 2 * POSITION_HALF] += pieces_from_nodes(nodes, np.diff(space.knots))

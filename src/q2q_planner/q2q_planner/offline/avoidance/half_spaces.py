@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
-from q2q_planner.offline.avoidance.near_samples import is_near, meeting
+from q2q_planner.offline.avoidance.near_samples import is_near, pairs_near_zone
 from q2q_planner.offline.avoidance.separating_planes import Planes
 from q2q_planner.offline.convex_zone import Lathe
 
@@ -56,7 +56,7 @@ def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watche
     """
     first, second = pairs
     seen = [np.empty((3, 0), dtype=np.intp)]  # pair, sample, passing
-    for pair in np.flatnonzero(meeting(positions, pairs, lathe) | watched.any(axis=1)):
+    for pair in np.flatnonzero(pairs_near_zone(positions, pairs, lathe) | watched.any(axis=1)):
         rel = positions[:, first[pair]] - positions[:, second[pair]]
         near = is_near(rel.T, lathe)
         sample = np.flatnonzero(watched[pair] | near & _thinned(rel, SPACING * lathe.eps))

@@ -81,7 +81,7 @@ class AvoidancePlan:
     """Convex steps of all starts."""
 
 
-def avoid(
+def avoid_zones(
     swarm: Sequence[VehicleWaypoints],
     zone: Zone,
     reading: Reading = "stop_and_go",

@@ -17,7 +17,7 @@ BOXED = 16
 """Samples of a box: its vehicle moves by up to four radii meanwhile, and few pairs are looked at closely."""
 
 
-def meeting(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:
+def pairs_near_zone(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mask:
     """Return which pairs may have a sample near the zone, (pairs,): boxes around BOXED samples are near.
 
     `positions` [m] are (S, n, 3); `first` of the pairs must rise.
@@ -50,7 +50,7 @@ def cut_corners(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe) -> Mas
     `positions` [m] are (S, n, 3); `first` of the pairs must rise.
     """
     deepest = np.zeros((len(pairs[0]), len(positions)), np.bool_)
-    for pair in np.flatnonzero(meeting(positions, pairs, lathe)):
+    for pair in np.flatnonzero(pairs_near_zone(positions, pairs, lathe)):
         rel = positions[:, pairs[0][pair]] - positions[:, pairs[1][pair]]
         near = np.flatnonzero(is_near(rel.T, lathe))
         distance = lathe.nearest(rel[near])[1]

@@ -12,7 +12,7 @@ from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.half_spaces import Watch, planes_of, watch_pairs
 from q2q_planner.offline.avoidance.near_samples import cut_corners
 from q2q_planner.offline.avoidance.separating_planes import Planes
-from q2q_planner.offline.avoidance.wall_planes import WallWatch, joined, wall_planes, watch_walls
+from q2q_planner.offline.avoidance.wall_planes import WallWatch, join_planes, wall_planes, watch_walls
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ class WatchedSamples:
         row = np.concatenate([seen.pair, len(problem.pairs[0]) + self.walls.row])
         sample = np.concatenate([seen.sample, self.walls.sample])
         added = wall_planes(self.walls, problem.walls, problem.margin, static=len(problem.spaces))
-        return (row, sample), joined(made, added)
+        return (row, sample), join_planes(made, added)
 
 
 def watched_samples(problem: Problem, positions: Array, touched: Mask, *, corners: bool) -> WatchedSamples:

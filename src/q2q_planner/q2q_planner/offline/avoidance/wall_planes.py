@@ -50,7 +50,7 @@ def wall_planes(watch: WallWatch, walls: Walls, margin: float, static: int) -> P
     return Planes(vehicle, np.full_like(vehicle, static), watch.sample, normal[wall], level[wall])
 
 
-def joined(one: Planes, other: Planes) -> Planes:
+def join_planes(one: Planes, other: Planes) -> Planes:
     """Return the planes of both."""
     return Planes(
         np.concatenate([one.first, other.first]),

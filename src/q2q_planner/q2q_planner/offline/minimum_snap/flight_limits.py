@@ -16,11 +16,11 @@ from math import ceil, sqrt
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_model.trajectory.bernstein import control_points, halves
+from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, derive
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_planner.offline.branch_and_bound import StretchBounds, least
+from q2q_planner.offline.branch_and_bound import StretchBounds, least_on_stretches
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
@@ -79,7 +79,7 @@ def peak_yaw_rate(trajectory: Trajectory) -> Peak:
 def _peak(derived: Array, durations: Array) -> Peak:
     """Return the largest norm of the polynomials (pieces, axes, order) of the pieces."""
     points = control_points(derived, durations[:, None])  # (pieces, axes, order)
-    found = least(points, _norm_bounds, SMALLEST, TOLERANCE)
+    found = least_on_stretches(points, _norm_bounds, SMALLEST, TOLERANCE)
     start = np.cumsum(durations) - durations
     t = start[found.row] + found.share * durations[found.row]
     return Peak(-found.bound, float(t))
@@ -87,7 +87,7 @@ def _peak(derived: Array, durations: Array) -> Peak:
 
 def _norm_bounds(points: Array) -> StretchBounds:
     """Return the bounds of the negative norm: that in the middle, and that of the largest control point."""
-    middle = halves(points)[0][..., -1]
+    middle = split_in_half(points)[0][..., -1]
     norms = np.sqrt((points**2).sum(1)).max(-1)
     return StretchBounds(-np.sqrt((middle**2).sum(-1)), np.full(len(points), 0.5), -norms)
 

@@ -85,7 +85,7 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
     return CommittedMotion(*start, np.zeros(n), on, off, np.zeros((n, 3)))
 
 
-def propagated(
+def propagate(
     committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float, jerk: float = 0.0
 ) -> CommittedMotion:
     """Return the motion at the setpoint's stamp; new vehicles, or all after a gap, start on the reference.

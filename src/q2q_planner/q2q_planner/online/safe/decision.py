@@ -32,7 +32,7 @@ class _Bounds(NamedTuple):
     """Jerk is bounded."""
 
 
-def decided(
+def decide(
     committed: CommittedMotion,
     wanted: WantedMotion,
     choice: Choices,

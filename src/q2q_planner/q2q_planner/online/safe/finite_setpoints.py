@@ -44,11 +44,13 @@ def moves_finitely(committed: CommittedMotion | None) -> bool:
     return committed is None or is_finite(ReferenceRows(committed.pos, committed.vel, committed.acc))
 
 
-def flyable(given: SwarmSetpoint, committed: CommittedMotion | None, last: SwarmSetpoint | None) -> Flyable:
+def flyable_inputs(
+    given: SwarmSetpoint, committed: CommittedMotion | None, last: SwarmSetpoint | None
+) -> Flyable:
     """Return what a tick can be computed from; `last` is the last answer, whose yaw a hover keeps."""
     motion = _finite_motion(committed)
     moving = () if motion is None else motion.names
-    rows, bad = index_of(given.names, moving), spoilt(given)
+    rows, bad = index_of(given.names, moving), nonfinite_rows(given)
     hover, setpoint = bad & (rows >= 0), given
     if motion is not None and last is not None and hover.any():
         setpoint = _hovering(setpoint, hover, motion.pos[rows], last)
@@ -63,15 +65,15 @@ def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> Co
     """
     if committed is None:
         return None
-    bad = rows_by_name(spoilt(given), given.names, committed.names)
+    bad = rows_by_name(nonfinite_rows(given), given.names, committed.names)
     return replace(committed, on_reference=committed.on_reference & ~bad)
 
 
-def announced(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
+def answer_for_all(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
     """Return the answer for all vehicles given; those without finite setpoints broke the promise."""
     have, names = answer.names, given.names
     status = rows_by_name(answer.status, have, names, SetpointStatus.PROMISE_BROKEN)
-    status[spoilt(given)] = SetpointStatus.PROMISE_BROKEN
+    status[nonfinite_rows(given)] = SetpointStatus.PROMISE_BROKEN
     return SwarmSetpoint(
         given.t,
         names,
@@ -84,7 +86,7 @@ def announced(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
     )
 
 
-def spoilt(setpoint: SwarmSetpoint) -> Mask:
+def nonfinite_rows(setpoint: SwarmSetpoint) -> Mask:
     """Return which vehicles have a setpoint that is not finite, (n,)."""
     return _not_finite(setpoint.pos, setpoint.vel, setpoint.acc)
 

@@ -63,7 +63,7 @@ def tracked_now(state: SwarmState, names: Names) -> Mask:
     return np.asarray(status == TrackStatus.TRACKED)
 
 
-def left_behind(committed: CommittedMotion, known: KnownStates) -> Mask:
+def far_from_motion(committed: CommittedMotion, known: KnownStates) -> Mask:
     """Return which vehicles off the reference are measured too far from their motion, (n,)."""
     return _left_behind(committed.pos, committed.on_reference, known.pos, known.age)
 
@@ -77,7 +77,7 @@ def _left_behind(motion: Array, on_reference: Mask, pos: Array, age: Array) -> M
     return left
 
 
-def restarted(
+def restart_motion(
     committed: CommittedMotion, known: KnownStates, found: Mask, params: SafeReplannerParams
 ) -> CommittedMotion:
     """Return the motion with `found` vehicles, (n,), where they are measured, at most at speed_max."""

@@ -59,18 +59,18 @@ from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
     ReferenceRows,
     distance,
-    propagated,
+    propagate,
     reference_rows,
 )
-from q2q_planner.online.safe.decision import decided
+from q2q_planner.online.safe.decision import decide
 from q2q_planner.online.safe.finite_setpoints import (
-    announced,
-    flyable,
+    answer_for_all,
+    flyable_inputs,
     is_finite,
     moves_finitely,
     off_reference,
 )
-from q2q_planner.online.safe.found_again import LostVehicles, left_behind, restarted, tracked_now
+from q2q_planner.online.safe.found_again import LostVehicles, far_from_motion, restart_motion, tracked_now
 from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
@@ -129,11 +129,11 @@ class SafeReplanner:
         if is_finite(reference) and moves_finitely(self._committed):
             self._answer = self._tick(setpoint, reference, state)
             return self._answer
-        some = flyable(setpoint, self._committed, self._answer)
+        some = flyable_inputs(setpoint, self._committed, self._answer)
         self._committed = some.committed
         answer = self._tick(some.setpoint, reference_rows(some.setpoint), state)
         self._committed = off_reference(self._committed, setpoint)
-        self._answer = announced(setpoint, answer)
+        self._answer = answer_for_all(setpoint, answer)
         return self._answer
 
     def _tick(
@@ -141,7 +141,7 @@ class SafeReplanner:
     ) -> SwarmSetpoint:
         """Return the modified setpoints of finite ones."""
         params, names = self._grown, setpoint.names
-        committed = propagated(self._committed, setpoint, params.acc_max, params.jerk_max)
+        committed = propagate(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
         if state is not None and known is not None:
             committed = self._with_found(committed, known, state)
@@ -152,7 +152,7 @@ class SafeReplanner:
         wanted = wanted_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
         choice = _choice(committed, traffic, wanted, self._proven, params)
-        self._committed, decision = decided(committed, wanted, choice, traffic.pairs, params)
+        self._committed, decision = decide(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
         broken = ((choice == BROKEN) | off | decision.outside | unheard) & params.enabled
         return _answer(setpoint, self._committed, broken, decision.acc)
@@ -166,7 +166,7 @@ class SafeReplanner:
             found |= tracked_now(state, known.names)
         if found.any():
             found &= off_trajectory(committed, known, self.params)
-        return restarted(committed, known, found | left_behind(committed, known), self.params)
+        return restart_motion(committed, known, found | far_from_motion(committed, known), self.params)
 
     def _recognise(self, own: Names, external: Names) -> None:
         """Match the proven pairs to this tick's names; a new vehicle is in none."""

@@ -149,11 +149,11 @@ def _placed(
         stays = stays & near
     put = near | stays
     _put(pos, vel, rows, reference, put)
-    pairs = pairs_of(own, TrafficRows(pos, vel, growth), limits)
-    if np.any(in_pairs(pairs, len(pos))[:own] & put & ~near):
+    pairs = interacting_pairs(own, TrafficRows(pos, vel, growth), limits)
+    if np.any(rows_in_pairs(pairs, len(pos))[:own] & put & ~near):
         put = near
         _put(pos, vel, rows, reference, put)
-        pairs = pairs_of(own, TrafficRows(pos, vel, growth), limits)
+        pairs = interacting_pairs(own, TrafficRows(pos, vel, growth), limits)
     return put, pos, vel, growth, pairs.i, pairs.j
 
 
@@ -166,7 +166,7 @@ def _put(pos: Array, vel: Array, rows: MotionRows, reference: ReferenceRows, put
 
 
 @compiled
-def in_pairs(pairs: Pairs, count: int) -> Mask:
+def rows_in_pairs(pairs: Pairs, count: int) -> Mask:
     """Return which of `count` rows are in a pair, (count,)."""
     found = np.zeros(count, np.bool_)
     for row in range(pairs.i.size):
@@ -195,7 +195,7 @@ def _external_rows(states: KnownStates, params: SafeReplannerParams) -> TrafficT
 
 
 @compiled
-def pairs_of(own: int, rows: TrafficRows, limits: TrafficLimits) -> Pairs:
+def interacting_pairs(own: int, rows: TrafficRows, limits: TrafficLimits) -> Pairs:
     """Return the pairs that can affect each other."""
     count = len(rows.pos)
     if count < 2:

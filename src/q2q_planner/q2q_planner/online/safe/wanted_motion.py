@@ -18,7 +18,7 @@ from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.approach_speed import LAG, ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
-from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, in_pairs
+from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, rows_in_pairs
 
 Vector = tuple[float, float, float]
 """x, y and z, world."""
@@ -168,7 +168,7 @@ def _limit(acc: Array, row: int, most: float) -> None:
 def _apart(acc: Array, reference: ReferenceRows, traffic: TrafficRows, pairs: Pairs, law: _WantedLaw) -> Mask:
     """Correct the accelerations (n, 3) in place by barriers; return which changed, (n,)."""
     own = len(acc)
-    meets, turned = in_pairs(pairs, len(traffic.pos)), np.zeros_like(traffic.pos)
+    meets, turned = rows_in_pairs(pairs, len(traffic.pos)), np.zeros_like(traffic.pos)
     turned[:own] = acc
     for row in range(own):
         if meets[row]:

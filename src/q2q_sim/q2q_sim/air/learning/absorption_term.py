@@ -11,14 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import block_sums, spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import jet_place
-from q2q_sim.air.learning.jet.jet_table import push
-from q2q_sim.air.learning.jet.wake_push import absorbed, travel_of
-from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_two
+from q2q_sim.air.learning.jet.jet_table import push_in_table
+from q2q_sim.air.learning.jet.wake_push import absorption_factor, travel_of
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_two
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 FEWEST = 200
@@ -33,22 +33,25 @@ SOURCE = "rows under two vehicles"
 
 def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[AbsorptionTerm] | None:
     """Return the absorption; None with fewer than FEWEST rows under two vehicles."""
-    parts = under_two(records)
+    parts = rows_under_two(records)
     if sum(part.rows.size for part in parts) < FEWEST:
         return None
     near, far = _pushes(parts, jet)
     place = _between(parts, jet)
     y = np.concatenate([part.y for part in parts])
-    felt = push(jet, place[0], place[1])
+    felt = push_in_table(jet, place[0], place[1])
     grid = [(share, width) for width in WIDTHS for share in SHARES]
     missed = np.stack(
-        [(y + near + (1.0 - absorbed(place[1], felt, AbsorptionTerm(*one))) * far) ** 2 for one in grid],
+        [
+            (y + near + (1.0 - absorption_factor(place[1], felt, AbsorptionTerm(*one))) * far) ** 2
+            for one in grid
+        ],
         axis=1,
     )
-    sums = block_sums(missed, wake_rows.blocks(parts))
-    found = spread(lambda weight: np.array(grid[int(np.argmin(weight @ sums))]), len(sums))
+    sums = block_sums(missed, wake_rows.row_blocks(parts))
+    found = estimate_spread(lambda weight: np.array(grid[int(np.argmin(weight @ sums))]), len(sums))
     values = tuple(
-        fitted(found, k, path, y.size, SOURCE)
+        fitted_value(found, k, path, y.size, SOURCE)
         for k, path in enumerate(("absorption.share", "absorption.width_m"))
     )
     return LearnedTerm(AbsorptionTerm(*map(float, found.value)), values)
@@ -56,7 +59,7 @@ def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[A
 
 def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     """Return how large two co-axial wakes together are over the sum of each alone; None with few rows."""
-    parts = under_two(records)
+    parts = rows_under_two(records)
     if not parts:
         return None
     near, far = _pushes(parts, jet)
@@ -64,19 +67,19 @@ def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     if coaxial.sum() < FEWEST:
         return None
     y, both = np.concatenate([part.y for part in parts])[coaxial], -(near + far)[coaxial]
-    sums = block_sums(np.stack([y * both, both * both], axis=1), wake_rows.blocks(parts)[coaxial])
+    sums = block_sums(np.stack([y * both, both * both], axis=1), wake_rows.row_blocks(parts)[coaxial])
 
     def estimate(weight: Array) -> Array:
         along, square = weight @ sums
         return np.array([along / max(square, np.finfo(float).tiny)])
 
-    return fitted(spread(estimate, len(sums)), 0, "two wakes over their sum", y.size, SOURCE)
+    return fitted_value(estimate_spread(estimate, len(sums)), 0, "two wakes over their sum", y.size, SOURCE)
 
 
 def _pushes(parts: Sequence[WakeRows], jet: JetTerm) -> tuple[Array, Array]:
     """Return T P of the nearer and of the farther source [m/s^2], (m,) each."""
-    places = [wake_rows.places(parts, travel_of(jet), source) for source in (0, 1)]
-    near, far = (place.strength * push(jet, place.gap, place.radius) for place in places)
+    places = [wake_rows.jet_places(parts, travel_of(jet), source) for source in (0, 1)]
+    near, far = (place.strength * push_in_table(jet, place.gap, place.radius) for place in places)
     return near, far
 
 

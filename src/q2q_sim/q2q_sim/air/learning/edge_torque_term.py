@@ -14,15 +14,15 @@ import numpy as np
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import block_sums, spread
-from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
-from q2q_sim.air.learning.evidence.motor_curve import motor_curves, usual_power
-from q2q_sim.air.learning.evidence.outer_torque import has_trim, outer_torque
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import jet_place
 from q2q_sim.air.learning.jet.wake_push import travel_of
-from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
+from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
+from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import EdgeTorqueTerm, JetTerm
 
 OUTER = 0.15
@@ -44,27 +44,27 @@ def edge_torque_term(
 
     None with fewer than FEWEST rows of vehicles with a motor log under one other.
     """
-    parts = _inner(under_one(records), jet)
+    parts = _inner(rows_under_one(records), jet)
     rows = sum(part.rows.size for part in parts)
     if rows < FEWEST:
         return None
-    place = wake_rows.places(parts, travel_of(jet))
+    place = wake_rows.jet_places(parts, travel_of(jet))
     ratio = place.radius[:, None] / RADII
     profile = place.strength[:, None] * ratio * np.exp(0.5 * (1.0 - ratio**2))  # (m, R)
     power = usual_power(motor_curves(records))
     wake = np.concatenate([_wake_torque(part, vehicle, power, load) for part in parts])  # (m, 2)
     across = np.stack([-place.toward[:, 1], place.toward[:, 0]], axis=1)  # e_z x n
     torque = np.sum(wake * across, axis=1)
-    sums = block_sums(np.stack([profile * torque[:, None], profile**2], axis=1), wake_rows.blocks(parts))
+    sums = block_sums(np.stack([profile * torque[:, None], profile**2], axis=1), wake_rows.row_blocks(parts))
 
     def estimate(weight: Array) -> Array:
         along, square = np.tensordot(weight, sums, 1)
         best = int(np.argmax(along**2 / square))  # the largest reduction of the squared error
         return np.array([along[best] / square[best], RADII[best]])
 
-    found = spread(estimate, len(sums))
+    found = estimate_spread(estimate, len(sums))
     values = tuple(
-        fitted(found, k, path, rows, "rows under one vehicle with a motor log")
+        fitted_value(found, k, path, rows, "rows under one vehicle with a motor log")
         for k, path in enumerate(PATHS)
     )
     return LearnedTerm(EdgeTorqueTerm(*map(float, found.value)), values)

@@ -13,10 +13,10 @@ import numpy as np
 
 from q2q_model.identification.force.downwash_force import FLOOR
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.air.learning.evidence.air_record import ALONE, AirRecord, alone
-from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
+from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 from q2q_sim.air.room_air import GroundTerm
 
 NEAR = 0.15
@@ -48,13 +48,15 @@ def ground_term(records: Sequence[AirRecord]) -> LearnedTerm[GroundTerm]:
             "ground.coefficient", ONE_ROTOR, None, None, rows, "not learned: Cheeseman and Bennett 1955"
         )
         return LearnedTerm(GroundTerm(ONE_ROTOR, ROTOR_RADIUS), (value,))
-    sums = block_sums(np.concatenate(products), blocks_of(places))
+    sums = block_sums(np.concatenate(products), block_of_rows(places))
 
     def estimate(weight: Array) -> Array:
         along, square = weight @ sums
         return np.array([along / square])
 
-    found = fitted(spread(estimate, len(sums)), 0, "ground.coefficient", rows, f"rows below {NEAR} m")
+    found = fitted_value(
+        estimate_spread(estimate, len(sums)), 0, "ground.coefficient", rows, f"rows below {NEAR} m"
+    )
     return LearnedTerm(GroundTerm(found.value, ROTOR_RADIUS), (found,))
 
 
@@ -68,7 +70,7 @@ def _away(record: AirRecord) -> Mask:
 
 
 def _flying(record: AirRecord) -> Mask:
-    return np.asarray(record.measured & (record.strength > FLYING) & alone(record.motion.pos, ALONE))
+    return np.asarray(record.measured & (record.strength > FLYING) & rows_alone(record.motion.pos, ALONE))
 
 
 def _ratio(record: AirRecord, i: int) -> Array:

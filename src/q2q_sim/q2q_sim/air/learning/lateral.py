@@ -11,12 +11,12 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import cell_sums, spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.wake_push import travel_of
-from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.block_bootstrap import cell_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 from q2q_sim.air.room_air import JetTerm
 
 RINGS = np.array([0.0, 0.03, 0.06, 0.09, 0.12, 0.15])
@@ -28,24 +28,24 @@ PATH = "largest radial mean"
 
 def lateral_force(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     """Return the mean radial acceleration [m/s^2] of the ring where it is largest, positive inwards."""
-    parts = [p for p in under_one(records) if p.record.clear[:, p.one.vehicle].sum() >= FEWEST_CLEAR]
+    parts = [p for p in rows_under_one(records) if p.record.clear[:, p.one.vehicle].sum() >= FEWEST_CLEAR]
     if not parts:
         return None
-    place = wake_rows.places(parts, travel_of(jet))
+    place = wake_rows.jet_places(parts, travel_of(jet))
     radial = np.sum(np.concatenate([_lateral(part) for part in parts]) * place.toward, axis=1)
     ring = np.searchsorted(RINGS, place.radius, side="right") - 1
     inside = ring < RINGS.size - 1
     values = np.stack([np.ones(radial.size), radial], axis=1)[inside]
-    sums = cell_sums(values, wake_rows.blocks(parts)[inside], ring[inside], RINGS.size - 1)
+    sums = cell_sums(values, wake_rows.row_blocks(parts)[inside], ring[inside], RINGS.size - 1)
 
     def means(weight: Array) -> Array:
         total = np.tensordot(weight, sums, 1)
         return np.asarray(total[:, 1] / np.maximum(total[:, 0], 1.0))
 
-    found = spread(means, len(sums))
+    found = estimate_spread(means, len(sums))
     k = int(np.argmax(np.abs(found.value)))
     ring_name = f"rows at {RINGS[k] * 100:.0f} to {RINGS[k + 1] * 100:.0f} cm, m/s^2"
-    return fitted(found, k, PATH, int(inside.sum()), ring_name)
+    return fitted_value(found, k, PATH, int(inside.sum()), ring_name)
 
 
 def _lateral(part: WakeRows) -> Array:

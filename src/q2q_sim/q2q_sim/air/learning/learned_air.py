@@ -11,16 +11,16 @@ from q2q_model.flights.flight_and_log import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
-from q2q_sim.air.learning.evidence.air_record import AirRecord, air_records
-from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm
 from q2q_sim.air.learning.ground_term import ground_term
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
-from q2q_sim.air.learning.jet.other_flights import left_out
+from q2q_sim.air.learning.jet.other_flights import leave_out_groups
 from q2q_sim.air.learning.lateral import lateral_force
 from q2q_sim.air.learning.rate_load_term import rate_load_term
+from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm
 from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import (
@@ -102,7 +102,7 @@ def _wakes(
         return _Wakes()
     on_step("absorption and residual")
     absorption = absorption_term(records, jet.term)
-    residual = residual_term(left_out(records, jet.term), _term(absorption))
+    residual = residual_term(leave_out_groups(records, jet.term), _term(absorption))
     on_step("edge torque")
     torque = edge_torque_term(records, jet.term, vehicle, load.nms if load else 0.0)
     share = momentum_share(jet.term, REFERENCE)

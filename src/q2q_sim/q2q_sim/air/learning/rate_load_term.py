@@ -16,11 +16,11 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import spread
-from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
-from q2q_sim.air.learning.evidence.motor_curve import motor_curves, usual_power
-from q2q_sim.air.learning.evidence.outer_torque import has_trim, outer_torque
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
+from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
+from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import RateLoadTerm
 
 FEWEST = 200
@@ -41,11 +41,11 @@ def rate_load_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTer
     if not each:
         return None
     loads = np.array(each)
-    found = spread(
+    found = estimate_spread(
         lambda weight: np.array([max(np.median(np.repeat(loads, weight.astype(np.intp))), 0.0)]), loads.size
     )
     source = "flights of vehicles that turn in clear air"
-    value = fitted(found, 0, "rate_load.nms", loads.size, source)
+    value = fitted_value(found, 0, "rate_load.nms", loads.size, source)
     return LearnedTerm(RateLoadTerm(value.value), (value,))
 
 

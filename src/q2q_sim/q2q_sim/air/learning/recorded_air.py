@@ -22,10 +22,10 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, AirError, air_path, recorded_paths
-from q2q_sim.air.learning.evidence.air_record import AirRecord, air_records
+from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.wake_misses import WakeMisses, wake_misses
 from q2q_sim.air.room_air import INSIDE, SHORTEST, ResidualTerm, RoomAir
-from q2q_sim.air.unit_processes import FADE_S, RECORDED_HZ, faded
+from q2q_sim.air.unit_processes import FADE_S, RECORDED_HZ, cross_fade
 
 FADE = round(FADE_S * RECORDED_HZ)
 """Samples in which two pieces overlap."""
@@ -45,7 +45,7 @@ def recorded_air(name: str) -> RoomAir:
         raise AirError(f"air {name}: {error}") from error
     lag = room.vehicle.thrust_lag_s if room.vehicle else CRAZYFLIE_2_0.thrust_lag
     records, _ = air_records(recordings, CRAZYFLIE_2_0, lag)
-    played = played_back(records, room)
+    played = recorded_residual(records, room)
     if len(played) < SHORTEST:
         raise AirError(
             f"air {name}: {len(played)} samples of its flights lie under another vehicle: {SHORTEST} or more "
@@ -54,7 +54,7 @@ def recorded_air(name: str) -> RoomAir:
     return replace(room, residual=replace(_process(room), recording=played))
 
 
-def played_back(records: Sequence[AirRecord], room: RoomAir) -> Array:
+def recorded_residual(records: Sequence[AirRecord], room: RoomAir) -> Array:
     """Return n of flights at RECORDED_HZ, (k,); empty if no vehicle is long enough under another."""
     if room.jet is None:
         raise AirError(f"air {ROOM} has no jet, whose residual flights could show")
@@ -69,7 +69,7 @@ def played_back(records: Sequence[AirRecord], room: RoomAir) -> Array:
         return np.empty(0)
     series = pieces[0]
     for piece in pieces[1:]:
-        over = faded(series[-FADE:, None], piece[:FADE, None])[:, 0]
+        over = cross_fade(series[-FADE:, None], piece[:FADE, None])[:, 0]
         series = np.concatenate([series[:-FADE], over, piece[FADE:]])
     return np.asarray((series - series.mean()) / series.std())
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
-from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import RotorDragTerm
 
 FEWEST = 200
@@ -42,12 +42,14 @@ def rotor_drag_term(records: Sequence[AirRecord]) -> LearnedTerm[RotorDragTerm] 
                 places.append(Row(record.name, record.motion.t[rows]))
     if not products:
         return None
-    sums = block_sums(np.concatenate(products), blocks_of(places))
+    sums = block_sums(np.concatenate(products), block_of_rows(places))
 
     def estimate(weight: Array) -> Array:
         along, square = weight @ sums
         return np.array([max(along / square, 0.0)])
 
     rows_found = sum(len(one) for one in products)
-    found = fitted(spread(estimate, len(sums)), 0, "rotor_drag.per_s", rows_found, "rows in clear air")
+    found = fitted_value(
+        estimate_spread(estimate, len(sums)), 0, "rotor_drag.per_s", rows_found, "rows in clear air"
+    )
     return LearnedTerm(RotorDragTerm(found.value), (found,))

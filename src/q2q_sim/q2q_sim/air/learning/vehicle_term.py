@@ -15,10 +15,10 @@ import numpy as np
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
-from q2q_sim.air.learning.evidence.motor_curve import MotorCurve, motor_curves, usual_power
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.records.motor_curve import MotorCurve, motor_curves, usual_power
+from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 from q2q_sim.air.room_air import VehicleTerm
 
 FEWEST_CLEAR = 200
@@ -84,9 +84,9 @@ def _spread_of_offsets(offsets: Array, mass: float) -> list[Fitted]:
         around = float(weight @ (offsets - mean) ** 2)
         return np.array([mean, np.sqrt(around / max(weight.sum() - 1.0, 1.0))])
 
-    found = spread(estimate, offsets.size)
+    found = estimate_spread(estimate, offsets.size)
     source = f"flights of vehicles, for a mass of {mass * 1e3:.1f} g"
-    return [fitted(found, k, path, offsets.size, source) for k, path in enumerate(OFFSETS)]
+    return [fitted_value(found, k, path, offsets.size, source) for k, path in enumerate(OFFSETS)]
 
 
 def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
@@ -114,9 +114,10 @@ def _headroom(curves: Sequence[MotorCurve], vehicle: Vehicle) -> list[Fitted]:
         return np.array([np.median(started), per_volt, discharge, between, apart])
 
     source = f"flights of vehicles with a motor log, {empty:.2f} to {full:.2f} V at hover"
-    found = spread(estimate, len(curves))
+    found = estimate_spread(estimate, len(curves))
     return [
-        fitted(found, k, path, len(curves), source) for k, path in enumerate((*HEADROOM, BETWEEN, MOTORS))
+        fitted_value(found, k, path, len(curves), source)
+        for k, path in enumerate((*HEADROOM, BETWEEN, MOTORS))
     ]
 
 

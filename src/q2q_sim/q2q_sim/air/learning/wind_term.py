@@ -15,10 +15,10 @@ from scipy.optimize import least_squares
 
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.autocovariance import pairs, ticks
-from q2q_sim.air.learning.evidence.block_bootstrap import spread
-from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.autocovariance import lag_ticks, lagged_pairs
+from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import WindTerm
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
@@ -37,12 +37,12 @@ def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
     if not parts:
         return None
     each = np.array([_fit(_sums(record, one)) for record, one in parts])  # (parts, 2)
-    found = spread(
+    found = estimate_spread(
         lambda weight: np.median(np.repeat(each, weight.astype(np.intp), axis=0), axis=0), len(each)
     )
     std, time = map(float, found.value)
     source = "flights of vehicles with rows in clear air"
-    values = tuple(fitted(found, k, path, len(each), source) for k, path in enumerate(PATHS))
+    values = tuple(fitted_value(found, k, path, len(each), source) for k, path in enumerate(PATHS))
     return LearnedTerm(WindTerm((0.0, 0.0, 0.0), std, time), values)
 
 
@@ -51,8 +51,8 @@ def _sums(record: AirRecord, one: ForceSamples) -> Array:
     known, t = record.clear[:, one.vehicle], record.motion.t
     y = one.y - one.y[known].mean()
     found = []
-    for lag in ticks(t, LAGS):
-        first, second = pairs(known, int(lag))
+    for lag in lag_ticks(t, LAGS):
+        first, second = lagged_pairs(known, int(lag))
         found.append([float(first.size), float(y[first] @ y[second])])
     return np.array(found)
 

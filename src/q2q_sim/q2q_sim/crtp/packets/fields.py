@@ -6,7 +6,7 @@ from struct import Struct
 from q2q_sim.crtp.packets.packet import MalformedError
 
 
-def read(layout: Struct, data: bytes, at: int = 0) -> tuple[float, ...]:
+def read_fields(layout: Struct, data: bytes, at: int = 0) -> tuple[float, ...]:
     """Return the numbers of a layout at `at` in `data`.
 
     Raises:

@@ -13,7 +13,7 @@ The scales are the parameters of group cppm.
 import struct
 
 from q2q_model.vehicle.thrust_map import PWM_FULL
-from q2q_sim.crtp.packets.fields import byte, read
+from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import MalformedError
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.parameters.parameter_values import Parameters
@@ -33,8 +33,8 @@ def pulses(data: bytes, parameters: Parameters) -> Setpoint:
         raise MalformedError(
             f"{len(data)} bytes; {needed} are needed for {further} of {MOST_FURTHER} channels"
         )
-    roll, pitch, yaw, thrust = read(_CHANNELS, data, 1)
-    by_angle = further == 0 or read(_SWITCH, data, 1 + _CHANNELS.size)[0] >= MIDDLE
+    roll, pitch, yaw, thrust = read_fields(_CHANNELS, data, 1)
+    by_angle = further == 0 or read_fields(_SWITCH, data, 1 + _CHANNELS.size)[0] >= MIDDLE
     kind, mode = ("ang", Mode.ABS) if by_angle else ("rate", Mode.VELOCITY)
     x, y = (_stick(roll, parameters, f"{kind}Roll"), _stick(pitch, parameters, f"{kind}Pitch"))
     turn = _stick(yaw, parameters, "rateYaw")

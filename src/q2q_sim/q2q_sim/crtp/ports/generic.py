@@ -26,8 +26,8 @@ import math
 import struct
 from collections.abc import Callable
 
-from q2q_model.geometry.quaternion32 import decompressed
-from q2q_sim.crtp.packets.fields import byte, read
+from q2q_model.geometry.quaternion32 import decompress_quat
+from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.crtp.packets.pulses import pulses
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
@@ -60,7 +60,7 @@ def _stop(_: bytes) -> Setpoint:
 
 
 def _full_state(data: bytes) -> Setpoint:
-    numbers = read(_FULL, data)
+    numbers = read_fields(_FULL, data)
     x, y, z, vx, vy, vz, ax, ay, az = (MILLI * one for one in numbers[:9])
     p, q, r = (math.degrees(MILLI * one) for one in numbers[10:])
     return Setpoint(
@@ -71,13 +71,13 @@ def _full_state(data: bytes) -> Setpoint:
         pos=(x, y, z),
         vel=(vx, vy, vz),
         acc=(ax, ay, az),
-        attitude_quat=decompressed(int(numbers[9])),
+        attitude_quat=decompress_quat(int(numbers[9])),
         rate_deg=(p, q, r),
     )
 
 
 def _position(data: bytes) -> Setpoint:
-    x, y, z, yaw = read(_FOUR, data)
+    x, y, z, yaw = read_fields(_FOUR, data)
     return Setpoint(
         x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(x, y, z), attitude_deg=(0.0, 0.0, yaw)
     )
@@ -85,7 +85,7 @@ def _position(data: bytes) -> Setpoint:
 
 def _velocity(left: float) -> Callable[[bytes], Setpoint]:
     def made(data: bytes) -> Setpoint:
-        vx, vy, vz, rate = read(_FOUR, data)
+        vx, vy, vz, rate = read_fields(_FOUR, data)
         move = Mode.VELOCITY
         return Setpoint(x=move, y=move, z=move, yaw=move, vel=(vx, vy, vz), rate_deg=(0.0, 0.0, left * rate))
 
@@ -94,20 +94,20 @@ def _velocity(left: float) -> Callable[[bytes], Setpoint]:
 
 def _z_distance(left: float) -> Callable[[bytes], Setpoint]:
     def made(data: bytes) -> Setpoint:
-        roll, pitch, rate, z = read(_FOUR, data)
+        roll, pitch, rate, z = read_fields(_FOUR, data)
         return _attitude((roll, pitch), left * rate, z=Mode.ABS, pos=(0.0, 0.0, z))
 
     return made
 
 
 def _alt_hold(data: bytes) -> Setpoint:
-    roll, pitch, rate, climb = read(_FOUR, data)
+    roll, pitch, rate, climb = read_fields(_FOUR, data)
     return _attitude((roll, pitch), rate, z=Mode.VELOCITY, vel=(0.0, 0.0, climb))
 
 
 def _hover(left: float) -> Callable[[bytes], Setpoint]:
     def made(data: bytes) -> Setpoint:
-        vx, vy, rate, z = read(_FOUR, data)
+        vx, vy, rate, z = read_fields(_FOUR, data)
         return Setpoint(
             x=Mode.VELOCITY,
             y=Mode.VELOCITY,
@@ -123,7 +123,7 @@ def _hover(left: float) -> Callable[[bytes], Setpoint]:
 
 
 def _manual(data: bytes) -> Setpoint:
-    roll, pitch, rate, thrust, by_rate = read(_MANUAL, data)
+    roll, pitch, rate, thrust, by_rate = read_fields(_MANUAL, data)
     if by_rate:
         return Setpoint(
             roll=Mode.VELOCITY,

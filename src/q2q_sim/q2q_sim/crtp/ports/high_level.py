@@ -26,7 +26,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from q2q_sim.crtp.packets.fields import byte, read
+from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
@@ -79,17 +79,17 @@ def _stop(firmware: Firmware, data: bytes) -> PlannerAnswer:
 
 
 def _vertical(data: bytes) -> Vertical:
-    _, height, yaw, keep, duration = read(_NEW, data)
+    _, height, yaw, keep, duration = read_fields(_NEW, data)
     return Vertical(height, duration, None if keep else yaw)
 
 
 def _old_vertical(data: bytes) -> Vertical:
-    _, height, duration = read(_OLD, data)
+    _, height, duration = read_fields(_OLD, data)
     return Vertical(height, duration, 0.0)
 
 
 def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical:
-    _, height, relative, yaw, keep, speed = read(_SPEED, data)
+    _, height, relative, yaw, keep, speed = read_fields(_SPEED, data)
     now = float(firmware.planner.here.pos[2])
     end = now + up * height if relative else height
     pace = speed if speed > 0.0 else float(firmware.parameters[f"hlCommander.{name}"])
@@ -99,25 +99,25 @@ def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical
 
 
 def _go(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    _, relative, x, y, z, yaw, duration = read(_GO, data)
+    _, relative, x, y, z, yaw, duration = read_fields(_GO, data)
     target = Target((x, y, z), yaw, duration, relative=bool(relative))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
 def _go_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    _, relative, linear, x, y, z, yaw, duration = read(_GO_2, data)
+    _, relative, linear, x, y, z, yaw, duration = read_fields(_GO_2, data)
     target = Target((x, y, z), yaw, duration, relative=bool(relative), linear=bool(linear))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
 def _arc(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    _, sideways, clockwise, angle, first, last, ascent, duration = read(_ARC, data)
+    _, sideways, clockwise, angle, first, last, ascent, duration = read_fields(_ARC, data)
     spiral = Spiral(angle, first, last, ascent, duration, bool(sideways), bool(clockwise))
     return firmware.planner.fly_piece(spiral_piece(firmware.planner.here, spiral), firmware.seconds)
 
 
 def _define(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    number, location, kind, offset, pieces = (int(one) for one in read(_DEFINE, data))
+    number, location, kind, offset, pieces = (int(one) for one in read_fields(_DEFINE, data))
     if number >= TRAJECTORIES:
         return PlannerAnswer.UNKNOWN
     firmware.uploads.defined[number] = Uploaded(location, kind, offset, pieces)
@@ -125,12 +125,12 @@ def _define(firmware: Firmware, data: bytes) -> PlannerAnswer:
 
 
 def _start(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    _, relative, backwards, number, scale = read(_START, data)
+    _, relative, backwards, number, scale = read_fields(_START, data)
     return _follow(firmware, int(number), scale, (bool(relative), False, bool(backwards)))
 
 
 def _start_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    _, relative, turned, backwards, number, scale = read(_START_2, data)
+    _, relative, turned, backwards, number, scale = read_fields(_START_2, data)
     return _follow(firmware, int(number), scale, (bool(relative), bool(turned), bool(backwards)))
 
 

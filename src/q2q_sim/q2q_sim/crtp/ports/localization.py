@@ -16,8 +16,8 @@ index of the vehicle's port (0, 1, ...).
 
 import struct
 
-from q2q_model.geometry.quaternion32 import decompressed
-from q2q_sim.crtp.packets.fields import byte, read
+from q2q_model.geometry.quaternion32 import decompress_quat
+from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.firmware import Firmware
 
@@ -31,7 +31,7 @@ MILLI = 1e-3
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     """Apply the position or pose in a packet."""
     if packet.channel == POSITION:
-        x, y, z = read(_POSITION, packet.data)
+        x, y, z = read_fields(_POSITION, packet.data)
         firmware.locate((x, y, z))
     elif packet.channel == PACKED:
         _packed_positions(firmware, packet.data)
@@ -43,13 +43,13 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
 def _generic(firmware: Firmware, data: bytes) -> None:
     kind = byte(data, 0)
     if kind == POSE:
-        x, y, z, qx, qy, qz, qw = read(_POSE, data, 1)
+        x, y, z, qx, qy, qz, qw = read_fields(_POSE, data, 1)
         firmware.locate((x, y, z), (qx, qy, qz, qw))
     elif kind == POSE_PACKED:
         for at in range(1, len(data) - _PACKED_POSE.size + 1, _PACKED_POSE.size):
-            number, x, y, z, bits = read(_PACKED_POSE, data, at)
+            number, x, y, z, bits = read_fields(_PACKED_POSE, data, at)
             if number == firmware.number:
-                firmware.locate((MILLI * x, MILLI * y, MILLI * z), decompressed(int(bits)))
+                firmware.locate((MILLI * x, MILLI * y, MILLI * z), decompress_quat(int(bits)))
     elif kind == EMERGENCY_STOP:
         firmware.supervisor.stop()
     elif kind == STOP_WATCHDOG:
@@ -58,6 +58,6 @@ def _generic(firmware: Firmware, data: bytes) -> None:
 
 def _packed_positions(firmware: Firmware, data: bytes) -> None:
     for at in range(0, len(data) - _PACKED_POSITION.size + 1, _PACKED_POSITION.size):
-        number, x, y, z = read(_PACKED_POSITION, data, at)
+        number, x, y, z = read_fields(_PACKED_POSITION, data, at)
         if number == firmware.number:
             firmware.locate((MILLI * x, MILLI * y, MILLI * z))

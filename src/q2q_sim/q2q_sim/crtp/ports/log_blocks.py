@@ -19,7 +19,7 @@ bits of milliseconds, then its values.
 import struct
 from dataclasses import dataclass, field
 
-from q2q_sim.crtp.packets.fields import byte, read
+from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.tables.log_table import CONTENTS, LOG_MAX_BLOCKS, LOG_MAX_OPS, VARIABLES, Variable
 from q2q_sim.crtp.tables.number_types import BY_LOG_NUMBER, NumberType
@@ -109,7 +109,7 @@ class LogBlocks:
 
     def _append(self, block: _Block, operations: bytes) -> int:
         for at in range(0, len(operations) - _OPERATION.size + 1, _OPERATION.size):
-            code, number = (int(part) for part in read(_OPERATION, operations, at))
+            code, number = (int(part) for part in read_fields(_OPERATION, operations, at))
             kind = BY_LOG_NUMBER.get(code & _TYPE_MASK)
             if kind is None or number >= len(VARIABLES):
                 return ENOENT
@@ -126,7 +126,7 @@ def _tens(data: bytes) -> int:
 
 
 def _milliseconds(data: bytes) -> int:
-    return int(read(_PERIOD, data, 2)[0])
+    return int(read_fields(_PERIOD, data, 2)[0])
 
 
 def _never(_: bytes) -> int:

@@ -12,7 +12,7 @@ Source: firmware: modules/src/crtp_mem.c, crtp_commander_high_level.c, drivers/s
 
 import struct
 
-from q2q_sim.crtp.packets.fields import byte, read
+from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import MAX_DATA, Packet
 from q2q_sim.firmware.firmware import Firmware
 
@@ -36,14 +36,14 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
 
 
 def _read(firmware: Firmware, data: bytes) -> bytes:
-    memory, at, length = (int(one) for one in read(_LENGTH, data))
+    memory, at, length = (int(one) for one in read_fields(_LENGTH, data))
     stored = _stored(firmware, memory)[at : at + length]
     known = len(stored) == length <= MAX_DATA - _PLACE.size - 1
     return b"\0" + bytes(stored) if known else bytes([EIO])
 
 
 def _write(firmware: Firmware, data: bytes) -> bytes:
-    memory, at = (int(one) for one in read(_PLACE, data))
+    memory, at = (int(one) for one in read_fields(_PLACE, data))
     written, stored = data[_PLACE.size :], _stored(firmware, memory)
     if at + len(written) > len(stored):
         return bytes([EIO])

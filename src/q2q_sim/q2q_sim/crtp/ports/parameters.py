@@ -15,7 +15,7 @@ A short or NaN value is refused without an answer, as is a write of a read-only 
 import math
 import struct
 
-from q2q_sim.crtp.packets.fields import read
+from q2q_sim.crtp.packets.fields import read_fields
 from q2q_sim.crtp.packets.packet import MalformedError, Packet
 from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.number_types import TYPES, NumberType
@@ -46,7 +46,7 @@ CONTENTS = contents()
 
 def definition(data: bytes, at: int = 0) -> Definition | None:
     """Return the parameter whose id is at `at` in `data`; None if unknown."""
-    number = int(read(ID, data, at)[0])
+    number = int(read_fields(ID, data, at)[0])
     return TABLE[number] if number < len(TABLE) else None
 
 
@@ -57,7 +57,7 @@ def packed_value(firmware: Firmware, one: Definition) -> bytes:
 
 def value_in(kind: NumberType, data: bytes) -> Value:
     """Return the value at the front of `data`; raise MalformedError if it is short or not finite."""
-    value = read(kind.layout, data)[0]
+    value = read_fields(kind.layout, data)[0]
     if not math.isfinite(value):
         raise MalformedError(f"value {value}: must be finite")
     return int(value) if kind.integer else value

@@ -21,7 +21,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX
-from q2q_sim.crtp.packets.fields import read
+from q2q_sim.crtp.packets.fields import read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
@@ -50,7 +50,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     """Apply the setpoint in a packet."""
     if packet.channel != 0:
         return []
-    roll, pitch, yaw, thrust = read(_FIELDS, packet.data)
+    roll, pitch, yaw, thrust = read_fields(_FIELDS, packet.data)
     if firmware.commander.priority == Priority.DISABLE:
         firmware.thrust_locked = True
     if thrust == 0:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from zlib import crc32
 
-from q2q_sim.crtp.packets.fields import read
+from q2q_sim.crtp.packets.fields import read_fields
 from q2q_sim.crtp.packets.packet import MAX_DATA
 
 ITEM, INFO = 2, 3
@@ -54,7 +54,7 @@ class Contents:
         if data[:1] == bytes([INFO]):
             return bytes([INFO]) + _COUNT_CRC.pack(len(self._entries), self.crc) + self._extra
         if data[:1] == bytes([ITEM]):
-            return bytes([ITEM]) + self._item(int(read(_NUMBER, data, 1)[0]))
+            return bytes([ITEM]) + self._item(int(read_fields(_NUMBER, data, 1)[0]))
         return None
 
     def _item(self, number: int) -> bytes:

@@ -15,7 +15,7 @@ from itertools import chain
 
 import numpy as np
 
-from q2q_model.geometry.quaternion32 import compressed
+from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
@@ -88,7 +88,7 @@ def _vel_body(firmware: Firmware) -> Array:
 
 def _compressed_quat(firmware: Firmware) -> float:
     x, y, z, w = _quat(firmware).tolist()
-    return float(compressed((x, y, z, w)))
+    return float(compress_quat((x, y, z, w)))
 
 
 def _turned(firmware: Firmware, vector: Array) -> Array:

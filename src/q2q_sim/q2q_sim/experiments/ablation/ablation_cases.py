@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
-from q2q_planner.offline.shared_pieces import split
+from q2q_planner.offline.shared_pieces import split_at
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.air.air_names import MADE, RECORDED, ROOM
 from q2q_sim.loop.assembly import plan_of
@@ -106,7 +106,8 @@ def scenarios_of(name: str) -> tuple[Scenario, ...]:
     for scenario in paths.scenarios:
         planned = plan_of(library.load(scenario))
         plan = SwarmPlan(
-            planned.names, tuple(between(one, paths.start, paths.end) for one in planned.trajectories)
+            planned.names,
+            tuple(trajectory_between(one, paths.start, paths.end) for one in planned.trajectories),
         )
         found.append(
             replace(
@@ -121,9 +122,9 @@ def scenarios_of(name: str) -> tuple[Scenario, ...]:
     return tuple(found)
 
 
-def between(trajectory: Trajectory, start: float, end: float) -> Trajectory:
+def trajectory_between(trajectory: Trajectory, start: float, end: float) -> Trajectory:
     """Return the part of a trajectory from `start` to `end` [s]."""
-    pieces = split(trajectory, np.array([start, end]))
+    pieces = split_at(trajectory, np.array([start, end]))
     middle = np.cumsum(pieces.durations) - 0.5 * pieces.durations
     kept = (middle > start) & (middle < end)
     return Trajectory(pieces.durations[kept], pieces.coefficients[kept])

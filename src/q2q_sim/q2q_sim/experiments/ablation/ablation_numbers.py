@@ -28,11 +28,11 @@ class Numbers:
     airs: dict[str, list[str]] = field(default_factory=dict)
     """Flights behind each learned air, by its name."""
     flights: dict[str, Array] = field(default_factory=dict)
-    """COLUMNS of each draw (draws, 3), by `key`."""
+    """COLUMNS of each draw (draws, 3), by `cell_name`."""
 
     def cell(self, case: Case, contender: str) -> Array | None:
         """Return COLUMNS of all models and draws, (models, draws, 3); None unless flown."""
-        flown = self.flights.get(key(case, contender))
+        flown = self.flights.get(cell_name(case, contender))
         if flown is None:
             return None
         models, paths = len(self.models_for(case)), len(case.paths.scenarios)
@@ -66,12 +66,12 @@ class Numbers:
         fresh.replace(file)
 
 
-def key(case: Case, contender: str) -> str:
+def cell_name(case: Case, contender: str) -> str:
     """Return the name of a cell."""
     return f"{case.name}|{case.plant.air}|{contender}"
 
 
-def read(file: Path, draws: int) -> Numbers:
+def read_numbers(file: Path, draws: int) -> Numbers:
     """Return the numbers in a file, empty if there is none; raise ValueError for other draws."""
     if not file.is_file():
         return Numbers(draws)

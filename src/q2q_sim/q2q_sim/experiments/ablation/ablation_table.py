@@ -16,12 +16,12 @@ from q2q_sim.experiments.ablation.conclusion import (
     best_contender,
     column,
     conclusion,
-    flown_in,
+    flown_contenders,
     is_whole,
     judged_cases,
+    median_ratio,
     millimetres,
     missed_targets,
-    ratio,
 )
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
 from q2q_sim.experiments.ablation.contenders import NAMES
@@ -52,7 +52,7 @@ UNDER_WORST = "rms error under another vehicle / worst error [mm]"
 
 def page(numbers: Numbers, command: str, picture: str) -> str:
     """Return the page; `picture` is the path of the plot from it."""
-    missing = sum(len(NAMES) - len(flown_in(numbers, case)) for case in CASES)
+    missing = sum(len(NAMES) - len(flown_contenders(numbers, case)) for case in CASES)
     rest = f"{counted(missing, 'flight')} not flown: the same command flies the rest." if missing else ""
     parts = [
         "# Ablation",
@@ -95,7 +95,7 @@ def _best(numbers: Numbers) -> str:
 def _values(numbers: Numbers, case: Case, name: str) -> list[str]:
     """Return the medians of under, worst, under / clear and gain."""
     under, clear, worst = (column(numbers, case, name, one) for one in COLUMNS)
-    gain = ratio(numbers, case, ("ignoring", name), "worst").middle
+    gain = median_ratio(numbers, case, ("ignoring", name), "worst").middle
     lengths = [millimetres(MM * float(np.median(one))) for one in (under, worst)]
     return [*lengths, f"{np.median(under / clear):.1f}", f"{gain:.1f}"]
 
@@ -125,7 +125,7 @@ def _short(numbers: Numbers, case: Case, contender: str) -> str:
 
 
 def _detail(numbers: Numbers, case: Case) -> str:
-    flown = flown_in(numbers, case)
+    flown = flown_contenders(numbers, case)
     if "ignoring" not in flown:
         return ""
     head = ["controller", "under [mm]", "clear [mm]", "worst [mm]", "under / clear", "gain"]
@@ -136,7 +136,7 @@ def _detail(numbers: Numbers, case: Case) -> str:
 def _intervals(numbers: Numbers, case: Case, name: str) -> list[str]:
     under, clear, worst = (column(numbers, case, name, one) for one in COLUMNS)
     lengths = [_lengths(median_interval(MM * one)) for one in (under, clear, worst)]
-    gain = ratio(numbers, case, ("ignoring", name), "worst")
+    gain = median_ratio(numbers, case, ("ignoring", name), "worst")
     return [*lengths, _times(median_interval(under / clear)), _times(gain)]
 
 

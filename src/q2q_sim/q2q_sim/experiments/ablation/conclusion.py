@@ -16,7 +16,7 @@ from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
 from q2q_sim.experiments.ablation.contenders import NAMES, TWINS
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
-from q2q_sim.report.significant import significant
+from q2q_sim.report.significant import significant_digits
 
 MM = 1e3
 """Millimetres in a metre."""
@@ -41,10 +41,10 @@ def judged_cases() -> list[Case]:
 
 def is_whole(numbers: Numbers, case: Case) -> bool:
     """Return whether all contenders were flown."""
-    return len(flown_in(numbers, case)) == len(NAMES)
+    return len(flown_contenders(numbers, case)) == len(NAMES)
 
 
-def flown_in(numbers: Numbers, case: Case) -> list[str]:
+def flown_contenders(numbers: Numbers, case: Case) -> list[str]:
     """Return the contenders that were flown."""
     return [name for name in NAMES if numbers.cell(case, name) is not None]
 
@@ -55,7 +55,7 @@ def best_contender(numbers: Numbers, case: Case) -> str:
     def rank(name: str) -> tuple[int, float]:
         return len(missed_targets(numbers, case, name)), _median(numbers, case, name, "worst")
 
-    return min(flown_in(numbers, case), key=rank)
+    return min(flown_contenders(numbers, case), key=rank)
 
 
 def missed_targets(numbers: Numbers, case: Case, contender: str) -> list[str]:
@@ -74,8 +74,8 @@ def missed_targets(numbers: Numbers, case: Case, contender: str) -> list[str]:
 
 def worse_than_ignoring(numbers: Numbers, case: Case) -> list[str]:
     """Return the contenders whose rms error under another vehicle has an interval above ignoring's."""
-    flown = flown_in(numbers, case)
-    return [name for name in flown if ratio(numbers, case, (name, "ignoring"), "under").low > 1.0]
+    flown = flown_contenders(numbers, case)
+    return [name for name in flown if median_ratio(numbers, case, (name, "ignoring"), "under").low > 1.0]
 
 
 def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
@@ -86,7 +86,7 @@ def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
     return np.asarray(cell[..., COLUMNS.index(name)])
 
 
-def ratio(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> MedianInterval:
+def median_ratio(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> MedianInterval:
     """Return the median and interval of `ratios`."""
     return median_interval(ratios(numbers, case, pair, name))
 
@@ -100,7 +100,7 @@ def ratios(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> Ar
 
 def millimetres(value: float) -> str:
     """Return a length [mm] with two or three digits."""
-    return significant(value, 2 if value < 100.0 else 3)
+    return significant_digits(value, 2 if value < 100.0 else 3)
 
 
 def _median(numbers: Numbers, case: Case, contender: str, name: str) -> float:
@@ -126,8 +126,8 @@ def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
 def _parts(numbers: Numbers, cases: Sequence[Case]) -> str:
     parts = []
     for one, without in TWINS:
-        both = [case for case in cases if {one, without} <= set(flown_in(numbers, case))]
-        times = [ratio(numbers, case, (one, without), "worst").middle for case in both]
+        both = [case for case in cases if {one, without} <= set(flown_contenders(numbers, case))]
+        times = [median_ratio(numbers, case, (one, without), "worst").middle for case in both]
         if not times:
             continue
         parts.append(f"{one} {np.median(times):.2f} ({min(times):.2f} to {max(times):.2f}) times {without}'s")

@@ -21,8 +21,8 @@ from q2q_sim.experiments.ablation.ablation_cases import Case, scenarios_of
 from q2q_sim.experiments.ablation.contenders import CONTENDERS, ONBOARD, Contender, Situation
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup
-from q2q_sim.experiments.ablation.onboard_flight import Trace, flown_on_board
-from q2q_sim.experiments.ablation.side_by_side import part_of, side_by_side
+from q2q_sim.experiments.ablation.onboard_flight import Trace, fly_on_board
+from q2q_sim.experiments.ablation.side_by_side import side_by_side, with_vehicles
 from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import exposure
@@ -54,19 +54,19 @@ def fly_contender(asked: ContenderFlight) -> Array:
     group = places // len(apart) % len(asked.models)
     if asked.contender in ONBOARD:
         models = [asked.models[k] for k in group]
-        trace = flown_on_board(scenario, models, asked.air, asked.seed, apps=ONBOARD[asked.contender])
-        return measured(trace, each)
+        trace = fly_on_board(scenario, models, asked.air, asked.seed, apps=ONBOARD[asked.contender])
+        return draw_columns(trace, each)
     situations = [
-        Situation(part_of(scenario, tuple(np.array(scenario.names)[group == k].tolist())), model, each)
+        Situation(with_vehicles(scenario, tuple(np.array(scenario.names)[group == k].tolist())), model, each)
         for k, model in enumerate(asked.models)
     ]
     rows = [np.flatnonzero(group == k) for k in range(len(asked.models))]
     contender = CONTENDERS[asked.contender]
     groups = [ModelGroup(own, contender.built(one)) for own, one in zip(rows, situations, strict=True)]
-    return measured(flown(scenario, contender, groups, asked), each)
+    return draw_columns(fly_groups(scenario, contender, groups, asked), each)
 
 
-def flown(
+def fly_groups(
     scenario: Scenario, contender: Contender, groups: Sequence[ModelGroup], asked: ContenderFlight
 ) -> Trace:
     """Return a flight of groups of vehicles in one room."""
@@ -77,7 +77,7 @@ def flown(
     return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2])
 
 
-def measured(trace: Trace, each: int) -> Array:
+def draw_columns(trace: Trace, each: int) -> Array:
     """Return COLUMNS of every draw of `each` vehicles, (draws, 3); NaN if none was under another."""
     rows = []
     for start in range(0, trace.error.shape[1], each):

@@ -12,7 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from q2q_sim.air.find_air import FlownAir, find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
-from q2q_sim.experiments.ablation.ablation_numbers import Numbers, key, read
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers
 from q2q_sim.experiments.ablation.ablation_plot import ablation_figure
 from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.contender_flight import ContenderFlight, fly_contender
@@ -29,7 +29,7 @@ def run(given: Namespace) -> int:
     if not 1 <= given.seeds <= 5 or given.jobs < 1:
         raise ValueError(f"seeds = {given.seeds}, jobs = {given.jobs}: 1 to 5 seeds, 1 job or more")
     wanted = [(case, name) for case in CASES for name in NAMES if _is_wanted(given, case, name)]
-    numbers = read(given.json, given.seeds)
+    numbers = read_numbers(given.json, given.seeds)
     if not given.table_only:
         _fill(numbers, wanted, given)
     words = [word for word in given.argv if word != TABLE_ONLY]
@@ -79,7 +79,7 @@ def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace
         try:
             for done in as_completed(flights):
                 one = flights[done]
-                numbers.flights[key(one.case, one.contender)] = done.result()
+                numbers.flights[cell_name(one.case, one.contender)] = done.result()
                 numbers.save(given.json)
                 progress.advance(task)
         except BaseException:
@@ -89,7 +89,7 @@ def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace
 
 def _missing(numbers: Numbers, wanted: Sequence[tuple[Case, str]]) -> list[ContenderFlight]:
     """Return the missing flights, and learn models and airs for them."""
-    left = [(case, name) for case, name in wanted if key(case, name) not in numbers.flights]
+    left = [(case, name) for case, name in wanted if cell_name(case, name) not in numbers.flights]
     airs: dict[str, FlownAir] = {}
     asked = []
     for case, name in left:

@@ -49,7 +49,7 @@ class Trace:
     """True minus planned height [m], (T, n)."""
 
 
-def flown_on_board(
+def fly_on_board(
     scenario: Scenario, models: Sequence[LearnedModel], air: FlownAir, seed: int, *, apps: bool
 ) -> Trace:
     """Return a flight by the vehicles' own firmware; `models` are those of their apps, one a vehicle."""
@@ -61,7 +61,7 @@ def flown_on_board(
     error = np.empty(pos.shape[:2])
     for tick in range(len(pos)):
         wanted = setpoint_at(plan, tick * TICK_S)
-        send(fleet, wanted)
+        send_full_states(fleet, wanted)
         pos[tick] = room.swarm.state[:, :3]
         error[tick] = pos[tick, :, 2] - wanted.pos[:, 2]
         room.fly(fleet.fly)
@@ -75,7 +75,7 @@ def choose_mellinger(fleet: Fleet, vehicle: Vehicle) -> None:
         one.firmware.parameters.set("ctrlMel.massThrust", PWM_FULL / vehicle.full_pwm_thrust)
 
 
-def send(fleet: Fleet, wanted: SwarmSetpoint) -> None:
+def send_full_states(fleet: Fleet, wanted: SwarmSetpoint) -> None:
     """Send a tick's full states."""
     x, y, z, yaw = [Mode.ABS] * 4
     states = zip(wanted.pos.tolist(), wanted.vel.tolist(), wanted.acc.tolist(), strict=True)

@@ -38,7 +38,7 @@ def side_by_side(flown: Sequence[Scenario], count: int) -> Scenario:
     return replace(flown[0], plan=plan, waypoints=waypoints_of(plan))
 
 
-def part_of(scenario: Scenario, names: Names) -> Scenario:
+def with_vehicles(scenario: Scenario, names: Names) -> Scenario:
     """Return a scenario with some of its vehicles only."""
     plan = plan_of(scenario)
     rows = [plan.names.index(name) for name in names]

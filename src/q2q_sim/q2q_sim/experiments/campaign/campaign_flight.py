@@ -13,7 +13,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.layout import Signal
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.loop.assembly import MODES
@@ -54,21 +54,21 @@ class JudgedFlight:
 def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
     """Fly the run of a seed by closed_loop and check it; a violation leaves its files in `kept`."""
     began = perf_counter()
-    run = drawn(seed, air)
-    flown = flown_pure(run)
+    run = draw_run(seed, air)
+    flown = fly_pure(run)
     if flown.violations:
-        keep(run, flown.signals, kept)
+        keep_run(run, flown.signals, kept)
         write_replay(kept / f"{seed}.html", run.scenario, flown.topics, flown.violations)
     return RunOutcome(
         seed,
         through_nodes=False,
-        what=words(run),
+        what=run_description(run),
         violations=flown.violations,
         seconds=perf_counter() - began,
     )
 
 
-def flown_pure(run: Run) -> JudgedFlight:
+def fly_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error counts as a violation."""
     topics: dict[str, list[Signal]] = {topic: [] for topic in JUDGED}
     evidence = None
@@ -81,7 +81,7 @@ def flown_pure(run: Run) -> JudgedFlight:
         evidence = evidence_in_lockstep(topics)
         violations = judge(evidence, circumstances_of(run))
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
-        violations = (crash(error),)
+        violations = (crash_violation(error),)
         evidence = None
     return JudgedFlight(topics, violations, evidence)
 
@@ -110,12 +110,12 @@ def circumstances_of(run: Run) -> Circumstances:
     return Circumstances(scenario.vehicle, faults=scenario.faults, aware=run.options.aware)
 
 
-def crash(error: Exception) -> Violation:
+def crash_violation(error: Exception) -> Violation:
     """Return the violation of a run that raised an error."""
     return Violation(CRASH, f"{type(error).__name__}: {error}"[:200], float("nan"), float("nan"), 0.0)
 
 
-def words(run: Run) -> str:
+def run_description(run: Run) -> str:
     """Return a one-line description of a run."""
     scenario, options = run.scenario, run.options
     faults = ", ".join(map(str, scenario.faults))
@@ -124,7 +124,7 @@ def words(run: Run) -> str:
     return f"{flown}; room {run.document['room']}; {by}; {faults}"
 
 
-def keep(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> None:
+def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> None:
     """Write a run's scenario and the messages of its flight into a folder, replacing older ones."""
     folder.mkdir(parents=True, exist_ok=True)
     write_scenario(run, folder / f"{run.seed}.yaml")
@@ -139,13 +139,13 @@ def keep(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> None:
 
 def write_scenario(run: Run, path: Path) -> None:
     """Write a run as a scenario file."""
-    path.write_text(yaml.safe_dump(plain(run.document), sort_keys=False))
+    path.write_text(yaml.safe_dump(plain_document(run.document), sort_keys=False))
 
 
-def plain(value: object) -> object:
+def plain_document(value: object) -> object:
     """Return a document without numpy numbers and tuples."""
     if isinstance(value, dict):
-        return {str(key): plain(one) for key, one in value.items()}
+        return {str(key): plain_document(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain_document(one) for one in value]
     return value.item() if isinstance(value, np.generic) else value

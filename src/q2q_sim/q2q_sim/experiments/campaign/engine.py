@@ -24,13 +24,15 @@ Died = Callable[[int, BaseException], Result]
 """Result of work that ended with its process."""
 
 
-def outcomes(engine: str, seeds: Sequence[int], jobs: int, kept: Path, air: str = "") -> Iterator[RunOutcome]:
+def run_outcomes(
+    engine: str, seeds: Sequence[int], jobs: int, kept: Path, air: str = ""
+) -> Iterator[RunOutcome]:
     """Yield the outcome of every seed, in an air if one is named, in the order of completion.
 
     Raises:
         ValueError: an unknown engine, or one that is not installed.
     """
-    return spread(ParallelRuns(engine, jobs), partial(fly_and_judge, kept=kept, air=air), seeds, _died)
+    return spread_work(ParallelRuns(engine, jobs), partial(fly_and_judge, kept=kept, air=air), seeds, _died)
 
 
 class ParallelRuns(NamedTuple):
@@ -41,7 +43,7 @@ class ParallelRuns(NamedTuple):
     """Processes of this machine."""
 
 
-def spread(
+def spread_work(
     where: ParallelRuns, work: Work[Result], numbers: Sequence[int], died: Died[Result]
 ) -> Iterator[Result]:
     """Yield the result of work on every number, in the order of completion.
@@ -65,7 +67,7 @@ def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Res
 
 
 def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
-    with worker_pool(jobs, leave_imports_out) as pool:
+    with worker_pool(jobs, freeze_imports) as pool:
         running = {pool.submit(work, number): number for number in numbers}
         try:
             for ended in as_completed(running):
@@ -81,7 +83,7 @@ def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[R
             raise
 
 
-def leave_imports_out() -> None:
+def freeze_imports() -> None:
     """Leave what has been imported, which is never freed, out of later garbage collections."""
     gc.freeze()
 

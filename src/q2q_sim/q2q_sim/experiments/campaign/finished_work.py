@@ -8,7 +8,7 @@ from typing import TypeVar
 Entry = TypeVar("Entry")
 
 
-def read(log: Path, entry_from: Callable[[Mapping[str, object]], Entry]) -> list[Entry]:
+def read_entries(log: Path, entry_from: Callable[[Mapping[str, object]], Entry]) -> list[Entry]:
     """Return the entries of a file, without an incomplete last line.
 
     `entry_from` returns an entry from its document, or raises ValueError.
@@ -27,7 +27,7 @@ def read(log: Path, entry_from: Callable[[Mapping[str, object]], Entry]) -> list
     return found
 
 
-def mend(log: Path) -> None:
+def drop_incomplete_line(log: Path) -> None:
     """Remove an incomplete last line."""
     text = log.read_text(encoding="utf-8") if log.exists() else ""
     if text and not text.endswith("\n"):

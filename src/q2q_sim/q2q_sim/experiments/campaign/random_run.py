@@ -83,7 +83,7 @@ class Run:
         return scenario_from_document(f"run {self.seed}", self.document)
 
 
-def drawn(seed: int, air: str = "", replan: str = "") -> Run:
+def draw_run(seed: int, air: str = "", replan: str = "") -> Run:
     """Return the run of a seed (0 or above).
 
     An air replaces the wake and disturbance of its scenario; `replan` replaces the replanner drawn.
@@ -98,7 +98,7 @@ def drawn(seed: int, air: str = "", replan: str = "") -> Run:
     )
     options = replace(options, replan=replan or options.replan)
     shipped = _document(cut.scenario)
-    document = shortened(shipped, cut if options.replan == "none" else cut.replanned())
+    document = cut_document(shipped, cut if options.replan == "none" else cut.replanned())
     document["room"] = room
     if air:
         document = {**document_in_air(document), "air": air, "room": room}
@@ -131,7 +131,7 @@ def _document(scenario: str) -> Mapping[str, object]:
     return {**document, "firmware": in_air["firmware"]}
 
 
-def shortened(document: Mapping[str, object], cut: Cut) -> Document:
+def cut_document(document: Mapping[str, object], cut: Cut) -> Document:
     """Return a scenario's document from begin to end of a cut, at its speed, with a hover at the end."""
     made = deepcopy(dict(document))
     vehicles = made["vehicles"]

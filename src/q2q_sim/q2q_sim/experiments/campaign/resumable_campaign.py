@@ -13,8 +13,8 @@ from rich.table import Table
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
-from q2q_sim.experiments.campaign.engine import outcomes
-from q2q_sim.experiments.campaign.finished_work import mend, read
+from q2q_sim.experiments.campaign.engine import run_outcomes
+from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
@@ -28,7 +28,7 @@ def run(args: Namespace) -> int:
     if args.air:
         find_air(args.air)
     flown, seconds = _fly(args)
-    show(flown, seconds)
+    print_campaign(flown, seconds)
     if args.json:
         write_json(summary(flown, seconds), args.json)
     return int(any(one.violations for one in flown))
@@ -39,14 +39,14 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
     log, kept = args.out / "runs.jsonl", args.out / "violations"
     seeds = range(args.seed, args.seed + args.runs)
     by_nodes = set(seeds[: args.through_nodes])
-    runs = read(log, from_document)
+    runs = read_entries(log, from_document)
     _reject_other_air(log, runs, args.air)
     done = {
         one.seed: one for one in runs if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
     }
     pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
     nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
-    mend(log)
+    drop_incomplete_line(log)
     with log.open("a", encoding="utf-8") as file, _bar() as bar:
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
         for outcome in _all(args, pure, nodes, kept):
@@ -54,7 +54,7 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
             file.write(json.dumps(as_document(one)) + "\n")
             file.flush()
             done[one.seed] = one
-            tell(one, bar.console)
+            print_violation(one, bar.console)
             bar.update(task, advance=1, violations=sum(bool(each.violations) for each in done.values()))
     flown = [done[seed] for seed in seeds]
     return flown, sum(one.seconds for one in flown)
@@ -62,7 +62,7 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
 
 def _all(args: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[RunOutcome]:
     if pure:
-        yield from outcomes(args.engine, pure, args.jobs, kept, args.air)
+        yield from run_outcomes(args.engine, pure, args.jobs, kept, args.air)
     if nodes:
         with NodeFlights(args.out / "nodes", kept, args.air) as flights:
             yield from map(flights.fly_and_judge, nodes)
@@ -75,7 +75,7 @@ def _reject_other_air(log: Path, runs: Sequence[RunOutcome], air: str) -> None:
         raise ValueError(f"{log} holds runs in the air {', '.join(others)}: give another --out")
 
 
-def tell(outcome: RunOutcome, console: Console) -> None:
+def print_violation(outcome: RunOutcome, console: Console) -> None:
     """Print a run that violated a policy."""
     if outcome.violations:
         console.print(f"seed {outcome.seed}: {outcome.what}", highlight=False)
@@ -83,7 +83,7 @@ def tell(outcome: RunOutcome, console: Console) -> None:
             console.print(f"    {one}", highlight=False)
 
 
-def show(flown: Sequence[RunOutcome], seconds: float) -> None:
+def print_campaign(flown: Sequence[RunOutcome], seconds: float) -> None:
     """Print the table of a campaign."""
     total = summary(flown, seconds)
     runs = counted(len(flown), "run")

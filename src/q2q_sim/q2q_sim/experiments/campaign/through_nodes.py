@@ -16,13 +16,13 @@ from q2q_model.bag import BagError
 from q2q_sim.experiments.campaign.campaign_flight import (
     JUDGED,
     circumstances_of,
-    crash,
-    flown_pure,
-    keep,
-    words,
+    crash_violation,
+    fly_pure,
+    keep_run,
+    run_description,
     write_scenario,
 )
-from q2q_sim.experiments.campaign.random_run import Run, drawn
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
 from q2q_sim.flight.resident import ResidentNodes
 from q2q_sim.flight.scenario_flight import FlightRequest, fly, load_scenario, node_specs
@@ -60,13 +60,15 @@ class NodeFlights:
     def fly_and_judge(self, seed: int) -> RunOutcome:
         """Fly the run of a seed through the nodes and check it; a violation leaves bag and scenario."""
         began = perf_counter()
-        run = drawn(seed, self._air)
+        run = draw_run(seed, self._air)
         violations = self._flown(run)
         if violations:
             self._keep(run)
         shutil.rmtree(self._folder, ignore_errors=True)
         took = perf_counter() - began
-        return RunOutcome(seed, through_nodes=True, what=words(run), violations=violations, seconds=took)
+        return RunOutcome(
+            seed, through_nodes=True, what=run_description(run), violations=violations, seconds=took
+        )
 
     def _flown(self, run: Run) -> tuple[Violation, ...]:
         self._folder.mkdir(parents=True, exist_ok=True)
@@ -88,9 +90,9 @@ class NodeFlights:
                 self._through(request, bag)
             evidence = evidence_in(bag)
         except Exception as error:  # noqa: BLE001 - a campaign looks for any error
-            return (crash(error),)
+            return (crash_violation(error),)
         found = judge(evidence, circumstances_of(run))
-        return (*found, *twin(evidence, evidence_in_lockstep(flown_pure(run).topics)))
+        return (*found, *twin_violation(evidence, evidence_in_lockstep(fly_pure(run).topics)))
 
     def _through(self, request: FlightRequest, bag: Path) -> None:
         folder = self._folder / "nodes"
@@ -103,13 +105,13 @@ class NodeFlights:
             raise BagError(f"the bag was not finished: {unfinished}")
 
     def _keep(self, run: Run) -> None:
-        keep(run, (), self._kept)
+        keep_run(run, (), self._kept)
         place = self._kept / f"{run.seed}_nodes"
         shutil.rmtree(place, ignore_errors=True)
         shutil.copytree(self._folder, place)
 
 
-def twin(through_nodes: Evidence, pure: Evidence) -> tuple[Violation, ...]:
+def twin_violation(through_nodes: Evidence, pure: Evidence) -> tuple[Violation, ...]:
     """Return the violation if a flight through the nodes deviates from closed_loop."""
     if through_nodes.true_pos.shape != pure.true_pos.shape:
         ticks = float(len(through_nodes.t) - len(pure.t))

@@ -29,7 +29,7 @@ WINDOWS = 64
 """Parts of a flight in each of which the bag's rate is read: longer than the chunks in which it grows."""
 
 
-def growths(flight: LongFlight) -> list[Growth]:
+def measured_growths(flight: LongFlight) -> list[Growth]:
     """Return the growth of every quantity; raise ValueError for too few samples."""
     samples = flight.samples
     if len(samples) <= WINDOWS:
@@ -80,7 +80,7 @@ def is_flat(flight: LongFlight, found: Sequence[Growth]) -> bool:
     return not flight.unfinished and all(one.verdict == "flat" for one in found)
 
 
-def sentence(flight: LongFlight, found: Sequence[Growth]) -> str:
+def endurance_sentence(flight: LongFlight, found: Sequence[Growth]) -> str:
     """Return what a flight showed, in one line."""
     timing, speed = flight.timing, flight.timing.real_time_factor
     flown = f"{flight.samples[-1].flown / 60.0:.0f} min of {counted(flight.vehicles, 'vehicle')}"
@@ -115,6 +115,6 @@ def endurance_json(flight: LongFlight, found: Sequence[Growth]) -> Json:
         "missed_ticks": flight.timing.missed_ticks,
         "real_time_factor": flight.timing.real_time_factor,
         "flat": is_flat(flight, found),
-        "sentence": sentence(flight, found),
+        "sentence": endurance_sentence(flight, found),
         "quantities": quantities,
     }

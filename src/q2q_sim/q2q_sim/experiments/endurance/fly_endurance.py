@@ -11,10 +11,10 @@ from rich.progress import Progress
 from q2q_model.documents.json_file import write_json
 from q2q_sim.experiments.endurance.endurance_report import (
     endurance_json,
+    endurance_sentence,
     growth_table,
-    growths,
     is_flat,
-    sentence,
+    measured_growths,
 )
 from q2q_sim.experiments.endurance.long_flight import LongFlight, fly_long, write_scenario
 from q2q_sim.flight.scenario_flight import FlightRequest
@@ -27,12 +27,12 @@ WIDTH = 110
 def run(args: Namespace) -> int:
     """Fly, print and write the growth of every quantity; return the exit status."""
     flight = _flown(args)
-    found = growths(flight)
+    found = measured_growths(flight)
     console = Console()
     console.print(growth_table(flight, found), width=max(console.width, WIDTH))
     if args.json:
         write_json(endurance_json(flight, found), args.json)
-    print(sentence(flight, found))
+    print(endurance_sentence(flight, found))
     return int(not is_flat(flight, found))
 
 

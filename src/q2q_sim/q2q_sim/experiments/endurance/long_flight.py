@@ -49,7 +49,7 @@ class LongFlight:
     """Why the recorder did not finish the bag; empty if it did."""
 
 
-def pairs_of(vehicles: int, duration: float) -> dict[str, object]:
+def scenario_of_pairs(vehicles: int, duration: float) -> dict[str, object]:
     """Return the scenario file of a flight that takes `duration` [s]."""
     points: dict[str, object] = {}
     passes = max(round(duration / PASS_S), 1)
@@ -91,7 +91,7 @@ def fly_long(
             last = samples[-1] if samples else None
             if ticks and (last is None or (wall - last.wall >= SAMPLE_S and flown > last.flown)):
                 usage = {name: usage_of(pid) for name, pid in pids.items()}
-                samples.append(Sample(wall, flown, usage, size_of(folder / "bag")))
+                samples.append(Sample(wall, flown, usage, folder_size(folder / "bag")))
 
         running.director.follow_clock()
         running.director.start()
@@ -100,7 +100,7 @@ def fly_long(
     return LongFlight(vehicles, request.live, samples, timing, unfinished)
 
 
-def size_of(folder: Path) -> int:
+def folder_size(folder: Path) -> int:
     """Return the size of a folder's files [bytes]."""
     return sum(one.stat().st_size for one in folder.glob("*"))
 
@@ -109,5 +109,5 @@ def write_scenario(folder: Path, vehicles: int, duration: float) -> Path:
     """Write the scenario of a long flight; return its file."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "endurance.yaml"
-    file.write_text(yaml.safe_dump(pairs_of(vehicles, duration)), encoding="utf-8")
+    file.write_text(yaml.safe_dump(scenario_of_pairs(vehicles, duration)), encoding="utf-8")
     return file

@@ -61,7 +61,7 @@ class ErrorSummary:
 def replayed_errors(motion: RecordedMotion, seeds: Sequence[int]) -> Iterator[ReplayedErrors]:
     """Yield the errors of every estimator under every condition."""
     given = np.stack([given_samples(motion, one, seed) for one in CONDITIONS for seed in seeds], axis=1)
-    judged = settled(given) & motion.flying[:, None]
+    judged = settled_ticks(given) & motion.flying[:, None]
     uncut = np.repeat([one == UNCUT for one in CONDITIONS], len(seeds))
     compared = (uncut | ~given) & (motion.flying & motion.seen)[:, None]
     for name, found in estimates(motion, given, [*seeds] * len(CONDITIONS)).items():
@@ -74,7 +74,7 @@ def replayed_errors(motion: RecordedMotion, seeds: Sequence[int]) -> Iterator[Re
             yield ReplayedErrors(motion.name, condition, name, errors, len(seeds), lost)
 
 
-def settled(given: Mask) -> Mask:
+def settled_ticks(given: Mask) -> Mask:
     """Return the ticks (T, B) with no sample away for longer than SHORT within the last RECOVERY."""
     ticks = np.arange(len(given))[:, None]
     latest = np.maximum.accumulate(np.where(given, ticks, 0), axis=0)

@@ -26,7 +26,7 @@ from q2q_model.geometry.rotations import (
     quat_multiply,
     rotate_inverse,
 )
-from q2q_model.identification.gains.altitude_record import resampled
+from q2q_model.identification.gains.altitude_record import resample
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import DT
@@ -92,7 +92,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
         raise ValueError(f"flight {flight.name} has {len(t)} poses; {SHORTEST:g} s of them are needed")
     at = np.arange(t[0], t[-1] + ROUNDING, DT)
     pos = np.asarray(CubicSpline(t, flight.mocap_pos[there, 0])(at))
-    quat = normalised(resampled(t, continuous(flight.mocap_quat[there, 0]), at))
+    quat = normalised(resample(t, continuous_quats(flight.mocap_quat[there, 0]), at))
     flying = in_flight(pos[:, 2])
     if flying.sum() < SHORTEST / DT:
         flown = flying.sum() * DT
@@ -105,7 +105,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
         name=flight.name,
         pos=pos,
         quat=quat,
-        seen=np.abs(at - t[nearest(t, at)]) <= 0.5 * DT + ROUNDING,
+        seen=np.abs(at - t[nearest_ticks(t, at)]) <= 0.5 * DT + ROUNDING,
         flying=flying,
         body_quat=body,
         specific_force_body=rotate_inverse(normalised(before + body), felt),
@@ -114,7 +114,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     )
 
 
-def continuous(quat: Array) -> Array:
+def continuous_quats(quat: Array) -> Array:
     """Return quaternions (T, 4) with the signs that make neighbours alike."""
     flips = np.where((quat[1:] * quat[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
     return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
@@ -137,7 +137,7 @@ def tilt_of(force: Array) -> Array:
     return quat_from_vector(axis * (np.arctan2(sine, direction[2]) / sine if sine > 0.0 else 0.0))
 
 
-def nearest(t: Array, at: Array) -> NDArray[np.intp]:
+def nearest_ticks(t: Array, at: Array) -> NDArray[np.intp]:
     """Return the rows of `t` nearest to the times `at`."""
     after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
     return np.asarray(np.where(at - t[after - 1] <= t[after] - at, after - 1, after), dtype=np.intp)
@@ -148,4 +148,4 @@ def _own(recording: Recording, at: Array) -> Array | None:
     if log is None or not set(OWN_ESTIMATE) <= set(log.columns):
         return None
     own = np.stack([log.column(name)[:, 0] for name in OWN_ESTIMATE], axis=1)
-    return resampled(log.t, own, at)
+    return resample(log.t, own, at)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from q2q_control.radio.firmware_params import POSE_STD
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.geometry.pose_ahead import moved_on
+from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.signals.values import Array, Mask, MocapFrame, TrackStatus
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.firmware.estimator import DT
@@ -94,13 +94,13 @@ def estimates(motion: RecordedMotion, given: Mask, seeds: Sequence[int]) -> Mapp
     runs = [filtered_motion(motion, one) for one in given.T]
     inertial = inertial_readings(motion, seeds)
     raw = Feed(given, _repeated(motion.pos, given), _repeated(motion.quat, given))
-    sent = feed(runs, DELAY * DT)
+    sent = sent_poses(runs, DELAY * DT)
     never = np.zeros(len(seeds), dtype=np.int64)
     found = {
-        "filter": Estimates(ahead(runs, given), never),
-        "stock": onboard(ExtendedKalmanParams(), motion, raw, inertial),
-        "fed": onboard(FED, motion, sent, inertial),
-        "all axes": onboard(ALL_AXES, motion, sent, inertial),
+        "filter": Estimates(predicted_positions(runs, given), never),
+        "stock": onboard_estimates(ExtendedKalmanParams(), motion, raw, inertial),
+        "fed": onboard_estimates(FED, motion, sent, inertial),
+        "all axes": onboard_estimates(ALL_AXES, motion, sent, inertial),
     }
     if motion.own_pos is not None:
         found[RECORDED] = Estimates(_repeated(motion.own_pos, given), never)
@@ -125,7 +125,7 @@ def _frame(motion: RecordedMotion, tick: int, *, there: bool) -> MocapFrame:
     return MocapFrame(t=tick * DT, names=NAME[: int(there)], pos=motion.pos[rows], quat=motion.quat[rows])
 
 
-def ahead(runs: Sequence[FilteredMotion], given: Mask) -> Array:
+def predicted_positions(runs: Sequence[FilteredMotion], given: Mask) -> Array:
     """Return the filter's positions before the sample of each tick (T, B) [m], (T, B, 3)."""
     pos = np.stack([run.pos for run in runs], axis=1)
     moved = pos + DT * np.stack([run.vel for run in runs], axis=1)
@@ -133,9 +133,9 @@ def ahead(runs: Sequence[FilteredMotion], given: Mask) -> Array:
     return np.where(given[..., None], before, pos)
 
 
-def feed(runs: Sequence[FilteredMotion], delay: float) -> Feed:
+def sent_poses(runs: Sequence[FilteredMotion], delay: float) -> Feed:
     """Return the poses that are sent, moved on by a delay [s]."""
-    poses = [moved_on(run, delay) for run in runs]
+    poses = [extrapolate_pose(run, delay) for run in runs]
     return Feed(
         sent=np.stack([run.tracked for run in runs], axis=1),
         pos=np.stack([pos for pos, _ in poses], axis=1),
@@ -157,7 +157,7 @@ def inertial_readings(motion: RecordedMotion, seeds: Sequence[int]) -> tuple[Arr
     return read[0], read[1]
 
 
-def onboard(
+def onboard_estimates(
     params: ExtendedKalmanParams, motion: RecordedMotion, sent: Feed, inertial: tuple[Array, Array]
 ) -> Estimates:
     """Return what the firmware's filter estimates in each replay."""

@@ -19,7 +19,7 @@ from dataclasses import replace
 
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.air.room_air import RoomAir, VehicleTerm, without
+from q2q_sim.air.room_air import RoomAir, VehicleTerm, without_terms
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 from q2q_sim.experiments.campaign.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase
@@ -91,7 +91,7 @@ def _without_wind(case: FlightCase) -> FlightCase:
 
 def _without_terms(air: RoomAir, terms: Collection[str]) -> RoomAir:
     present = tuple(term for term in terms if getattr(air, term) is not None)
-    return without(air, present) if present else air
+    return without_terms(air, present) if present else air
 
 
 def _without_saturation(case: FlightCase) -> FlightCase:

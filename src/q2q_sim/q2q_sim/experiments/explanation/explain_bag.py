@@ -8,9 +8,9 @@ from rich.progress import Progress
 from q2q_model.documents.json_file import write_json
 from q2q_sim.experiments.explanation.explanation import ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_json import explanation_json
-from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
 from q2q_sim.experiments.explanation.recorded_case import recorded_case
-from q2q_sim.experiments.explanation.score import answers, score_json, score_words
+from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
 
 
 def explain_bag(args: Namespace) -> int:
@@ -26,14 +26,14 @@ def explain_bag(args: Namespace) -> int:
         from q2q_sim.experiments.explanation.explanation_page import write_page
 
         print(f"page: {write_page(found, recorded, args.bag.name, args.out)}")
-    print(sentence(found))
+    print(explanation_sentence(found))
     return 0
 
 
-def score(args: Namespace) -> int:
+def score_explanations(args: Namespace) -> int:
     """Explain accidents whose first cause is known, print and write the score; return the exit status."""
     found = []
-    for one in answers(range(args.seed, args.seed + args.score)):
+    for one in answer_accidents(range(args.seed, args.seed + args.score)):
         found.append(one)
         print(
             f"seed {one.seed}: {one.first}" + ("" if one.right else f", named first: {one.named}"), flush=True

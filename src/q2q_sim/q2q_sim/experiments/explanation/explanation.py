@@ -18,8 +18,15 @@ from q2q_model.signals.values import Array
 from q2q_sim.experiments.explanation.causes import present_causes, without_causes
 from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
-from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, losses
-from q2q_sim.experiments.explanation.shapley import Order, Value, all_fit, orders_of, shares, standard_error
+from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, loss_over_time
+from q2q_sim.experiments.explanation.shapley import (
+    Order,
+    Value,
+    all_orders_fit,
+    orders_of,
+    shapley_shares,
+    standard_error,
+)
 from q2q_sim.random_streams import stream
 
 AFTER = 1.0
@@ -90,7 +97,7 @@ def explain(
     orders = orders_of(causes, params.orders, stream(case.seed, "explanation orders"))
     values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.seeds)]
     found = _all_shares(causes, orders, values, follow)
-    split = _split(causes, found, exact=all_fit(causes, params.orders))
+    split = _split(causes, found, exact=all_orders_fit(causes, params.orders))
     own = values[0]
     first = first_cause(short, loss, {one.cause: one.share for one in split}, lambda out: own(frozenset(out)))
     return Explanation(
@@ -108,7 +115,7 @@ def loss_without(case: FlightCase, loss: Loss) -> Value:
     def value(removed: frozenset[str]) -> float:
         if removed not in known:
             flight = fly_case(without_causes(case, removed))
-            known[removed] = float(losses(flight, loss.kind)[:, loss.row].max())
+            known[removed] = float(loss_over_time(flight, loss.kind)[:, loss.row].max())
         return known[removed]
 
     return value
@@ -121,7 +128,7 @@ def _all_shares(
     found = np.empty((len(values), len(orders), len(causes)))
     for k, value in enumerate(values):
         for row, order in enumerate(orders):
-            found[k, row] = shares(causes, [order], value)[0]
+            found[k, row] = shapley_shares(causes, [order], value)[0]
             follow((k * len(orders) + row + 1) / (len(values) * len(orders)))
     return found
 

@@ -1,14 +1,14 @@
 """JSON of an explanation: the contract of `explain --json`."""
 
 from q2q_sim.experiments.explanation.explanation import Explanation
-from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
 from q2q_sim.flight.run_json import Json
 
 
 def explanation_json(found: Explanation, difference: float) -> Json:
     """Return an explanation as plain values; `difference` is that of the flight flown again [m]."""
     return {
-        "sentence": sentence(found),
+        "sentence": explanation_sentence(found),
         "vehicle": found.loss.vehicle,
         "t_s": found.loss.t,
         "loss_m": found.loss.size,

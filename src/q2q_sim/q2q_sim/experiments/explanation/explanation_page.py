@@ -8,7 +8,7 @@ from q2q_model import palette
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.explanation import Explanation
-from q2q_sim.experiments.explanation.explanation_words import sentence
+from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
 from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
 from q2q_sim.experiments.explanation.loss import LOST
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase
@@ -33,7 +33,7 @@ def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path)
     picture = save(_bars(found), out / "causes.png")
     rows = [(one.cause, *map(_centimetres, (one.share, one.low, one.high))) for one in found.shares]
     parts: list[Part] = [
-        PageVerdict(sentence(found), ok=False),
+        PageVerdict(explanation_sentence(found), ok=False),
         [Picture(picture, "Shares of the loss, with 95 % intervals")],
         *_replay(found, recorded),
         Heading("Shares"),

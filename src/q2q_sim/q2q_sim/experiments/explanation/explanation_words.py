@@ -10,7 +10,7 @@ TOLD = 0.05
 """Share of the loss, either way, from which a cause is told [-]; the first one always is."""
 
 
-def sentence(found: Explanation) -> str:
+def explanation_sentence(found: Explanation) -> str:
     """Return what was lost, by which causes, and what is lost without the first."""
     loss = found.loss
     amount = f"{LOST:g} m or more" if loss.size >= LOST else centimetres(loss.size)

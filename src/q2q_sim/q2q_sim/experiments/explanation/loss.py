@@ -36,7 +36,7 @@ class Loss:
 
 def largest_loss(flight: Flight, kind: LossKind = "distance") -> Loss:
     """Return the largest loss of a simulated flight, the first one of equals."""
-    lost = losses(flight, kind)
+    lost = loss_over_time(flight, kind)
     tick, row = np.unravel_index(int(lost.argmax()), lost.shape)
     return Loss(
         kind=kind,
@@ -47,7 +47,7 @@ def largest_loss(flight: Flight, kind: LossKind = "distance") -> Loss:
     )
 
 
-def losses(flight: Flight, kind: LossKind) -> Array:
+def loss_over_time(flight: Flight, kind: LossKind) -> Array:
     """Return d [m], (T, n); LOST where a position is not a number."""
     off = flight.safe_pos - flight.true_pos
     lost = np.linalg.norm(off, axis=-1) if kind == "distance" else np.maximum(off[..., 2], 0.0)

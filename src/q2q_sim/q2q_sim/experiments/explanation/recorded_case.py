@@ -16,7 +16,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.loop.assembly import TICK_S, Options
-from q2q_sim.loop.scenario_air import air_words
+from q2q_sim.loop.scenario_air import air_description
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
@@ -67,7 +67,7 @@ def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
     own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
     if facts.wake and (own.air or own.wake != facts.wake):
         own = with_choices(own, "", facts.wake)
-    if facts.air and facts.air != air_words(own):
+    if facts.air and facts.air != air_description(own):
         air, *off = facts.air.split(" without ")
         own = with_air(own, air, tuple(off))
     if facts.vehicle and own.vehicle.name != facts.vehicle:

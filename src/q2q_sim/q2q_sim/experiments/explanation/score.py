@@ -25,7 +25,7 @@ class Answer:
         return self.first == self.named
 
 
-def answers(seeds: Sequence[int]) -> Iterator[Answer]:
+def answer_accidents(seeds: Sequence[int]) -> Iterator[Answer]:
     """Yield the answer to the accident of each seed."""
     for seed in seeds:
         given = accident(seed)

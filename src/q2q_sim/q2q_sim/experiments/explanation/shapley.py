@@ -22,20 +22,20 @@ Value = Callable[[frozenset[str]], float]
 Order = tuple[str, ...]
 
 
-def all_fit(causes: Sequence[str], most: int) -> bool:
+def all_orders_fit(causes: Sequence[str], most: int) -> bool:
     """Return whether there are at most `most` orders."""
     return factorial(len(causes)) <= most
 
 
 def orders_of(causes: Sequence[str], most: int, rng: np.random.Generator) -> list[Order]:
     """Return all orders if there are at most `most`, else `most` random ones in pairs."""
-    if all_fit(causes, most):
+    if all_orders_fit(causes, most):
         return list(permutations(causes))
     drawn = [tuple(str(cause) for cause in rng.permutation(causes)) for _ in range(most // 2)]
     return [one for order in drawn for one in (order, order[::-1])]
 
 
-def shares(causes: Sequence[str], orders: Sequence[Order], value: Value) -> Array:
+def shapley_shares(causes: Sequence[str], orders: Sequence[Order], value: Value) -> Array:
     """Return the share of each cause in each order, (orders, causes)."""
     found = np.empty((len(orders), len(causes)))
     for row, order in enumerate(orders):

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.campaign.random_run import CALM_S, Run, drawn
+from q2q_sim.experiments.campaign.random_run import CALM_S, Run, draw_run
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.attacked_flight import WORST, AttackedFlight
 from q2q_sim.experiments.guided.coincidence import CoincidingFaults
@@ -63,7 +63,7 @@ class Attack:
 def attack(seed: int, length: int, judge: Judge, air: str = "") -> Attack:
     """Return the outcome of an attack of at most `length` runs."""
     runs = weak = untold = 0
-    for attempt in attempts(seed, length, judge, air):
+    for attempt in attack_runs(seed, length, judge, air):
         runs += 1
         weak += attempt.flight.overpowered
         untold += attempt.flight.unforeseen
@@ -72,14 +72,14 @@ def attack(seed: int, length: int, judge: Judge, air: str = "") -> Attack:
     return Attack(runs, None, frozenset(), weak, untold)
 
 
-def attempts(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[AttackRun]:
+def attack_runs(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[AttackRun]:
     """Yield at most `length` runs of an attack."""
     surveyed = []
     for attempt in _survey(seed, min(length, SURVEY), judge, air):
         surveyed.append(attempt)
         yield attempt
     left = length - len(surveyed)
-    policies = falling(surveyed)[:DESCENTS] if left > 0 else ()
+    policies = falling_policies(surveyed)[:DESCENTS] if left > 0 else ()
     for number, policy in enumerate(policies):
         worst = min(surveyed, key=lambda one: one.flight.margins[policy])
         share = left // (len(policies) - number)
@@ -87,7 +87,7 @@ def attempts(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[At
         left -= share
 
 
-def falling(surveyed: Sequence[AttackRun]) -> tuple[str, ...]:
+def falling_policies(surveyed: Sequence[AttackRun]) -> tuple[str, ...]:
     """Return the policies by how far the least margin of the runs is below the median, the farthest first."""
     depths = {}
     for policy in surveyed[0].flight.margins:
@@ -100,10 +100,10 @@ def falling(surveyed: Sequence[AttackRun]) -> tuple[str, ...]:
 def _survey(seed: int, length: int, judge: Judge, air: str) -> Iterator[AttackRun]:
     rng = stream(seed, "guided attack")
     for number in range(length):
-        run = drawn(seed * SURVEY + number, air, replan="safe" if number % 2 else "none")
-        scenario, last = run.scenario, last_start(run)
+        run = draw_run(seed * SURVEY + number, air, replan="safe" if number % 2 else "none")
+        scenario, last = run.scenario, last_fault_start(run)
         vector = vector_of(CoincidingFaults(rng, scenario, last).drawn(SLOTS // 2), scenario.names, last)
-        run = attacked(run, vector)
+        run = with_fault_vector(run, vector)
         yield AttackRun(run, vector, judge(run))
 
 
@@ -117,7 +117,7 @@ def _descent(seed: int, length: int, judge: Judge, begin: tuple[str, AttackRun])
     while length > 0:
         tried = []
         for vector in search.ask()[:length]:
-            run = attacked(worst.run, vector)
+            run = with_fault_vector(worst.run, vector)
             tried.append(AttackRun(run, vector, judge(run)))
             yield tried[-1]
         length -= len(tried)
@@ -125,11 +125,11 @@ def _descent(seed: int, length: int, judge: Judge, begin: tuple[str, AttackRun])
             search.tell([one.vector for one in tried], [one.flight.margins[policy] for one in tried])
 
 
-def attacked(run: Run, vector: Array) -> Run:
+def with_fault_vector(run: Run, vector: Array) -> Run:
     """Return a run with the faults of a vector in place of its own."""
-    return with_faults(run, faults_of(vector, run.scenario.names, last_start(run)))
+    return with_faults(run, faults_of(vector, run.scenario.names, last_fault_start(run)))
 
 
-def last_start(run: Run) -> float:
+def last_fault_start(run: Run) -> float:
     """Return the last time at which a fault may start [s]."""
     return run.scenario.duration - CALM_S

@@ -12,7 +12,7 @@ import yaml
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_sim.experiments.campaign.campaign_flight import plain
+from q2q_sim.experiments.campaign.campaign_flight import plain_document
 from q2q_sim.experiments.campaign.random_run import Run, fault_document
 from q2q_sim.faults.faults import Fault, earliest_start
 from q2q_sim.loop.assembly import Options
@@ -44,7 +44,7 @@ def with_faults(run: Run, faults: tuple[Fault, ...]) -> Run:
     return replace(run, document={**run.document, "faults": [fault_document(fault) for fault in faults]})
 
 
-def shrunk(run: Run, still: Callable[[Run], bool]) -> Run:
+def shrink(run: Run, still: Callable[[Run], bool]) -> Run:
     """Return a run with the fewest and roundest faults for which `still` holds, as it does for `run`."""
     smaller: Run | None = run
     while smaller is not None:
@@ -81,7 +81,7 @@ def case_of(run: Run, policies: Iterable[str]) -> AttackCase:
 def write_case(case: AttackCase, path: Path) -> None:
     """Write a case file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(yaml.safe_dump(plain(asdict(case)), sort_keys=False), encoding="utf-8")
+    path.write_text(yaml.safe_dump(plain_document(asdict(case)), sort_keys=False), encoding="utf-8")
 
 
 def read_case(path: Path) -> AttackCase:

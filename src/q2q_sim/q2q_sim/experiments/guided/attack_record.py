@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from q2q_sim.experiments.campaign.campaign_flight import flown_pure
+from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.campaign.run_outcome import CRASH
 from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.experiments.guided.attack import attack
-from q2q_sim.experiments.guided.attack_case import case_of, shrunk, write_case
+from q2q_sim.experiments.guided.attack_case import case_of, shrink, write_case
 from q2q_sim.experiments.guided.attacked_flight import fly_attacked
 from q2q_sim.monitors.policies import Violation
 
@@ -47,7 +47,7 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
         def still(run: Run) -> bool:
             return bool(fly_attacked(run).policies & found.policies)
 
-        small = shrunk(found.violated, still)
+        small = shrink(found.violated, still)
         outcome, path = fly_attacked(small), kept / f"case_{seed}.yaml"
         policies = tuple(sorted(outcome.policies))
         write_case(case_of(small, policies), path)
@@ -60,9 +60,9 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
 
 def write_case_page(run: Run, violations: Sequence[Violation], file: Path) -> None:
     """Fly a run once more and write its replay page; nothing if it ended before it can be replayed."""
-    write_replay(file, run.scenario, flown_pure(run).topics, violations)
+    write_replay(file, run.scenario, fly_pure(run).topics, violations)
 
 
-def died(seed: int, _: BaseException) -> AttackRecord:
+def record_of_dead_process(seed: int, _: BaseException) -> AttackRecord:
     """Return the record of an attack whose process died."""
     return AttackRecord(seed, length=0, runs=0, policies=(CRASH,), case="", seconds=0.0)

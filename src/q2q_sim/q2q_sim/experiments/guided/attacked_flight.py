@@ -20,7 +20,7 @@ import numpy as np
 from q2q_model.bag import BagReader, BagWriter
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
-from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash, flown_pure
+from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash_violation, fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties import (
     filter_properties,
@@ -78,7 +78,7 @@ class AttackedFlight:
 
 def fly_attacked(run: Run) -> AttackedFlight:
     """Return the outcome of a run by closed_loop; an error counts as a violation."""
-    flown = flown_pure(run)
+    flown = fly_pure(run)
     if flown.evidence is None:
         return AttackedFlight(flown.violations)
     ticks = run_ticks(flown.topics)
@@ -90,16 +90,16 @@ def fly_attacked(run: Run) -> AttackedFlight:
     try:
         found += _record(flown.topics)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
-        found.append(crash(error))
+        found.append(crash_violation(error))
     return AttackedFlight(
         violations=(*flown.violations, *found),
-        margins={name: bounded(one) for name, one in known.items()},
+        margins={name: bounded_margin(one) for name, one in known.items()},
         overpowered=bool(overpowered(flown.evidence, circumstances).any()),
         unforeseen=bool(unforeseen(flown.evidence, circumstances).any()),
     )
 
 
-def bounded(margin: float) -> float:
+def bounded_margin(margin: float) -> float:
     """Return a margin within WORST of 0."""
     return min(max(margin, -WORST), WORST)
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from itertools import chain, count, islice
 from time import perf_counter
 
-from q2q_sim.experiments.campaign.random_run import Run, drawn
-from q2q_sim.experiments.guided.attack import LENGTH, attempts
+from q2q_sim.experiments.campaign.random_run import Run, draw_run
+from q2q_sim.experiments.guided.attack import LENGTH, attack_runs
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 
@@ -30,7 +30,7 @@ class BugScore:
     air: str = ""
 
 
-def score(number: int, runs: int, seed: int, air: str = "") -> BugScore:
+def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
     """Return the score of one of SEEDED_BUGS; the searches begin at a seed."""
     began, bug = perf_counter(), SEEDED_BUGS[number]
 
@@ -38,9 +38,9 @@ def score(number: int, runs: int, seed: int, air: str = "") -> BugScore:
         with bug.seeded():
             return fly_attacked(run)
 
-    attacks = chain.from_iterable(attempts(seed + k, LENGTH, judge, air) for k in count())
+    attacks = chain.from_iterable(attack_runs(seed + k, LENGTH, judge, air) for k in count())
     guided = ((one.run, one.flight) for one in attacks)
-    blind = ((run, judge(run)) for run in (drawn(seed + k, air) for k in count()))
+    blind = ((run, judge(run)) for run in (draw_run(seed + k, air) for k in count()))
     found = _first(guided, runs), _first(blind, runs)
     return BugScore(bug.name, runs, seed, *found, perf_counter() - began, air)
 

@@ -47,7 +47,7 @@ class Moment:
     """The fastest one, or the upper one of a pair."""
 
 
-def moments(scenario: Scenario, last: float) -> tuple[Moment, ...]:
+def critical_moments(scenario: Scenario, last: float) -> tuple[Moment, ...]:
     """Return the moments of a scenario's plan up to `last` [s]."""
     plan = plan_of(scenario)
     times = np.arange(0.0, last, GRID_S)
@@ -74,7 +74,7 @@ class CoincidingFaults:
     def __init__(self, rng: np.random.Generator, scenario: Scenario, last: float) -> None:
         """Draw from `rng` faults that begin at most at `last` [s]."""
         self._rng, self._names, self._last = rng, scenario.names, last
-        self._moments = moments(scenario, last)
+        self._moments = critical_moments(scenario, last)
 
     def drawn(self, pairs: int) -> tuple[Fault, ...]:
         """Return pairs of faults, in random order."""

@@ -17,13 +17,18 @@ from rich.table import Table
 
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
-from q2q_sim.experiments.campaign.engine import ParallelRuns, spread
-from q2q_sim.experiments.campaign.finished_work import mend, read
+from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
+from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries
 from q2q_sim.experiments.guided.attack import LENGTH
 from q2q_sim.experiments.guided.attack_case import read_case
-from q2q_sim.experiments.guided.attack_record import AttackRecord, attack_and_keep, died, write_case_page
+from q2q_sim.experiments.guided.attack_record import (
+    AttackRecord,
+    attack_and_keep,
+    record_of_dead_process,
+    write_case_page,
+)
 from q2q_sim.experiments.guided.attacked_flight import fly_attacked
-from q2q_sim.experiments.guided.bug_score import BugScore, score, unscored
+from q2q_sim.experiments.guided.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 
 Entry = TypeVar("Entry", AttackRecord, BugScore)
@@ -40,7 +45,7 @@ def run(args: Namespace) -> int:
     args.out.mkdir(parents=True, exist_ok=True)
     attacks, scores = list(_attacks(args)), list(_scores(args))
     total = summary(attacks, scores)
-    show(total)
+    print_totals(total)
     if args.json:
         write_json(total, args.json)
     return int(bool(total["violations"]))
@@ -81,7 +86,7 @@ def summary(attacks: Sequence[AttackRecord], scores: Sequence[BugScore]) -> dict
     }
 
 
-def show(total: dict[str, object]) -> None:
+def print_totals(total: dict[str, object]) -> None:
     """Print the totals of a guided campaign."""
     table = Table(title="Runs until a seeded bug was found", show_lines=False)
     for column in ("bug", "guided", "blind"):
@@ -122,8 +127,8 @@ def _attacks(args: Namespace) -> Iterator[AttackRecord]:
     yield from done.values()
     work = partial(_attack, lengths=lengths, kept=args.out / "cases", air=args.air)
     left = [seed for seed in lengths if seed not in done]
-    mend(log)
-    for one in spread(ParallelRuns(args.engine, args.jobs), work, left, died):
+    drop_incomplete_line(log)
+    for one in spread_work(ParallelRuns(args.engine, args.jobs), work, left, record_of_dead_process):
         _append(log, one)
         yield one
 
@@ -139,9 +144,9 @@ def _scores(args: Namespace) -> Iterator[BugScore]:
     log, wanted = args.out / "seeded_bugs.jsonl", (args.bug_runs, args.seed, args.air)
     done = {one.bug: one for one in _read(log, BugScore) if (one.runs, one.seed, one.air) == wanted}
     left = [number for number, bug in enumerate(SEEDED_BUGS) if bug.name not in done]
-    work = partial(score, runs=args.bug_runs, seed=args.seed, air=args.air)
-    mend(log)
-    for one in spread(ParallelRuns(args.engine, args.jobs), work, left, unscored):
+    work = partial(score_bugs, runs=args.bug_runs, seed=args.seed, air=args.air)
+    drop_incomplete_line(log)
+    for one in spread_work(ParallelRuns(args.engine, args.jobs), work, left, unscored):
         _append(log, one)
         done[one.bug] = one
     yield from (done[bug.name] for bug in SEEDED_BUGS)
@@ -156,7 +161,7 @@ def _read(log: Path, kind: Callable[..., Entry]) -> list[Entry]:
         except TypeError as wrong:
             raise ValueError(str(wrong)) from wrong
 
-    return read(log, entry)
+    return read_entries(log, entry)
 
 
 def _append(log: Path, entry: AttackRecord | BugScore) -> None:

@@ -42,7 +42,7 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_planner.online.safe import safe_replanner
-from q2q_planner.online.safe.committed_motion import CommittedMotion, propagated
+from q2q_planner.online.safe.committed_motion import CommittedMotion, propagate
 from q2q_planner.online.safe.motion_choice import NEW, Choices
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
@@ -141,7 +141,7 @@ def _no_proof(_: CommittedMotion, traffic: TrafficTable, *__: object) -> Choices
 def _hold_forgotten(
     committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float, jerk: float = 0.0
 ) -> CommittedMotion:
-    moved = propagated(committed, setpoint, brake, jerk)
+    moved = propagate(committed, setpoint, brake, jerk)
     same = committed is not None and len(committed.hold) == len(moved.hold)
     return replace(moved, hold=committed.hold) if committed is not None and same else moved
 
@@ -188,7 +188,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("no_evasion", DescentEvasion, "update", _no_evasion),
     SeededBug("evasion_reversed", descent_evasion, "evasion_direction", _evasion_reversed),
     SeededBug("no_proof", safe_replanner, "_choice", _no_proof),
-    SeededBug("hold_forgotten", safe_replanner, "propagated", _hold_forgotten),
+    SeededBug("hold_forgotten", safe_replanner, "propagate", _hold_forgotten),
     SeededBug("half_zone", safe_replanner, "BrakingLaw", _half_zone),
     SeededBug("break_unreported", safe_replanner, "_answer", _break_unreported),
     SeededBug("old_stamps_dropped", BagWriter, "write_signal", _old_stamps_dropped),

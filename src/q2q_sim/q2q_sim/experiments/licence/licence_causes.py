@@ -11,7 +11,7 @@ WATCHDOG_S = 2.0
 """Age of a setpoint at which the firmware stops the motors [s]."""
 
 
-def cause(log: LicenceLog, row: int, t: float) -> str:
+def failure_cause(log: LicenceLog, row: int, t: float) -> str:
     """Return why a vehicle did at t [s] what it did, in words."""
     ending = log.last(row, t, _ends_flight)
     if ending is not None and not _flown_after(log, row, ending, t):

@@ -17,7 +17,7 @@ from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
-from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, findings
+from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, broken_rules
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
 from q2q_sim.experiments.licence.program_flight import (
     MORE_VEHICLES,
@@ -25,10 +25,10 @@ from q2q_sim.experiments.licence.program_flight import (
     FlightOrder,
     Program,
     fly_program,
-    received,
+    received_log,
 )
 from q2q_sim.experiments.licence.trials import LicenceTrial
-from q2q_sim.processes.warm_start import begin
+from q2q_sim.processes.warm_start import start_warm_parent
 from q2q_sim.sensors.range_finder import RoomBox
 
 MOST_VEHICLES = 15
@@ -161,7 +161,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
     Raises:
         AirError: the air does not exist, or cannot be flown in.
     """
-    begin()
+    start_warm_parent()
     LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
     began = monotonic()
     nominal = _nominal(program, options)
@@ -171,7 +171,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
         limit = log.end.t + LONGER_S
         trials = trials_after(log)
         orders = [replace(_first_order(program, options, log.uris), trial=one, limit=limit) for one in trials]
-        flights += flown(orders, options, began + options.budget)
+        flights += fly_trials(orders, options, began + options.budget)
         done = {one.trial for one in flights}
         left_out = [one for one in trials if one not in done]
     return Licence(program, tuple(flights), tuple(left_out), monotonic() - began)
@@ -181,15 +181,15 @@ def _nominal(program: Program, options: LicenceOptions) -> FlownTrial:
     """Return the flight without faults, with as many vehicles as the program opens."""
     order = _first_order(program, options, tuple(one.uri for one in options.served))
     forever = monotonic() + options.budget
-    (first,) = flown([order], options, forever)
+    (first,) = fly_trials([order], options, forever)
     if first.log is None or first.log.end.error != MORE_VEHICLES:
         return first
     survey = replace(order, params=options.params(MOST_VEHICLES), survey=True)
-    (surveyed,) = flown([survey], options, forever)
+    (surveyed,) = fly_trials([survey], options, forever)
     if surveyed.log is None:
         return surveyed
     uris = tuple(sorted(surveyed.log.uris))
-    (nominal,) = flown([replace(order, params=options.params(len(uris)), uris=uris)], options, forever)
+    (nominal,) = fly_trials([replace(order, params=options.params(len(uris)), uris=uris)], options, forever)
     return nominal
 
 
@@ -208,9 +208,9 @@ class _Running:
     since: float
 
 
-def flown(orders: Sequence[FlightOrder], options: LicenceOptions, until: float) -> Iterator[FlownTrial]:
+def fly_trials(orders: Sequence[FlightOrder], options: LicenceOptions, until: float) -> Iterator[FlownTrial]:
     """Yield the flights in the order of their ends; none starts after `until` (monotonic [s])."""
-    begin()
+    start_warm_parent()
     context = get_context("forkserver")
     waiting = list(orders)
     running: dict[Connection, _Running] = {}
@@ -237,7 +237,7 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
         seconds = monotonic() - one.since
         if answer not in ready and seconds < STUCK_S:
             continue
-        sent = received(answer) if answer in ready else None
+        sent = received_log(answer) if answer in ready else None
         if answer in ready:
             one.process.join(DYING_S)
         died = one.process.exitcode
@@ -248,7 +248,7 @@ def _ended(running: dict[Connection, _Running], limits: LicenceLimits) -> Iterat
         trial = one.order.trial
         match sent:
             case LicenceLog():
-                yield FlownTrial(trial, findings(sent, limits), sent, seconds)
+                yield FlownTrial(trial, broken_rules(sent, limits), sent, seconds)
             case SimulatorFailure():
                 yield FlownTrial(trial, (), None, seconds, sent)
             case None:

@@ -14,13 +14,13 @@ from q2q_sim.experiments.licence.licence_reports import (
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
-from q2q_sim.experiments.licence.licence_score import licence_score_json, scored, scored_programs
+from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.program_flight import Program
 from q2q_sim.flight.run_json import Json
 
 
-def judge(args: Namespace) -> int:
+def judge_program(args: Namespace) -> int:
     """Judge a program, print the report and write it; return the exit status."""
     x, y, z = args.room
     options = LicenceOptions(
@@ -47,11 +47,11 @@ def judge(args: Namespace) -> int:
     return 0 if found.passed else 1
 
 
-def score(args: Namespace) -> int:
+def score_programs(args: Namespace) -> int:
     """Judge programs with and without seeded bugs, print and write the score; return the exit status."""
     found = []
     for program in scored_programs(args.score, tuple(args.only)):
-        one = scored(program, args.jobs, args.seed)
+        one = score_program(program, args.jobs, args.seed)
         found.append(one)
         print(f"{one.word}  {program.name}: {one.verdict}", flush=True)
     document = licence_score_json(found)

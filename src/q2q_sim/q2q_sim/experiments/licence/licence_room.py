@@ -15,7 +15,11 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.packets.packet import MalformedError, packet_of
-from q2q_sim.experiments.licence.commands.client_commands import ClientCommand, asked_by, malformed
+from q2q_sim.experiments.licence.commands.client_commands import (
+    ClientCommand,
+    client_command,
+    malformed_command,
+)
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
 from q2q_sim.faults.injection import FaultInjection
@@ -140,9 +144,9 @@ class LicenceRoom:
         try:
             packet = packet_of(datagram)
             if vehicle.refusals.count > refusals:
-                asked = malformed(packet)
+                asked = malformed_command(packet)
             else:
-                asked = asked_by(packet, [packet_of(one) for one in answers], vehicle.firmware)
+                asked = client_command(packet, [packet_of(one) for one in answers], vehicle.firmware)
         except MalformedError:
             return
         if asked is not None:
@@ -214,11 +218,11 @@ class LicenceRoom:
         rows = []
         for vehicle in self._fleet.vehicles:
             one = vehicle.firmware
-            rows.append((runs(one), int(one.supervisor.state), one.now_ms - one.commander.set_ms))
+            rows.append((may_run_motors(one), int(one.supervisor.state), one.now_ms - one.commander.set_ms))
         self._columns.firmware.append(rows)
 
 
-def runs(one: Firmware) -> bool:
+def may_run_motors(one: Firmware) -> bool:
     """Return whether a motor runs, or a controller of the height may run them.
 
     Mellinger's controller asks for no thrust for a tenth of a second when its position jumps upwards, from

@@ -31,7 +31,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
-from q2q_sim.experiments.licence.licence_causes import cause
+from q2q_sim.experiments.licence.licence_causes import failure_cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
@@ -87,7 +87,7 @@ class BrokenRule:
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
 
 
-def findings(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
+def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
     """Return the broken rules of a flight in the order of time."""
     found = [one for one in (_program(log), *_nearness(log, limits)) if one is not None]
     for row in range(len(log.uris)):
@@ -113,7 +113,7 @@ def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | No
     if tick < 0:
         return None
     what = f"the motors of {log.name(row)} stop at a height of {height[tick]:.2f} m"
-    return BrokenRule("motors", float(log.t[tick]), what, cause(log, row, float(log.t[tick])))
+    return BrokenRule("motors", float(log.t[tick]), what, failure_cause(log, row, float(log.t[tick])))
 
 
 def _landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
@@ -124,7 +124,7 @@ def _landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | N
     if tick < 0:
         return None
     what = f"{log.name(row)} hits the floor at {-climb[tick - 1]:.1f} m/s"
-    return BrokenRule("landing", float(log.t[tick]), what, cause(log, row, float(log.t[tick])))
+    return BrokenRule("landing", float(log.t[tick]), what, failure_cause(log, row, float(log.t[tick])))
 
 
 def _outside(pos: Array, limits: LicenceLimits) -> Mask:
@@ -150,14 +150,16 @@ def _room(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None
         )
     if tick < 0:
         return None
-    return BrokenRule("room", left, f"{log.name(row)} leaves the room", cause(log, row, left))
+    return BrokenRule("room", left, f"{log.name(row)} leaves the room", failure_cause(log, row, left))
 
 
 def _tumble(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     tick = _first(log.state[:, row] == State.CRASHED)
     if tick < 0:
         return None
-    return BrokenRule("tumble", float(log.t[tick]), f"{log.name(row)} tumbles", cause(log, row, log.t[tick]))
+    return BrokenRule(
+        "tumble", float(log.t[tick]), f"{log.name(row)} tumbles", failure_cause(log, row, log.t[tick])
+    )
 
 
 def _setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
@@ -178,7 +180,7 @@ def _spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None
         return None
     rate = math.degrees(abs(float(log.yaw_rate[tick, row])))
     t = float(log.t[tick])
-    return BrokenRule("spin", t, f"{log.name(row)} spins at {rate:.0f} deg/s", cause(log, row, t))
+    return BrokenRule("spin", t, f"{log.name(row)} spins at {rate:.0f} deg/s", failure_cause(log, row, t))
 
 
 def _yaw(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
@@ -255,7 +257,9 @@ def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | N
         if tick >= 0:
             t = float(log.t[tick])
             why = "; ".join(
-                f"for {log.name(row)}, {cause(log, row, t)}" for row in (i, j) if log.airborne[tick, row]
+                f"for {log.name(row)}, {failure_cause(log, row, t)}"
+                for row in (i, j)
+                if log.airborne[tick, row]
             )
             lost = log.trial.kind == TrialKind.LOST and log.trial.excused in {i, j}
             yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", why, remark=lost)
@@ -278,7 +282,7 @@ def _exposure(
     below, above = (i, j) if apart[tick, 2] < 0.0 else (j, i)
     t, depth = float(log.t[tick]), abs(float(apart[tick, 2]))
     what = f"{log.name(below)} flies in the downwash of {log.name(above)}, {depth:.2f} m below it"
-    return BrokenRule("downwash", t, what, cause(log, below, t))
+    return BrokenRule("downwash", t, what, failure_cause(log, below, t))
 
 
 RULES: tuple[Rule, ...] = (_motors, _landing, _room, _tumble, _setpoints, _spin, _yaw, _command, _end, _idle)

@@ -87,7 +87,7 @@ def scored_programs(folder: Path, only: Sequence[str] = ()) -> Iterator[ScoredPr
                 yield ScoredProgram(file.resolve(), kind == "sound", settings)
 
 
-def scored(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
+def score_program(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
     """Return the verdict on a program."""
     one = program.settings
     starts = tuple((x, y, math.radians(yaw)) for x, y, yaw in ((*row, 0.0)[:3] for row in one.start))

@@ -25,7 +25,7 @@ from types import FrameType
 from typing import NoReturn
 
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
-from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, put_in_place
+from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, install_modules
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, stock_vehicles
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
@@ -137,7 +137,7 @@ class _Flight:
 
     def _connect(self) -> None:
         """Let cflib's links end in the room; cflib is imported after its calls have been replaced."""
-        put_in_place(self._swarms)
+        install_modules(self._swarms)
         if find_spec("cflib") is not None:
             from q2q_sim.experiments.licence.program.emulated_link import use_emulated_links
 
@@ -277,7 +277,7 @@ def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
         end_by(error, answer)
 
 
-def received(answer: Connection) -> LicenceLog | SimulatorFailure | None:
+def received_log(answer: Connection) -> LicenceLog | SimulatorFailure | None:
     """Return the log that a process has sent, or why the simulator failed in it; None if it ended without."""
     try:
         sent = answer.recv()

@@ -55,7 +55,7 @@ class Line:
     """Empty: that of a reference if dashed or dotted, else that of the flight of its place."""
 
 
-def drawn(path: Path, title: str, labels: tuple[str, str], lines: list[Line]) -> str:
+def draw_panel(path: Path, title: str, labels: tuple[str, str], lines: list[Line]) -> str:
     """Draw one panel into a PNG; return the file's name."""
     figure, (axes,) = panels(1)
     for k, line in enumerate(lines):

@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_model import palette
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.downwash.interaction_model import at_rest
+from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
@@ -26,11 +26,11 @@ from q2q_model.identification.networks.trajectory_loss import WIDE, FlightTerms,
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, drawn
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
 from q2q_sim.firmware.motors.battery import LOW_POWER, Battery
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.metrics import tick_of
+from q2q_sim.monitors.metrics import tick_period
 from q2q_sim.scenarios import library
 
 FLIGHTS = range(1, 7)
@@ -88,7 +88,7 @@ def learning(folder: Path) -> ExperimentOutcome:
     model = fit_networks(terms)
     mse = trajectory_loss(model, terms).mse.mean(axis=0)
     step_size, seconds = timed_adam(terms)
-    eta = felt(model, records[SHOWN])
+    eta = predicted_push(model, records[SHOWN])
     found = {
         **_flown(flights),
         "table3.xtol": TOLERANCE,
@@ -113,10 +113,10 @@ def learning(folder: Path) -> ExperimentOutcome:
     )
 
 
-def felt(model: EnvelopeNetwork, record: AltitudeRecord) -> Array:
+def predicted_push(model: EnvelopeNetwork, record: AltitudeRecord) -> Array:
     """Return the vertical downwash [m/s^2] a model predicts for a flight of two, (T, 2)."""
     rel = record.pos[:, ::-1] - record.pos  # (T, 2, 3), of the other
-    return np.asarray(model.acceleration(rel, at_rest(rel))[..., 2])
+    return np.asarray(model.acceleration(rel, pairs_at_rest(rel))[..., 2])
 
 
 def _flown(flights: Sequence[Flight]) -> dict[str, float]:
@@ -129,7 +129,7 @@ def _flown(flights: Sequence[Flight]) -> dict[str, float]:
         speed = float(np.linalg.norm(flight.true_vel[np.argmin(across), 1, :2]))
         found[f"table2.distance_{number}"] = float(rel[near, 2].mean())
         found[f"table2.speed_{number}"] = speed
-        found[f"table2.overlap_{number}"] = float(near.sum()) * tick_of(flight)
+        found[f"table2.overlap_{number}"] = float(near.sum()) * tick_period(flight)
     return found
 
 
@@ -142,7 +142,7 @@ def _decay_picture(folder: Path, decay: DecayFit) -> FigurePicture:
         Line("fit", along, decay.alpha.value * np.exp(-decay.beta.value * along), colour=palette.MODEL),
     ]
     title = "fig4: dev against the height difference"
-    return FigurePicture("fig4", drawn(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
+    return FigurePicture("fig4", draw_panel(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
 
 
 def _learned_pictures(
@@ -164,6 +164,6 @@ def _learned_pictures(
             (f"fig{8 + row}", "eta z [m/s²]", [downwash]),
         ):
             title = f"{group}: Q{row + 1} in flight #{SHOWN + 1}"
-            file = drawn(folder / f"{group}_q{row + 1}.png", title, ("t [s]", unit), lines)
+            file = draw_panel(folder / f"{group}_q{row + 1}.png", title, ("t [s]", unit), lines)
             made.append(FigurePicture(group, file, title))
     return tuple(made)

@@ -57,7 +57,7 @@ def paper_numbers(file: Path = FILE) -> tuple[PaperNumber, ...]:
     return tuple(read)
 
 
-def chosen(numbers: tuple[PaperNumber, ...], only: str) -> tuple[PaperNumber, ...]:
+def select_numbers(numbers: tuple[PaperNumber, ...], only: str) -> tuple[PaperNumber, ...]:
     """Return the numbers of the groups in `only` (table6,fig10); all if it is empty.
 
     Raises:

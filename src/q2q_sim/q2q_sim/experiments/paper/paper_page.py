@@ -50,7 +50,7 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> Json:
     """Return {"rows": [...]}, one for each number."""
-    found = values(outcomes)
+    found = found_values(outcomes)
     return {
         "rows": [
             {
@@ -65,14 +65,16 @@ def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome
     }
 
 
-def values(outcomes: Sequence[ExperimentOutcome]) -> dict[str, float]:
+def found_values(outcomes: Sequence[ExperimentOutcome]) -> dict[str, float]:
     """Return every number that was found."""
     return {name: value for outcome in outcomes for name, value in outcome.values.items()}
 
 
-def rows(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> list[tuple[str, ...]]:
+def table_cells(
+    numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]
+) -> list[tuple[str, ...]]:
     """Return the cells of the table."""
-    found = values(outcomes)
+    found = found_values(outcomes)
     return [_row(one, finite(found.get(one.id))) for one in numbers]
 
 
@@ -84,9 +86,9 @@ def without_repeated_notes(cells: Sequence[tuple[str, ...]]) -> list[tuple[str, 
     ]
 
 
-def closeness(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> str:
+def closeness_sentence(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome]) -> str:
     """Return how many numbers are close to the paper's, of the results that it prints too."""
-    found = values(outcomes)
+    found = found_values(outcomes)
     ratios = [
         ours / one.paper
         for one in numbers
@@ -103,14 +105,14 @@ def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutc
     """Write index.html into a folder."""
     out.mkdir(parents=True, exist_ok=True)
     pictures = [Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)]
-    cells = without_repeated_notes(rows(numbers, outcomes))
-    parts: list[Part] = [closeness(numbers, outcomes), Grid(HEAD, cells), pictures]
+    cells = without_repeated_notes(table_cells(numbers, outcomes))
+    parts: list[Part] = [closeness_sentence(numbers, outcomes), Grid(HEAD, cells), pictures]
     (out / "index.html").write_text(page(TITLE, LEAD, parts), encoding="utf-8")
 
 
 def write_pdf(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:
     """Write paper.pdf into a folder: the table, then one picture a page."""
-    cells = rows(numbers, outcomes)
+    cells = table_cells(numbers, outcomes)
     with PdfPages(out / "paper.pdf") as pdf:
         for start in range(0, len(cells), ROWS_A_PAGE):
             sheet = _table_page(cells[start : start + ROWS_A_PAGE])

@@ -7,12 +7,12 @@ import numpy as np
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
-from q2q_planner.offline.avoidance.joint_plan import avoid
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate import certify
-from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, drawn
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.metrics import best_position, tick_of
+from q2q_sim.monitors.metrics import best_position, tick_period
 from q2q_sim.scenarios import library
 
 SCENARIO = "section4_1"
@@ -23,11 +23,11 @@ ZONE = Cylinder()
 def planning(folder: Path) -> ExperimentOutcome:
     """Plan with and without the zone, and fly both with the learned loop, the downwash not compensated."""
     scenario = library.load(SCENARIO)
-    safe = avoid(scenario.waypoints, ZONE, scenario.reading)
-    again = avoid(scenario.waypoints, ZONE, scenario.reading, warm=safe.plan)
+    safe = avoid_zones(scenario.waypoints, ZONE, scenario.reading)
+    again = avoid_zones(scenario.waypoints, ZONE, scenario.reading, warm=safe.plan)
     without = fly(scenario, FlightOptions(mode="ignoring"))
     around = fly(scenario, FlightOptions(mode="ignoring", plan=safe.plan))
-    before, after = rms(without, without.ref_pos), rms(around, around.ref_pos)
+    before, after = rms_error(without, without.ref_pos), rms_error(around, around.ref_pos)
     less = 100.0 * (1.0 - after / before)
     found = {
         "table5.ftol": abs(again.cost / safe.cost - 1.0),
@@ -49,9 +49,9 @@ def replanning(folder: Path) -> ExperimentOutcome:
     """Fly the online replanner with the paper's parameters."""
     flight = fly(library.load(SCENARIO), FlightOptions(mode="ignoring", replan="paper"))
     inside = ZONE.signed_distance(flight.safe_pos[:, 1] - flight.safe_pos[:, 0]) < 0.0
-    left = rms(flight, flight.safe_pos)
+    left = rms_error(flight, flight.safe_pos)
     found = {
-        "fig12.zone_time": float(inside.sum()) * tick_of(flight),
+        "fig12.zone_time": float(inside.sum()) * tick_period(flight),
         "fig13.rms_1": float(left[0]),
         "fig13.rms_2": float(left[1]),
     }
@@ -60,7 +60,7 @@ def replanning(folder: Path) -> ExperimentOutcome:
     return ExperimentOutcome(found, pictures)
 
 
-def rms(flight: Flight, reference: Array) -> Array:
+def rms_error(flight: Flight, reference: Array) -> Array:
     """Return sqrt(mean (z - z_ref)^2) of every vehicle [m], (n,), against positions (T, n, 3)."""
     error = best_position(flight)[..., 2] - reference[..., 2]
     return np.asarray(np.sqrt(np.nanmean(error**2, axis=0)))
@@ -70,7 +70,7 @@ def _gaps(folder: Path, group: str, paths: dict[str, tuple[Array, Array]]) -> Fi
     """Draw the distances of pairs from the zone."""
     lines = [Line(label, t, ZONE.signed_distance(pos[:, 1] - pos[:, 0])) for label, (t, pos) in paths.items()]
     title = f"{group}: distance from the zone, negative inside"
-    file = drawn(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)
+    file = draw_panel(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)
     return FigurePicture(group, file, title)
 
 
@@ -81,6 +81,6 @@ def _altitudes(folder: Path, group: str, flights: dict[str, Flight]) -> tuple[Fi
         first = next(iter(flights.values()))
         lines.append(Line("plan without avoidance", first.t, first.ref_pos[:, row, 2], "--"))
         title = f"{group}: altitude of Q{row + 1}"
-        file = drawn(folder / f"{group}_q{row + 1}.png", title, ("t [s]", "z [m]"), lines)
+        file = draw_panel(folder / f"{group}_q{row + 1}.png", title, ("t [s]", "z [m]"), lines)
         made.append(FigurePicture(group, file, title))
     return tuple(made)

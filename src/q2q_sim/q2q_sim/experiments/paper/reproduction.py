@@ -15,7 +15,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_sim.experiments.paper import learning_tables, planning_tables, tracking_tables
 from q2q_sim.experiments.paper.experiment_cache import PaperCache, fingerprint
 from q2q_sim.experiments.paper.experiment_outcome import Experiment, ExperimentOutcome
-from q2q_sim.experiments.paper.paper_numbers import PaperNumber, chosen, paper_numbers
+from q2q_sim.experiments.paper.paper_numbers import PaperNumber, paper_numbers, select_numbers
 from q2q_sim.experiments.paper.paper_page import as_json, write_page, write_pdf
 
 EXPERIMENTS = (
@@ -36,10 +36,10 @@ EXPERIMENTS = (
 
 def run(args: Namespace) -> int:
     """Reproduce the requested tables and figures; return the exit status."""
-    return _reproduce(chosen(paper_numbers(), args.only), args.out, args.json, again=args.again)
+    return _reproduce(select_numbers(paper_numbers(), args.only), args.out, args.json, again=args.again)
 
 
-def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
+def needed_experiments(numbers: Sequence[PaperNumber]) -> list[Experiment]:
     """Return the experiments behind any of these numbers."""
     groups = {one.group for one in numbers}
     return [one for one in EXPERIMENTS if groups & set(one.groups)]
@@ -47,7 +47,7 @@ def needed(numbers: Sequence[PaperNumber]) -> list[Experiment]:
 
 def _reproduce(numbers: Sequence[PaperNumber], out: Path, json_file: Path | None, *, again: bool) -> int:
     cache = PaperCache(out, fingerprint())
-    outcomes = run_all(needed(numbers), cache, again=again)
+    outcomes = run_all(needed_experiments(numbers), cache, again=again)
     write_page(numbers, outcomes, out)
     write_pdf(numbers, outcomes, out)
     if json_file:

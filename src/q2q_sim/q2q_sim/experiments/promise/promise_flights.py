@@ -11,9 +11,14 @@ from rich.progress import track
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import to_plain
-from q2q_sim.experiments.campaign.engine import ParallelRuns, spread
-from q2q_sim.experiments.promise.kept_flights import resumed
-from q2q_sim.experiments.promise.promise_verdict import errors_of, verdict, verdict_json, verdict_lines
+from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
+from q2q_sim.experiments.promise.kept_flights import resume_flights
+from q2q_sim.experiments.promise.promise_verdict import (
+    largest_errors,
+    promise_verdict,
+    verdict_json,
+    verdict_lines,
+)
 from q2q_sim.experiments.promise.room_encounter import STEADY, EncounterRecord, PromiseCase, fly_case
 from q2q_sim.experiments.promise.tracking_tube import (
     TrackingTube,
@@ -30,17 +35,17 @@ def run(args: Namespace) -> int:
     if args.learn:
         check_enough_flights(args.count, args.alpha)
     tube = read_tube(args.tube) if args.tube else None
-    case = case_of(args, tube)
+    case = promise_case(args, tube)
     for difference in different_conditions(tube, case.conditions) if tube else ():
         print(f"promise: not the flights of the tube: {difference}", file=sys.stderr)
     records = _flown(range(args.first, args.first + args.count), case, args)
-    found = verdict(records, tube)
+    found = promise_verdict(records, tube)
     print(*verdict_lines(found), sep="\n")
     document: dict[str, Json] = {"first": args.first, "verdict": verdict_json(found)}
     document["replanner"] = to_plain(case.params)
     document["tube"] = to_plain(tube) if tube else None
     if args.learn:
-        learned = learn_tube(errors_of(records), args.alpha, case.conditions)
+        learned = learn_tube(largest_errors(records), args.alpha, case.conditions)
         print(
             f"tube at alpha {args.alpha:g} from {learned.flights} flights: {1e3 * learned.horizontal:.0f} mm"
             f" horizontally, {1e3 * learned.vertical:.0f} mm vertically"
@@ -51,7 +56,7 @@ def run(args: Namespace) -> int:
     return int(found.entries.events > 0)
 
 
-def case_of(args: Namespace, tube: TrackingTube | None) -> PromiseCase:
+def promise_case(args: Namespace, tube: TrackingTube | None) -> PromiseCase:
     """Return what is flown: the first guess of a tube, or the given one."""
     jerk = STEADY.jerk_max if args.jerk is None else args.jerk
     params = replace(STEADY, jerk_max=jerk)
@@ -62,13 +67,13 @@ def case_of(args: Namespace, tube: TrackingTube | None) -> PromiseCase:
 
 def _flown(seeds: Sequence[int], case: PromiseCase, args: Namespace) -> list[EncounterRecord]:
     fly = partial(_spread, case=case, jobs=args.jobs)
-    runs = resumed(seeds, case, args.keep, fly) if args.keep else fly(seeds)
+    runs = resume_flights(seeds, case, args.keep, fly) if args.keep else fly(seeds)
     shown = track(runs, "promise", total=len(seeds), console=Console(stderr=True), transient=True)
     return sorted(shown, key=lambda one: one.seed)
 
 
 def _spread(seeds: Sequence[int], case: PromiseCase, jobs: int) -> Iterator[EncounterRecord]:
-    return spread(ParallelRuns("local", jobs), partial(fly_case, case=case), seeds, _died)
+    return spread_work(ParallelRuns("local", jobs), partial(fly_case, case=case), seeds, _died)
 
 
 def _died(seed: int, error: BaseException) -> EncounterRecord:

@@ -57,7 +57,7 @@ class PromiseVerdict:
     """Of these, flights in which the bounds of motion let every vehicle be back, were it alone."""
 
 
-def errors_of(records: Sequence[EncounterRecord]) -> Array:
+def largest_errors(records: Sequence[EncounterRecord]) -> Array:
     """Return the largest tracking errors (horizontal, vertical) [m], (n, 2), in the order of the seeds.
 
     Only of flights that begin under the conditions.
@@ -66,13 +66,13 @@ def errors_of(records: Sequence[EncounterRecord]) -> Array:
     return np.array([(one.horizontal, one.vertical) for one in known]).reshape(-1, 2)
 
 
-def verdict(records: Sequence[EncounterRecord], tube: TrackingTube | None) -> PromiseVerdict:
+def promise_verdict(records: Sequence[EncounterRecord], tube: TrackingTube | None) -> PromiseVerdict:
     """Return the verdict on flights; `tube` is the one they were flown with."""
     held = [one for one in records if one.apart_at_start]
     others = [one for one in records if not one.apart_at_start]
     left = None
     if tube is not None:
-        left = Rate(sum(not tube.holds(errors) for errors in errors_of(records)), len(held))
+        left = Rate(sum(not tube.holds(errors) for errors in largest_errors(records)), len(held))
     ends = [one.arrived for one in held if one.arrived is not None]
     reach = [one.in_reach for one in held if one.in_reach is not None]
     return PromiseVerdict(

@@ -11,7 +11,7 @@ from rich.progress import track
 
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
-from q2q_sim.experiments.robustness.robustness_page import ignoring, key, page
+from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 CONTROLLERS = ("mpc", "pid")
@@ -46,12 +46,16 @@ def run(given: Namespace) -> int:
             f"{given.json} is of --seeds {kept.each} --seed {kept.seed}: give these, or another file"
         )
     found = dict(numbers.errors)
-    wanted = {key(one): one for pair in ((ignoring(one), one) for one in flights) for one in pair}
+    wanted = {
+        flight_key(one): one for pair in ((ignoring_flight(one), one) for one in flights) for one in pair
+    }
     missing = [name for name in wanted if name not in found]
     for name in () if given.table_only else track(missing, "flights"):
         found[name] = fly_perturbed(wanted[name])
         save(KeptNumbers(found, asked), given.json)
-    complete = [one for one in flights if key(one) in found and key(ignoring(one)) in found]
+    complete = [
+        one for one in flights if flight_key(one) in found and flight_key(ignoring_flight(one)) in found
+    ]
     if not complete:
         raise ValueError(f"{given.json} holds none of these flights: leave out {TABLE_ONLY}")
     words = [word for word in given.argv if word != TABLE_ONLY]

@@ -48,7 +48,7 @@ PERTURBATIONS = (
 )
 
 
-def hastened(scenario: Scenario) -> Scenario:
+def with_faster_paths(scenario: Scenario) -> Scenario:
     """Return the scenario with its paths flown in HASTE of their time, to the same ends."""
     vehicles = tuple(
         replace(one, waypoints=tuple(replace(point, t=HASTE * point.t) for point in one.waypoints))
@@ -57,7 +57,7 @@ def hastened(scenario: Scenario) -> Scenario:
     return replace(scenario, waypoints=vehicles, duration=HASTE * scenario.duration)
 
 
-def believed(model: Jet, one: Perturbation) -> Jet:
+def believed_model(model: Jet, one: Perturbation) -> Jet:
     """Return the model that the controller is given."""
     changed = replace(model, strength=one.strength * model.strength)
     if one.delay == 0.0:

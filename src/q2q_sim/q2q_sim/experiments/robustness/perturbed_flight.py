@@ -19,7 +19,12 @@ from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
-from q2q_sim.experiments.robustness.perturbations import Perturbation, believed, flown_room, hastened
+from q2q_sim.experiments.robustness.perturbations import (
+    Perturbation,
+    believed_model,
+    flown_room,
+    with_faster_paths,
+)
 from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of, ignore_accelerometers
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import exposure
@@ -58,17 +63,17 @@ class PerturbedFlight:
 def fly_perturbed(asked: PerturbedFlight) -> Errors:
     """Return the errors of a flight."""
     loaded = with_air(library.load(asked.perturbation.scenario), asked.air, ())
-    one = replace(hastened(with_firmware(loaded, STOCK)), duration=DURATION)
+    one = replace(with_faster_paths(with_firmware(loaded, STOCK)), duration=DURATION)
     scenario = side_by_side([one], asked.draws)
     model = model_in(scenario, asked.air)
     mode: Mode = "aware" if asked.corrects else "ignoring"
     choice = Options(mode, asked.controller, correct=asked.corrects)
-    blocks = blocks_of(scenario, choice, believed(model, asked.perturbation), residual=REAL_FLIGHTS)
+    blocks = blocks_of(scenario, choice, believed_model(model, asked.perturbation), residual=REAL_FLIGHTS)
     if asked.perturbation.silent:
         blocks = replace(blocks, sense=ignore_accelerometers)
     options = FlightOptions(mode, seed=asked.seed, air=find_air(asked.air))
     flight = fly_blocks(flown_room(scenario, asked.perturbation), blocks, options)
-    return errors_of(flight, len(one.names))
+    return draw_errors(flight, len(one.names))
 
 
 def model_in(scenario: Scenario, air: str) -> Jet:
@@ -84,7 +89,7 @@ def model_in(scenario: Scenario, air: str) -> Jet:
     raise ValueError(f"model {name} is no jet: its strength and delay cannot be changed")
 
 
-def errors_of(flight: Flight, each: int) -> Errors:
+def draw_errors(flight: Flight, each: int) -> Errors:
     """Return the errors of a flight of draws of `each` vehicles; NaN where none was under another."""
     error = flight.true_pos[..., 2] - flight.ref_pos[..., 2]
     found = []

@@ -23,7 +23,7 @@ the downwash is ignored."""
 Table = Mapping[PerturbedFlight, Errors]
 
 
-def key(asked: PerturbedFlight) -> str:
+def flight_key(asked: PerturbedFlight) -> str:
     """Return the name of a flight."""
     one = asked.perturbation
     way = "corrected" if asked.corrects else "ignoring"
@@ -32,7 +32,7 @@ def key(asked: PerturbedFlight) -> str:
     return f"{asked.air}|{asked.controller} {way}|{one.scenario} {numbers}"
 
 
-def ignoring(asked: PerturbedFlight) -> PerturbedFlight:
+def ignoring_flight(asked: PerturbedFlight) -> PerturbedFlight:
     """Return the flight to compare with."""
     return replace(asked, perturbation=without_belief(asked.perturbation), corrects=False)
 
@@ -59,8 +59,8 @@ def _table(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) -> s
 
 def _row(found: Mapping[str, Errors], airs: Sequence[str], cells: Mapping[str, PerturbedFlight]) -> str:
     """Return a row; the cell of an air that was not flown is empty."""
-    own = {air: found[key(one)] for air, one in cells.items()}
-    other = {air: found[key(ignoring(one))] for air, one in cells.items()}
+    own = {air: found[flight_key(one)] for air, one in cells.items()}
+    other = {air: found[flight_key(ignoring_flight(one))] for air, one in cells.items()}
     words = [_cell(own[air], other[air]) if air in own else "" for air in airs]
     most = [MM * max(one.left for one in errors.values()) for errors in (own, other)]
     name = next(iter(cells.values())).perturbation.name
@@ -85,6 +85,6 @@ def _verdict(found: Mapping[str, Errors], flights: Sequence[PerturbedFlight]) ->
     worse = [
         f"{one.perturbation.name} in `{one.air}`"
         for one in flights
-        if _is_worse(found[key(one)], found[key(ignoring(one))])
+        if _is_worse(found[flight_key(one)], found[flight_key(ignoring_flight(one))])
     ]
     return f"Worse than ignoring: {', '.join(worse)}." if worse else "Never worse than ignoring."

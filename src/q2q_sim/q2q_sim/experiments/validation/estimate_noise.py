@@ -47,7 +47,7 @@ def noise_density(values: Array, acc: Array, order: int, dt: float) -> tuple[Arr
     return frequency, density
 
 
-def coloured(white: Array, frequency: Array, density: Array, dt: float) -> Array:
+def colour_noise(white: Array, frequency: Array, density: Array, dt: float) -> Array:
     """Return noise of a density (F, n, 3), from white noise of unit variance (T, n, 3)."""
     at = np.fft.rfftfreq(len(white), dt)
     gain = np.sqrt(density * 0.5 / dt).reshape(len(frequency), -1)
@@ -60,7 +60,7 @@ def estimate_noise(flight: TrackedFlight, seed: int) -> tuple[Array, Array]:
     """Return a draw of the noise of position [m] and velocity [m/s], (T, n, 3) each."""
     white = stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape))
     pos, vel = (
-        coloured(one, *noise_density(values, flight.acc, order, flight.dt), flight.dt)
+        colour_noise(one, *noise_density(values, flight.acc, order, flight.dt), flight.dt)
         for one, values, order in ((white[0], flight.pos, 2), (white[1], flight.vel, 1))
     )
     return pos, vel

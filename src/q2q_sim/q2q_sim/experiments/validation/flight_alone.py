@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import normalised, yaw_from_quat
-from q2q_model.identification.gains.altitude_record import resampled
+from q2q_model.identification.gains.altitude_record import resample
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
@@ -77,7 +77,7 @@ def flight_alone(recording: Recording) -> FlightAlone:
     flight = recording.flight
     between = flying_grid(flight)
     grid = np.arange(between[0], between[-1], TICK)
-    pos, ref = (resampled(flight.t, values[:, 0], grid) for values in (flight.pos, flight.ref_pos))
+    pos, ref = (resample(flight.t, values[:, 0], grid) for values in (flight.pos, flight.ref_pos))
     away = float(np.linalg.norm(pos - ref, axis=1).max())
     if away > LOST:
         raise ValueError(
@@ -85,9 +85,7 @@ def flight_alone(recording: Recording) -> FlightAlone:
             f"setpoint, {LOST:.0f} m are allowed"
         )
     vel = np.gradient(pos[:3], TICK, axis=0)[1]
-    return FlightAlone(
-        flight.name, pos, ref, vel, normalised(resampled(flight.t, flight.quat[:, 0], grid)[0])
-    )
+    return FlightAlone(flight.name, pos, ref, vel, normalised(resample(flight.t, flight.quat[:, 0], grid)[0]))
 
 
 def compared_alone(

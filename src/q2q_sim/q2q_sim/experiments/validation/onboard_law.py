@@ -30,7 +30,7 @@ from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.force.recorded_force import lagged
+from q2q_model.identification.force.recorded_force import first_order_lag
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -210,7 +210,7 @@ def _commanded(flight: TrackedFlight, attitude: AttitudeParams, vehicle: Vehicle
 def _offset(flight: TrackedFlight, known: Array, lag: float) -> Array:
     """Return c [m/s^2], (n, 3); the mean of the others for a vehicle without a row in clear air."""
     ticks, n = flight.thrust.shape
-    wanted = lagged((flight.ref_acc + known).reshape(ticks, -1), flight.t, lag).reshape(ticks, n, 3)
+    wanted = first_order_lag((flight.ref_acc + known).reshape(ticks, -1), flight.t, lag).reshape(ticks, n, 3)
     missing = np.gradient(flight.vel, flight.dt, axis=0) - wanted
     found = np.array(
         [

@@ -40,7 +40,7 @@ class Draws:
         return Draws(*(values[:1].copy() for values in (self.pos, self.vel, self.quat, self.thrust)))
 
 
-def redrawn(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int]) -> Draws:
+def redraw_flight(read: ReadFlight, mass: float, make: MakeDraw, seeds: Sequence[int]) -> Draws:
     """Return the flight of vehicles of a mass [kg] flown again once for each seed."""
     flight, law = read.flight, read.law
     ticks, n = flight.thrust.shape

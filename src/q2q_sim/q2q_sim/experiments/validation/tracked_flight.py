@@ -14,11 +14,11 @@ from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.force.recorded_force import force_record
-from q2q_model.identification.gains.altitude_record import UP, resampled
+from q2q_model.identification.gains.altitude_record import UP, resample
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_sim.air.learning.evidence.air_record import air_records
-from q2q_sim.air.learning.evidence.motor_curve import motor_curves, usual_power
+from q2q_sim.air.learning.records.air_record import air_records
+from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 
 SHORTEST = 5.0
 """Shortest flight that is compared [s]: one period of the slowest frequency, 0.2 Hz."""
@@ -95,15 +95,15 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         name=flight.name,
         names=flight.names,
         dt=float(grid[1] - grid[0]),
-        pos=resampled(flight.t, flight.pos, grid),
-        vel=resampled(flight.t, flight.vel, grid),
-        quat=normalised(resampled(flight.t, flight.quat, grid)),
-        ref_pos=resampled(flight.t, flight.ref_pos, grid),
-        ref_vel=resampled(flight.t, flight.ref_vel, grid),
-        ref_acc=resampled(flight.t, flight.ref_acc, grid),
-        acc=resampled(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
-        thrust=resampled(flight.t, flight.thrust, grid),
-        compensated=resampled(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
+        pos=resample(flight.t, flight.pos, grid),
+        vel=resample(flight.t, flight.vel, grid),
+        quat=normalised(resample(flight.t, flight.quat, grid)),
+        ref_pos=resample(flight.t, flight.ref_pos, grid),
+        ref_vel=resample(flight.t, flight.ref_vel, grid),
+        ref_acc=resample(flight.t, flight.ref_acc, grid),
+        acc=resample(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
+        thrust=resample(flight.t, flight.thrust, grid),
+        compensated=resample(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
         usable=usable[nearest],
         exposed=exposed[nearest],
         free=free[nearest],

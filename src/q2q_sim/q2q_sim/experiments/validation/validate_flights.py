@@ -22,9 +22,15 @@ from q2q_sim.experiments.validation.flight_alone import (
     is_alone,
 )
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
-from q2q_sim.experiments.validation.validation import ValidatedFlight, as_json, pooled, validated, verdict
+from q2q_sim.experiments.validation.validation import (
+    ValidatedFlight,
+    as_json,
+    pooled_comparison,
+    validate_flight,
+    validation_sentence,
+)
 from q2q_sim.experiments.validation.validation_page import write_page
-from q2q_sim.plant.swarm import vehicle_in
+from q2q_sim.plant.swarm import vehicle_of_room
 
 
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:
@@ -42,8 +48,8 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     if alone:
         print(_line("all alone, height", comparison([one.vertical for one in alone])))
         print(_line("all alone, x and y", comparison([one.lateral for one in alone])))
-    print(_line("all, under a wake", pooled(done)))
-    print(verdict(pooled(done)))
+    print(_line("all, under a wake", pooled_comparison(done)))
+    print(validation_sentence(pooled_comparison(done)))
     return 0
 
 
@@ -95,7 +101,7 @@ def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: in
 
 def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -> ValidatedFlight:
     make = draws_in(air, flight, vehicle)
-    one = validated(flight, vehicle_in(air, vehicle), make, range(draws))
+    one = validate_flight(flight, vehicle_of_room(air, vehicle), make, range(draws))
     if not one.has_wake:
         _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
     line = _line(flight.name, comparison(one.under if one.has_wake else one.clear))

@@ -19,7 +19,7 @@ from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, read_law
-from q2q_sim.experiments.validation.redrawn_flight import Draws, redrawn
+from q2q_sim.experiments.validation.redrawn_flight import Draws, redraw_flight
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
 DRAWS = 20
@@ -56,7 +56,7 @@ class ValidatedFlight:
         return any(part.n for part in self.under)
 
 
-def validated(
+def validate_flight(
     flight: TrackedFlight, vehicle: Vehicle, make: MakeDraw, seeds: Sequence[int] = range(DRAWS)
 ) -> ValidatedFlight:
     """Return a flight with its draws, of a vehicle with the lag that it has in the air.
@@ -65,19 +65,19 @@ def validated(
         ValueError: the law cannot be read.
     """
     read = read_law(flight, vehicle)
-    draws = redrawn(read, vehicle.mass, make, seeds)
+    draws = redraw_flight(read, vehicle.mass, make, seeds)
     drawn = draws.pos[..., 2] - flight.ref_pos[..., 2]
     under = _sums(flight, drawn, flight.exposed, EXPOSED_SHARE)
     clear = _sums(flight, drawn, flight.free, CLEAR_SHARE)
     return ValidatedFlight(read.flight, read.law, read.drag, drawn, draws.first(), vehicle, under, clear)
 
 
-def pooled(flights: Sequence[ValidatedFlight]) -> Comparison:
+def pooled_comparison(flights: Sequence[ValidatedFlight]) -> Comparison:
     """Return the comparison over the rows under a wake of all flights."""
     return comparison([part for one in flights for part in one.under])
 
 
-def verdict(numbers: Comparison) -> str:
+def validation_sentence(numbers: Comparison) -> str:
     """Return the verdict on an air in one sentence."""
     if numbers.n == 0:
         return "No flight has a vehicle under another: the air's wakes were not compared."
@@ -107,7 +107,7 @@ def as_json(
             one.flight.name: {**_flight_json(one), "in_fit": is_among(one.flight.name, taught)}
             for one in flights
         },
-        "pooled": asdict(pooled(flights)),
+        "pooled": asdict(pooled_comparison(flights)),
         "pooled_clear": asdict(comparison([part for one in flights for part in one.clear])),
         "intervals": {
             "pooled": flight_intervals([one.under for one in flights]),
@@ -119,7 +119,7 @@ def as_json(
             },
             "pooled": _alone_json(alone),
         },
-        "verdict": verdict(pooled(flights)),
+        "verdict": validation_sentence(pooled_comparison(flights)),
     }
 
 

@@ -17,14 +17,14 @@ from q2q_sim.experiments.validation.validation import (
     SPECTRUM_DB,
     ValidatedFlight,
     is_told_apart,
-    pooled,
-    verdict,
+    pooled_comparison,
+    validation_sentence,
 )
-from q2q_sim.experiments.validation.validation_replay import longest_under, replayed_runs
+from q2q_sim.experiments.validation.validation_replay import longest_under_wake, replayed_runs
 from q2q_sim.replay_page import replay_element
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import save
-from q2q_sim.report.significant import significant
+from q2q_sim.report.significant import significant_digits
 
 HEAD = (
     "flight",
@@ -70,9 +70,9 @@ def write_page(
         for one in flights
         if any(part.n for part in (*one.under, *one.clear))
     ]
-    whole = pooled(flights)
+    whole = pooled_comparison(flights)
     parts: list[Part] = [
-        PageVerdict(verdict(whole), whole.n == 0 or not is_told_apart(whole)),
+        PageVerdict(validation_sentence(whole), whole.n == 0 or not is_told_apart(whole)),
         *_replay(flights),
         targets,
         *_table("Under a wake", [(one.flight.name, comparison(one.under)) for one in flights], under),
@@ -92,7 +92,7 @@ def _replay(flights: Sequence[ValidatedFlight]) -> list[Part]:
     """Return the replay of the flight with the longest time under a wake, empty without any flight."""
     if not flights:
         return []
-    shown = longest_under(flights)
+    shown = longest_under_wake(flights)
     title = Heading(f"{shown.flight.name}, recorded and flown again")
     try:
         return [title, Markup(replay_element(replayed_runs(shown)))]
@@ -136,7 +136,7 @@ def _row(name: str, one: Comparison) -> tuple[str, ...]:
     recorded = None if one.z_rms_recorded_m is None else 100.0 * one.z_rms_recorded_m
     inside = None if one.coverage95 is None else 100.0 * one.coverage95
     numbers = (recorded, one.z_rms_ratio, one.correlation, one.spectrum_db, inside, one.worst_ratio)
-    return (name, str(one.n), *(significant(value, 2) for value in numbers))
+    return (name, str(one.n), *(significant_digits(value, 2) for value in numbers))
 
 
 def _interval_text(intervals: dict[str, tuple[float, float]]) -> str:

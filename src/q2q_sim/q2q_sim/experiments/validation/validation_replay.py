@@ -20,7 +20,7 @@ def replayed_runs(one: ValidatedFlight) -> list[ReplayRun]:
     ]
 
 
-def longest_under(flights: Sequence[ValidatedFlight]) -> ValidatedFlight:
+def longest_under_wake(flights: Sequence[ValidatedFlight]) -> ValidatedFlight:
     """Return the flight with most rows under a wake."""
     return max(flights, key=lambda one: sum(part.n for part in one.under))
 

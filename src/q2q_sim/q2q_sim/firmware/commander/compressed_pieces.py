@@ -16,7 +16,7 @@ import struct
 import numpy as np
 
 from q2q_model.trajectory.bernstein import ascending_powers
-from q2q_sim.firmware.commander.polynomial import ORDER, Piece, piece_between, resting
+from q2q_sim.firmware.commander.polynomial import ORDER, Piece, goal_at_rest, piece_between
 
 POINTS = (0, 1, 3, 7)
 """Control points of each storage type."""
@@ -35,7 +35,7 @@ def compressed_pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
 
 def _pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
     here = [unit * value for unit, value in zip(SCALE, _START.unpack_from(memory, at), strict=True)]
-    at, start = at + _START.size, resting(np.array(here[:3]), here[3])
+    at, start = at + _START.size, goal_at_rest(np.array(here[:3]), here[3])
     found: list[Piece] = []
     while True:
         types, milliseconds = _HEAD.unpack_from(memory, at)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, cos_sin, goal_at, resting
+from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, cos_sin, goal_at, goal_at_rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Piecewise:
                 return self._turned(goal_at(_stretched(piece, self.timescale), since))
             since -= length
         last = goal_at(self.pieces[-1], self.pieces[-1].duration)
-        return self._turned(resting(last.pos, last.yaw))
+        return self._turned(goal_at_rest(last.pos, last.yaw))
 
     def _backward(self, since: float) -> Goal:
         for piece in reversed(self.pieces):
@@ -54,7 +54,7 @@ class Piecewise:
                 return self._mirrored(goal_at(_stretched(piece, self.timescale), length - since))
             since -= length
         first = goal_at(self.pieces[0], 0.0)
-        return self._mirrored(resting(first.pos, first.yaw))
+        return self._mirrored(goal_at_rest(first.pos, first.yaw))
 
     def _turned(self, goal: Goal) -> Goal:
         c, s = cos_sin(self.turn)

@@ -17,8 +17,8 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.commander.piecewise import Piecewise
-from q2q_sim.firmware.commander.polynomial import Goal, Piece, piece_between, resting
-from q2q_sim.firmware.commander.yaw_turn import shortest_turn, wrapped
+from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at_rest, piece_between
+from q2q_sim.firmware.commander.yaw_turn import shortest_turn, wrap_yaw
 
 
 class PlanState(IntEnum):
@@ -79,7 +79,7 @@ class Planner:
     def __init__(self) -> None:
         self.state = PlanState.IDLE
         self._trajectory: Piecewise | None = None
-        self._here = resting(np.zeros(3), 0.0)
+        self._here = goal_at_rest(np.zeros(3), 0.0)
 
     def set_state(self, pos: Array, vel: Array, yaw: float) -> None:
         """Set the estimated position, from which plans start when idle."""
@@ -127,10 +127,10 @@ class Planner:
         pos, yaw = np.array(target.pos), target.yaw
         if target.relative:
             pos, yaw = pos + start.pos, float(np.float32(yaw) + np.float32(start.yaw))
-        start_yaw = wrapped(start.yaw)
-        turn = shortest_turn(start_yaw, wrapped(yaw))
+        start_yaw = wrap_yaw(start.yaw)
+        turn = shortest_turn(start_yaw, wrap_yaw(yaw))
         begin = replace(start, yaw=start_yaw)
-        end = resting(pos, start_yaw + turn)
+        end = goal_at_rest(pos, start_yaw + turn)
         if target.linear:
             duration = np.float64(target.duration)
             vel, rates = (pos - start.pos) / duration, np.array([0.0, 0.0, turn]) / duration
@@ -149,7 +149,7 @@ class Planner:
         if from_here:
             first = trajectory.goal(trajectory.begin)
             x, y, z = (self._here.pos - first.pos).tolist()
-            turn = shortest_turn(wrapped(first.yaw), wrapped(self._here.yaw)) if turned else 0.0
+            turn = shortest_turn(wrap_yaw(first.yaw), wrap_yaw(self._here.yaw)) if turned else 0.0
             self._trajectory = replace(trajectory, shift=(x, y, z), turn=turn)
         self.state = PlanState.FLYING
         return PlannerAnswer.OK
@@ -174,10 +174,10 @@ class Planner:
         return replace(self._here, acc=np.zeros(3), ang_vel_body=np.zeros(3))
 
     def _vertical(self, end: Vertical, t: float, state: PlanState) -> PlannerAnswer:
-        pos, yaw = self._here.pos, wrapped(self._here.yaw)
+        pos, yaw = self._here.pos, wrap_yaw(self._here.yaw)
         top = np.array([pos[0], pos[1], end.height])
-        turn = shortest_turn(yaw, wrapped(self._here.yaw if end.yaw is None else end.yaw))
-        piece = piece_between(resting(pos, yaw), resting(top, yaw + turn), end.duration)
+        turn = shortest_turn(yaw, wrap_yaw(self._here.yaw if end.yaw is None else end.yaw))
+        piece = piece_between(goal_at_rest(pos, yaw), goal_at_rest(top, yaw + turn), end.duration)
         return self._fly(piece, t, state)
 
     def _fly(self, piece: Piece, t: float, state: PlanState) -> PlannerAnswer:

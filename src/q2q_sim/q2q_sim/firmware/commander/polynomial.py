@@ -56,7 +56,7 @@ class Piece:
     """Ascending powers of time, (4, 8)."""
 
 
-def resting(pos: Array, yaw: float) -> Goal:
+def goal_at_rest(pos: Array, yaw: float) -> Goal:
     """Return a goal at rest."""
     return Goal(pos, np.zeros(3), np.zeros(3), yaw, np.zeros(3))
 

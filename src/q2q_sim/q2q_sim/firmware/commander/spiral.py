@@ -18,7 +18,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, piece_between
-from q2q_sim.firmware.commander.yaw_turn import wrapped
+from q2q_sim.firmware.commander.yaw_turn import wrap_yaw
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ def spiral_piece(here: Goal, spiral: Spiral) -> Piece:
     """Return the polynomial of a spiral that starts at `here`."""
     sense = 1.0 if spiral.clockwise else -1.0
     turned = -sense * min(max(spiral.angle, -2.0 * math.pi), 2.0 * math.pi)
-    start = wrapped(here.yaw)
+    start = wrap_yaw(here.yaw)
     end, duration = start + turned, np.float64(spiral.duration)
     r0, r1 = max(spiral.radius_start, 0.0), max(spiral.radius_end, 0.0)
     growth = float((r1 - r0) / duration)

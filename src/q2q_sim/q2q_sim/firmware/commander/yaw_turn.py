@@ -13,7 +13,7 @@ PI = np.float32(math.pi)
 TURN = np.float32(2.0) * PI
 
 
-def wrapped(yaw: float) -> float:
+def wrap_yaw(yaw: float) -> float:
     """Return a yaw [rad] within a half turn of 0, with the firmware's ends; NaN stays NaN."""
     given = np.float32(yaw)
     half = np.copysign(PI, given)

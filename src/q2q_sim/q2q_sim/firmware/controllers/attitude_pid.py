@@ -39,7 +39,7 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.controllers.pid_step import pid, pid_reset, slope_of
 from q2q_sim.firmware.controllers.position_pid import position_pid
-from q2q_sim.firmware.controllers.truncation import INT16_MAX, truncated
+from q2q_sim.firmware.controllers.truncation import INT16_MAX, truncate
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -50,7 +50,7 @@ RATE_INTEGRAL, YAW_RATE_INTEGRAL = 33.3, 166.7
 
 
 @compiled
-def wrapped(angle: float) -> float:
+def wrap_degrees(angle: float) -> float:
     """Return an angle within +-180 deg, both ends included."""
     return angle if abs(angle) <= 180.0 else (angle + 180.0) % 360.0 - 180.0
 
@@ -87,7 +87,7 @@ def move_yaw(setpoint: Array, memory: Array) -> None:
     elif setpoint[MODE_QUAT] == 1.0:
         q = SET_QUAT
         yaw = DEG * yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3])
-    memory[ATTITUDE_SETPOINT + 2] = wrapped(yaw)
+    memory[ATTITUDE_SETPOINT + 2] = wrap_degrees(yaw)
 
 
 @compiled
@@ -98,7 +98,7 @@ def attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
         error, limit = memory[ATTITUDE_SETPOINT + k] - attitude[k], ANGLE_INTEGRAL
         rise = slope_of(memory, at, attitude[k], DT)
         if k == 2:
-            error, limit, rise = wrapped(error), YAW_INTEGRAL, wrapped(rise * DT) / DT
+            error, limit, rise = wrap_degrees(error), YAW_INTEGRAL, wrap_degrees(rise * DT) / DT
         memory[RATE_SETPOINT + k] = pid(
             error, rise, memory, gains, (at, ATTITUDE_GAINS + 3 * k, DT, limit, 0.0)
         )
@@ -113,7 +113,7 @@ def rate_loop(row: Array, memory: Array, gains: Array) -> None:
         limit = YAW_RATE_INTEGRAL if k == 2 else RATE_INTEGRAL
         rise = slope_of(memory, at, rates[k], DT)
         how = (at, RATE_GAINS + 3 * k, DT, limit, 0.0)
-        memory[CONTROL + k] = truncated(
+        memory[CONTROL + k] = truncate(
             pid(memory[RATE_SETPOINT + k] - rates[k], rise, memory, gains, how), INT16_MAX
         )
     memory[CONTROL + 2] = -memory[CONTROL + 2]

@@ -28,7 +28,7 @@ AUTO_SELECT = 0
 NOT_SIMULATED = {3: "INDI", 4: "Brescianini", 5: "Lee"}
 
 
-def chosen(asked: int, present: FirmwareController) -> FirmwareController:
+def choose(asked: int, present: FirmwareController) -> FirmwareController:
     """Return the controller after a request for `asked`."""
     if asked == AUTO_SELECT:
         return FirmwareController.PID

@@ -68,7 +68,7 @@ from q2q_sim.firmware.controllers.columns import (
     SET_VEL,
     Z_AXIS_SETPOINT,
 )
-from q2q_sim.firmware.controllers.truncation import truncated
+from q2q_sim.firmware.controllers.truncation import truncate
 
 DT = 1.0 / 500.0
 """ATTITUDE_RATE of the firmware [s]."""
@@ -213,8 +213,8 @@ def mellinger(row: Array, drift: Array, setpoint: Array, gains: Array, memory: A
     )
     memory[CONTROL + 3] = thrust
     if thrust > 0.0:
-        memory[CONTROL], memory[CONTROL + 1] = truncated(mx, MOMENT_MAX), truncated(my, MOMENT_MAX)
-        memory[CONTROL + 2] = truncated(-mz, MOMENT_MAX)
+        memory[CONTROL], memory[CONTROL + 1] = truncate(mx, MOMENT_MAX), truncate(my, MOMENT_MAX)
+        memory[CONTROL + 2] = truncate(-mz, MOMENT_MAX)
         return
     memory[CONTROL : CONTROL + 3] = 0.0
     memory[I_POS : I_MOMENT + 3] = 0.0

@@ -27,20 +27,20 @@ from q2q_sim.firmware.controllers.columns import (
     SHARE_YAW,
     SUPPLY,
 )
-from q2q_sim.firmware.controllers.truncation import INT32_MAX, truncated
-from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensated, thrust_pwm
+from q2q_sim.firmware.controllers.truncation import INT32_MAX, truncate
+from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensate, thrust_pwm
 
 
 @compiled
 def mix(memory: Array, frame: Array) -> None:
     """Write the motor commands [PWM]."""
-    r = frame[SHARE_TILT] * truncated(0.5 * memory[CONTROL], INT32_MAX)
-    p = frame[SHARE_TILT] * truncated(0.5 * memory[CONTROL + 1], INT32_MAX)
+    r = frame[SHARE_TILT] * truncate(0.5 * memory[CONTROL], INT32_MAX)
+    p = frame[SHARE_TILT] * truncate(0.5 * memory[CONTROL + 1], INT32_MAX)
     y, thrust = frame[SHARE_YAW] * memory[CONTROL + 2], memory[CONTROL + 3]
-    memory[MOTOR_COMMAND] = truncated(thrust - r + p + y, INT32_MAX)
-    memory[MOTOR_COMMAND + 1] = truncated(thrust - r - p - y, INT32_MAX)
-    memory[MOTOR_COMMAND + 2] = truncated(thrust + r - p + y, INT32_MAX)
-    memory[MOTOR_COMMAND + 3] = truncated(thrust + r + p - y, INT32_MAX)
+    memory[MOTOR_COMMAND] = truncate(thrust - r + p + y, INT32_MAX)
+    memory[MOTOR_COMMAND + 1] = truncate(thrust - r - p - y, INT32_MAX)
+    memory[MOTOR_COMMAND + 2] = truncate(thrust + r - p + y, INT32_MAX)
+    memory[MOTOR_COMMAND + 3] = truncate(thrust + r + p - y, INT32_MAX)
 
 
 @compiled
@@ -59,7 +59,7 @@ def drive_motors(setpoint: Array, memory: Array, frame: Array, forces: Array) ->
     mix(memory, frame)
     if setpoint[MOTORS_ON] != 0.0:
         for k in range(4):
-            duties[k] = truncated(compensated(memory[MOTOR_COMMAND + k], setpoint[SUPPLY]), INT32_MAX)
+            duties[k] = truncate(compensate(memory[MOTOR_COMMAND + k], setpoint[SUPPLY]), INT32_MAX)
         cap(duties, setpoint[IDLE])
     for k in range(4):
         forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], setpoint[BATTERY]), frame[FORCE_MAX])

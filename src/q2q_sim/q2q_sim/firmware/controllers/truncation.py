@@ -12,7 +12,7 @@ INT16_MAX, INT32_MAX = 32767.0, 2147483647.0
 
 
 @compiled
-def truncated(number: float, limit: float) -> float:
+def truncate(number: float, limit: float) -> float:
     """Return a number rounded towards zero, within a limit; 0 for NaN."""
     if math.isnan(number):
         return 0.0

@@ -33,7 +33,7 @@ _PER_PWM = BRUSHED_MOTOR / PWM_TOP / (2.0 * CURVE[3])
 
 
 @compiled
-def compensated(pwm: float, supply: float) -> float:
+def compensate(pwm: float, supply: float) -> float:
     """Return the duty (65535 is 100 %) for the thrust command `pwm` at a supply [V]."""
     if pwm < PWM_STANDSTILL or not supply >= SUPPLY_MIN:
         return 0.0

@@ -23,7 +23,7 @@ separation.
 """
 
 from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_in_lockstep, evidence_of
-from q2q_sim.monitors.policies.judgement import NEEDS, POLICIES, judge, unjudged
+from q2q_sim.monitors.policies.judgement import NEEDS, POLICIES, judge, policies_without_evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
 __all__ = [
@@ -37,5 +37,5 @@ __all__ = [
     "evidence_in_lockstep",
     "evidence_of",
     "judge",
-    "unjudged",
+    "policies_without_evidence",
 ]

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.values import CommandStatus
-from q2q_sim.monitors.policies.blindness import misnamed, undated
+from q2q_sim.monitors.policies.blindness import after_label_swap, with_doubtful_stamps
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
+from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
 
 ROUNDING = 1e-6
 """Ages are differences of stamps [s]."""
@@ -20,7 +20,7 @@ def age(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally on too old a state."""
     limit = circumstances.limits.fresh
     excess = np.where(_as_usual(evidence), evidence.state_age - limit - ROUNDING, np.nan)
-    return worst("age", evidence, excess, (evidence.state_age, limit))
+    return worst_violations("age", evidence, excess, (evidence.state_age, limit))
 
 
 def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
@@ -34,12 +34,12 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     if not evidence.seen.any():
         return []  # no motion capture in this recording
     t = evidence.t[:, None]
-    seen = evidence.seen | undated(evidence, circumstances.faults)[:, None]
+    seen = evidence.seen | with_doubtful_stamps(evidence, circumstances.faults)[:, None]
     last = np.maximum.accumulate(np.where(seen, t, t[:1]), axis=0)
     unseen = t - last
-    reported = _as_usual(evidence) & ~misnamed(evidence, circumstances.faults)
+    reported = _as_usual(evidence) & ~after_label_swap(evidence, circumstances.faults)
     excess = np.where(reported, unseen - limit - ROUNDING, np.nan)
-    return worst("action", evidence, excess, (unseen, limit))
+    return worst_violations("action", evidence, excess, (unseen, limit))
 
 
 def silence(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:

@@ -29,12 +29,12 @@ def blind(evidence: Evidence) -> Mask:
 
 def blind_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles are flown blind at each tick, or were less than `settle` [s] before, (T, n)."""
-    return lately(evidence, blind(evidence), settle)
+    return within_settle_time(evidence, blind(evidence), settle)
 
 
 def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
     """Return which vehicles are sent to the floor, or were less than `settle` [s] before, (T, n)."""
-    return lately(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
+    return within_settle_time(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
 
 
 def evading_lately(evidence: Evidence, settle: float) -> Mask:
@@ -48,7 +48,7 @@ def evading_lately(evidence: Evidence, settle: float) -> Mask:
     for places in (pos, evidence.sent_pos):
         for j in np.flatnonzero(gone.any(axis=0)):
             evading |= _near(places, pos[:, j], FARTHEST) & gone[:, j, None]
-    return lately(evidence, evading, settle)
+    return within_settle_time(evidence, evading, settle)
 
 
 def beneath(places: Array, pos: Array, some: Mask) -> Mask:
@@ -69,7 +69,7 @@ def _near(places: Array, pos: Array, reach: float) -> Mask:
     return np.asarray(np.hypot(offset[..., 0], offset[..., 1]) < reach + DRIFT_M)
 
 
-def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
+def with_sensor_error(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
     """Return which vehicles have a steady sensor error, or had less than `after` [s] before, (T, n).
 
     A displaced marker is believed until its vehicle is measured again. Clock jumps may add up: their stamps
@@ -83,7 +83,7 @@ def misled(evidence: Evidence, faults: tuple[Fault, ...], after: float) -> Mask:
             end = fault.start + fault.duration
             ends = _believed_until(evidence, end) if fault.kind == "jump" else end + shift
             begun = evidence.t > fault.start - shift - EARLY_S
-            mask |= begun[:, None] & (evidence.t[:, None] <= ends + after) & struck(evidence, fault)
+            mask |= begun[:, None] & (evidence.t[:, None] <= ends + after) & struck_vehicles(evidence, fault)
     return mask
 
 
@@ -93,40 +93,40 @@ def _believed_until(evidence: Evidence, end: float) -> Array:
     return np.asarray(np.where(waiting, evidence.t[:, None], end).max(axis=0, initial=end))
 
 
-def misplaced(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
+def marker_displacement(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
     """Return the displacement of each vehicle's markers, now or recently [m], (T, n)."""
     moved = np.zeros((len(evidence.t), len(evidence.names)))
     for fault in faults:
         if fault.kind == "jump":
-            moved += abs(fault.size) * misled(evidence, (fault,), RECOVERY_S)
+            moved += abs(fault.size) * with_sensor_error(evidence, (fault,), RECOVERY_S)
     return moved
 
 
-def undated(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
+def with_doubtful_stamps(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     """Return the ticks whose stamps a clock jump may have given to frames of other times, (T,)."""
     jumps = tuple(fault for fault in faults if fault.kind == "clock_jump")
-    return np.asarray(misled(evidence, jumps, 0.0).any(axis=1))
+    return np.asarray(with_sensor_error(evidence, jumps, 0.0).any(axis=1))
 
 
-def misnamed(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
+def after_label_swap(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     """Return which vehicles may be mistaken for each other after a recent swap, (T, n)."""
-    return misled(evidence, tuple(fault for fault in faults if fault.kind == "swap"), RECOVERY_S)
+    return with_sensor_error(evidence, tuple(fault for fault in faults if fault.kind == "swap"), RECOVERY_S)
 
 
-def lately(evidence: Evidence, when: Mask, settle: float) -> Mask:
+def within_settle_time(evidence: Evidence, when: Mask, settle: float) -> Mask:
     """Return which vehicles are in a condition, or were less than `settle` [s] before, (T, n)."""
     t = evidence.t[:, None]
     last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
     return np.asarray(t - last < settle)
 
 
-def runs(mask: Mask) -> list[tuple[int, int]]:
+def runs_of_true(mask: Mask) -> list[tuple[int, int]]:
     """Return begin and end of each run of True in (T,)."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def struck(evidence: Evidence, fault: Fault) -> Mask:
+def struck_vehicles(evidence: Evidence, fault: Fault) -> Mask:
     """Return which vehicles a fault strikes, (n,)."""
     if KINDS[fault.kind].whole or not fault.vehicles:
         return np.ones(len(evidence.names), dtype=np.bool_)

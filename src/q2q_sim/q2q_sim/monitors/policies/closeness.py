@@ -6,7 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.blindness import blind_lately, evading_lately, misled, misplaced
+from q2q_sim.monitors.policies.blindness import (
+    blind_lately,
+    evading_lately,
+    marker_displacement,
+    with_sensor_error,
+)
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.unforeseen import helpless_lately, unforeseen_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
@@ -27,7 +32,7 @@ def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violati
     Pairs of a vehicle in a downwash that nothing could predict are exempt until `settle` later.
     """
     limit, pos = circumstances.limits.separation, evidence.true_pos
-    moved = misplaced(evidence, circumstances.faults)
+    moved = marker_displacement(evidence, circumstances.faults)
     moved[unforeseen_lately(evidence, circumstances)] = np.inf
     found = []
     for i, j in np.argwhere(least_distances(pos) < limit).tolist():
@@ -65,7 +70,9 @@ def clearances(
     """
     settle = circumstances.limits.settle
     lost = blind_lately(evidence, settle) | evading_lately(evidence, settle)
-    lost |= misled(evidence, circumstances.faults, settle) | helpless_lately(evidence, circumstances)
+    lost |= with_sensor_error(evidence, circumstances.faults, settle) | helpless_lately(
+        evidence, circumstances
+    )
     for i, j in pairs:
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))

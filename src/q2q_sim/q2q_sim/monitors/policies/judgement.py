@@ -45,7 +45,7 @@ def judge(
     return tuple(found for policy in policies.values() for found in policy(evidence, circumstances))
 
 
-def unjudged(evidence: Evidence) -> tuple[str, ...]:
+def policies_without_evidence(evidence: Evidence) -> tuple[str, ...]:
     """Return the policies of which a flight has no evidence, in which nothing can be violated."""
     return tuple(
         policy

@@ -9,14 +9,14 @@ from q2q_sim.monitors.policies.blindness import (
     blind,
     blind_lately,
     evading_lately,
-    misled,
-    misplaced,
-    runs,
+    marker_displacement,
+    runs_of_true,
     sent_down_lately,
+    with_sensor_error,
 )
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.unforeseen import helpless_lately
-from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst
+from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
 
 
 def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
@@ -33,16 +33,16 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     off = _distance(evidence.true_pos - evidence.sent_pos, down)
     stopped = blind_lately(evidence, limits.settle) | evading_lately(evidence, limits.settle)
     for row in range(len(evidence.names)):
-        for begin, end in runs(stopped[:, row]):
+        for begin, end in runs_of_true(stopped[:, row]):
             late = begin + np.flatnonzero(off[begin:end, row] > limits.stray_room)
             off_by = evidence.true_pos[late, None, row] - evidence.sent_pos[begin:end, row]  # (late, run, 3)
             apart = _distance(off_by, down[late, None, row])
             apart[late[:, None] < np.arange(begin, end)] = np.inf
             off[late, row] = np.fmin.reduce(apart, axis=1)
-    off = np.maximum(off - misplaced(evidence, circumstances.faults), 0.0)
+    off = np.maximum(off - marker_displacement(evidence, circumstances.faults), 0.0)
     limit = limits.stray_room
     excess = np.where(helpless_lately(evidence, circumstances), np.nan, off - limit)
-    return worst("room", evidence, excess, (off, limit))
+    return worst_violations("room", evidence, excess, (off, limit))
 
 
 def _distance(off_by: Array, down: Mask) -> Array:
@@ -55,11 +55,11 @@ def _distance(off_by: Array, down: Mask) -> Array:
 def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles whose state was wrong under the status tracked."""
     off = np.linalg.norm(evidence.state_pos - evidence.true_pos, axis=2)
-    trusted = (evidence.state_status == TrackStatus.TRACKED) & ~misled(
+    trusted = (evidence.state_status == TrackStatus.TRACKED) & ~with_sensor_error(
         evidence, circumstances.faults, RECOVERY_S
     )
     limit = circumstances.limits.belief
-    return worst("belief", evidence, np.where(trusted, off - limit, np.nan), (off, limit))
+    return worst_violations("belief", evidence, np.where(trusted, off - limit, np.nan), (off, limit))
 
 
 def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
@@ -77,7 +77,7 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
     judged = np.where(calm[:, None] & ~cut & ~pushed, off, -np.inf)
     lasting = _least_before(judged, max(round(limits.passing / evidence.tick), 1))
-    return worst("return", evidence, lasting - limits.back, (lasting, limits.back))
+    return worst_violations("return", evidence, lasting - limits.back, (lasting, limits.back))
 
 
 def _least_before(values: Array, ticks: int) -> Array:

@@ -12,7 +12,7 @@ judged again `settle` later (helpless_lately), as those are that no command carr
 import numpy as np
 
 from q2q_model.signals.values import Mask
-from q2q_sim.monitors.policies.blindness import beneath, blind, lately, misplaced
+from q2q_sim.monitors.policies.blindness import beneath, blind, marker_displacement, within_settle_time
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.overpowered import overpowered
 from q2q_sim.monitors.policies.violations import Circumstances
@@ -26,7 +26,7 @@ def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
     flown_blind = blind(evidence)
     if not flown_blind.any():
         return flown_blind
-    pos, displaced = evidence.true_pos, misplaced(evidence, circumstances.faults) > 0.0
+    pos, displaced = evidence.true_pos, marker_displacement(evidence, circumstances.faults) > 0.0
     untold = beneath(pos, pos, displaced) | (displaced & beneath(pos, pos, np.ones_like(displaced)))
     if not circumstances.aware:
         untold |= np.linalg.norm(evidence.true_downwash, axis=2) > PUSH
@@ -35,10 +35,10 @@ def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
 
 def unforeseen_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
     """Return which vehicles are in an unforeseen downwash, or were less than `settle` [s] before, (T, n)."""
-    return lately(evidence, unforeseen(evidence, circumstances), circumstances.limits.settle)
+    return within_settle_time(evidence, unforeseen(evidence, circumstances), circumstances.limits.settle)
 
 
 def helpless_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
     """Return which vehicles no command carries or is known to, or less than `settle` [s] before, (T, n)."""
     helpless = overpowered(evidence, circumstances) | unforeseen(evidence, circumstances)
-    return lately(evidence, helpless, circumstances.limits.settle)
+    return within_settle_time(evidence, helpless, circumstances.limits.settle)

@@ -107,7 +107,7 @@ class Violation:
 Policy = Callable[[Evidence, Circumstances], list[Violation]]
 
 
-def worst(
+def worst_violations(
     policy: str, evidence: Evidence, excess: NDArray[np.float64], about: tuple[NDArray[np.float64], float]
 ) -> list[Violation]:
     """Return a violation for each vehicle with an excess (T, n) above 0; `about` is value and limit."""

@@ -141,7 +141,7 @@ def _acceleration_bound(motions: Motions, row: int, law: BrakingLaw) -> float:
 
 
 @compiled
-def lateness(rate: float, law: BrakingLaw) -> float:
+def rest_delay(rate: float, law: BrakingLaw) -> float:
     """Return by how much later [s] a vehicle may rest whose velocity is known within `rate` [m/s]."""
     return float(rate / law.brake + 2.0 * np.sqrt(rate / law.jerk))
 
@@ -150,7 +150,7 @@ def lateness(rate: float, law: BrakingLaw) -> float:
 def stop_reach(motions: Motions, law: BrakingLaw, longest: float) -> Array:
     """Return a bound of how far each row moves until rest, with growth until `longest` [s] [m], (rows,)."""
     reach = np.empty(motions.hold.size)
-    late = longest + lateness(motions.growth[:, 1].max(), law)
+    late = longest + rest_delay(motions.growth[:, 1].max(), law)
     for row in range(motions.hold.size):
         most, growth = _acceleration_bound(motions, row, law), motions.growth[row]
         x, y, z = motions.vel[row, 0], motions.vel[row, 1], motions.vel[row, 2]
@@ -182,7 +182,7 @@ def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor:
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     most = _acceleration_bound(motions, i, law) + _acceleration_bound(motions, j, law)
     one, other = _axes_of(motions, i, law), _axes_of(motions, j, law)
-    end = max(_rest_of(one), _rest_of(other)) + lateness(rate, law)
+    end = max(_rest_of(one), _rest_of(other)) + rest_delay(rate, law)
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
         (x, y, z), closing = _relative_motion(one, other, s, law)

@@ -19,7 +19,7 @@ import numpy as np
 
 from q2q_model.downwash.jet import STEEPEST
 from q2q_model.signals.values import Array, Rows
-from q2q_sim.air.learning.evidence.air_record import AirRecord
+from q2q_sim.air.learning.records.air_record import AirRecord
 
 
 class Travel(NamedTuple):

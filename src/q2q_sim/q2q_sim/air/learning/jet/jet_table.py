@@ -17,7 +17,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning.jet.push_table import splines
+from q2q_sim.air.learning.jet.push_table import spline_values
 from q2q_sim.air.room_air import JetTerm
 
 GAPS = np.concatenate([np.arange(0.0, 0.975, 0.05), np.arange(1.0, 2.05, 0.1)]).round(3)
@@ -34,7 +34,7 @@ ROTOR_RADIUS = 0.0225
 """Propeller of a Crazyflie 2.x [m]: 45 mm in diameter (Bitcraze)."""
 
 
-def pushes(beta: Array, flown: tuple[float, float]) -> Array:
+def push_table(beta: Array, flown: tuple[float, float]) -> Array:
     """Return P [m/s^2] on the grid of GAPS and RADII for the splines' coefficients.
 
     Args:
@@ -45,20 +45,20 @@ def pushes(beta: Array, flown: tuple[float, float]) -> Array:
     origin = _origin(beta, high)
     gap, radius = (axis.ravel() for axis in np.meshgrid(GAPS, RADII, indexing="ij"))
     thinner = np.minimum((high + origin) / (gap + origin), 1.0)
-    found = thinner**2 * (splines(np.clip(gap, low, high), thinner * radius) @ beta)
+    found = thinner**2 * (spline_values(np.clip(gap, low, high), thinner * radius) @ beta)
     return np.asarray(found.reshape(GAPS.size, RADII.size).round(DECIMALS))
 
 
 def _origin(beta: Array, high: float) -> float:
     """Return z0 of P ~ (gap + z0)^-2 on the axis below `high` [m]."""
-    above, below = splines(np.array([high - NEARBY, high]), np.zeros(2)) @ beta
+    above, below = spline_values(np.array([high - NEARBY, high]), np.zeros(2)) @ beta
     if below <= 0.0 or above <= below:
         return ORIGIN[1]
     ratio = float(np.sqrt(above / below))  # (high + z0) / (high - NEARBY + z0)
     return float(np.clip(NEARBY * ratio / (ratio - 1.0) - high, *ORIGIN))
 
 
-def push(term: JetTerm, gap: Array, radius: Array) -> Array:
+def push_in_table(term: JetTerm, gap: Array, radius: Array) -> Array:
     """Return P [m/s^2] at places (k,), by linear interpolation; 0 outside the table."""
     table = RegularGridInterpolator(
         (term.gaps_m, term.radii_m), term.push_mps2, bounds_error=False, fill_value=0.0
@@ -68,6 +68,6 @@ def push(term: JetTerm, gap: Array, radius: Array) -> Array:
 
 def momentum_share(term: JetTerm, gap: float) -> float:
     """Return the share of its source's momentum that a jet gives at a gap [m] to disks of four rotors."""
-    at = push(term, np.full(term.radii_m.size, gap), term.radii_m)
+    at = push_in_table(term, np.full(term.radii_m.size, gap), term.radii_m)
     disk = 4.0 * np.pi * ROTOR_RADIUS**2
     return float(np.trapezoid(2.0 * np.pi * term.radii_m * at, term.radii_m) / (disk * GRAVITY))

@@ -20,25 +20,25 @@ import numpy as np
 from scipy.optimize import minimize
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, Spread, block_sums, spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, LearnedTerm, fitted
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import Travel
-from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, pushes
+from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, push_table
 from q2q_sim.air.learning.jet.push_table import (
     DEFAULT_PENALTY,
     RIDGE,
     ROUGHNESS,
     chosen_penalty,
     normal_equations,
-    solve,
+    solve_penalised,
     solve_signed,
-    splines,
+    spline_values,
     squared_error,
 )
 from q2q_sim.air.learning.jet.upper_share import upper_share
-from q2q_sim.air.learning.jet.wake_rows import WakeRows, under_one
+from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, Spread, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 from q2q_sim.air.room_air import JetTerm
 
 FEWEST = 300
@@ -70,7 +70,7 @@ def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
     upper = upper_share(records, fit.beta)
     source = f"rows under one vehicle, {low:.2f} to {high:.2f} m below it"
     found = fit.spread()
-    values = [fitted(found, k, path, rows, source) for k, path in enumerate(_PATHS)]
+    values = [fitted_value(found, k, path, rows, source) for k, path in enumerate(_PATHS)]
     values[1:] = [_told(*one) for one in zip(values[1:], fit.travel, BOUNDS, fit.shown, strict=True)]
     term = fit.term(upper.value if upper else 0.0)
     return LearnedTerm(term, (*values, upper) if upper else tuple(values))
@@ -93,7 +93,7 @@ def jet_alone(records: Sequence[AirRecord]) -> JetTerm | None:
 
 def _enough(records: Sequence[AirRecord]) -> list[WakeRows] | None:
     """Return the rows under exactly one vehicle, None if fewer than FEWEST are exposed."""
-    parts = under_one(records)
+    parts = rows_under_one(records)
     return parts if sum(int(part.exposed.sum()) for part in parts) >= FEWEST else None
 
 
@@ -104,7 +104,7 @@ class _Fit:
     """Fitted table and travel of all rows."""
 
     def __init__(self, parts: Sequence[WakeRows]) -> None:
-        self._parts, self._blocks = parts, wake_rows.blocks(parts)
+        self._parts, self._blocks = parts, wake_rows.row_blocks(parts)
         self._y = np.concatenate([part.y for part in parts])
         self._solve(self._travel(np.ones(len(START), dtype=bool)))
         self.shown = self._shown()
@@ -115,9 +115,9 @@ class _Fit:
     def _solve(self, travel: Travel) -> None:
         """Find the table for a travel."""
         self.travel = travel
-        normal = normal_equations(wake_rows.places(self._parts, travel), self._y, self._blocks)
+        normal = normal_equations(wake_rows.jet_places(self._parts, travel), self._y, self._blocks)
         self._penalty = chosen_penalty(normal)
-        self.beta = solve(normal, np.ones(normal.power.size), self._penalty)
+        self.beta = solve_penalised(normal, np.ones(normal.power.size), self._penalty)
 
     def _shown(self) -> Mask:
         """Return which items of the travel the rows show, (3,)."""
@@ -131,7 +131,7 @@ class _Fit:
     def _flown(self) -> tuple[float, float]:
         """Return the gaps between which the table is measured [m]."""
         exposed = np.concatenate([part.exposed for part in self._parts])
-        low, high = np.quantile(wake_rows.places(self._parts, self.travel).gap[exposed], FLOWN)
+        low, high = np.quantile(wake_rows.jet_places(self._parts, self.travel).gap[exposed], FLOWN)
         return float(low), float(high)
 
     def term(self, upper_ratio: float) -> JetTerm:
@@ -139,7 +139,7 @@ class _Fit:
         return JetTerm(
             gaps_m=GAPS,
             radii_m=RADII,
-            push_mps2=pushes(self.beta, self.flown),
+            push_mps2=push_table(self.beta, self.flown),
             upper_ratio=upper_ratio,
             travel_speed_mps=1.0 / max(self.travel.slowness, STILL),
             carried=self.travel.carried,
@@ -159,7 +159,7 @@ class _Fit:
             return Travel(*map(float, travel))
 
         def missed(x: Array) -> float:
-            place = wake_rows.places(self._parts, moved(x))
+            place = wake_rows.jet_places(self._parts, moved(x))
             normal = normal_equations(place, self._y, together)
             return squared_error(normal, one, solve_signed(normal, one, DEFAULT_PENALTY))
 
@@ -173,14 +173,14 @@ class _Fit:
         return moved(found.x)
 
     def _push(self, travel: Travel) -> Array:
-        place = wake_rows.places(self._parts, travel)
-        return np.asarray(place.strength * (splines(place.gap, place.radius) @ self.beta))
+        place = wake_rows.jet_places(self._parts, travel)
+        return np.asarray(place.strength * (spline_values(place.gap, place.radius) @ self.beta))
 
     def spread(self) -> Spread:
         """Return the push at REFERENCE on the axis, the travel speed, carried and slope, with intervals."""
         active = np.flatnonzero(self.beta > 0.0)
-        place = wake_rows.places(self._parts, self.travel)
-        along = -place.strength[:, None] * splines(place.gap, place.radius)[:, active]
+        place = wake_rows.jet_places(self._parts, self.travel)
+        along = -place.strength[:, None] * spline_values(place.gap, place.radius)[:, active]
         moved = [self._derivative(int(k)) for k in np.flatnonzero(self.shown)]
         jacobian = np.column_stack([along, *moved])
         missed = self._y + self._push(self.travel)
@@ -191,7 +191,7 @@ class _Fit:
         score = block_sums(jacobian * missed[:, None], self._blocks)
         count = int(self._blocks.max()) + 1
         squares = np.stack([_square(jacobian[self._blocks == k]) for k in range(count)])
-        axis = splines(np.array([REFERENCE]), np.zeros(1))[0, active]
+        axis = spline_values(np.array([REFERENCE]), np.zeros(1))[0, active]
 
         def estimate(weight: Array) -> Array:
             square = np.tensordot(weight, squares, 1) + rough + RIDGE * np.eye(start.size)
@@ -200,7 +200,7 @@ class _Fit:
             drawn[self.shown] = x[active.size :]
             return np.array([axis @ x[: active.size], 1.0 / max(drawn[0], STILL), *drawn[1:]])
 
-        return spread(estimate, count)
+        return estimate_spread(estimate, count)
 
     def _derivative(self, k: int) -> Array:
         """Return the derivative of -P with respect to item k of the travel, (m,)."""

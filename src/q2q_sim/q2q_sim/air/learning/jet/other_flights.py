@@ -7,8 +7,8 @@ flights is therefore compared with the jet of all others, as `validate` compares
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.jet.jet_term import jet_alone
+from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.room_air import JetTerm
 
 GROUPS = 3
@@ -23,7 +23,7 @@ class LeftOut:
     jet: JetTerm
 
 
-def left_out(records: Sequence[AirRecord], whole: JetTerm) -> list[LeftOut]:
+def leave_out_groups(records: Sequence[AirRecord], whole: JetTerm) -> list[LeftOut]:
     """Return the flights with a wake in groups; `whole` stands in where the others show no jet."""
     waked = [record for record in records if any(one.exposed.any() for one in record.samples)]
     found = []

@@ -16,8 +16,8 @@ from scipy.interpolate import BSpline
 from scipy.optimize import nnls
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, block_sums
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace
+from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, block_sums
 
 REACH = 0.3
 """Radius at which a jet ends [m]: nothing is measured beyond 0.15 m, and rows beyond 0.3 m count as clear."""
@@ -57,7 +57,7 @@ def _roughness() -> Array:
 ROUGHNESS = _roughness()
 
 
-def splines(gap: Array, radius: Array) -> Array:
+def spline_values(gap: Array, radius: Array) -> Array:
     """Return the value of every free spline at places (k,), (k, COEFFICIENTS); zero beyond REACH."""
     if not gap.size:
         return np.zeros((0, COEFFICIENTS))
@@ -87,7 +87,7 @@ class Normal:
 def normal_equations(place: JetPlace, y: Array, blocks: Blocks) -> Normal:
     """Return the normal equations of the push y (m,) at places (m,)."""
     order = np.argsort(blocks, kind="stable")
-    rows = (-place.strength[:, None] * splines(place.gap, place.radius))[order]
+    rows = (-place.strength[:, None] * spline_values(place.gap, place.radius))[order]
     begins = np.flatnonzero(np.diff(blocks[order], prepend=-1))
     ends = np.append(begins[1:], order.size)
     parts = [(rows[a:b], y[order][a:b]) for a, b in zip(begins, ends, strict=True)]
@@ -108,7 +108,7 @@ def _square(normal: Normal, weight: Array, penalty: float) -> Array:
     return np.asarray(np.tensordot(weight, normal.square, 1) + rough)
 
 
-def solve(normal: Normal, weight: Array, penalty: float) -> Array:
+def solve_penalised(normal: Normal, weight: Array, penalty: float) -> Array:
     """Return the coefficients, all at least 0, for weights of the blocks (B,)."""
     lower = np.linalg.cholesky(_square(normal, weight, penalty))
     return np.asarray(nnls(lower.T, np.linalg.solve(lower, weight @ normal.cross))[0])

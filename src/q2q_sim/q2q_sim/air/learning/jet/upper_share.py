@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array, Rows
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
-from q2q_sim.air.learning.jet.push_table import REACH, splines
+from q2q_sim.air.learning.jet.push_table import REACH, spline_values
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 
 FEWEST = 100
 """Fewest upper rows: 1 s at 100 Hz."""
@@ -24,15 +24,15 @@ def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
     push = np.concatenate(
         [_below(record, one.vehicle, at, beta) for (record, one), at in zip(parts, rows, strict=True)]
     )
-    blocks = blocks_of([Row(r.name, r.motion.t[at]) for (r, _), at in zip(parts, rows, strict=True)])
+    blocks = block_of_rows([Row(r.name, r.motion.t[at]) for (r, _), at in zip(parts, rows, strict=True)])
     sums = block_sums(np.stack([push * y, push * push], axis=1), blocks)
 
     def estimate(weight: Array) -> Array:
         along, square = weight @ sums
         return np.array([along / square])
 
-    found = spread(estimate, len(sums))
-    return fitted(found, 0, "jet.upper_ratio", y.size, "rows above one vehicle and below none")
+    found = estimate_spread(estimate, len(sums))
+    return fitted_value(found, 0, "jet.upper_ratio", y.size, "rows above one vehicle and below none")
 
 
 def _below(record: AirRecord, i: int, rows: Rows, beta: Array) -> Array:
@@ -43,5 +43,5 @@ def _below(record: AirRecord, i: int, rows: Rows, beta: Array) -> Array:
         apart = pos[:, i] - pos[:, j]
         across = np.hypot(apart[:, 0], apart[:, 1])
         near = (apart[:, 2] > 0.0) & (across < REACH)
-        total[near] += splines(apart[near, 2], across[near]) @ beta
+        total[near] += spline_values(apart[near, 2], across[near]) @ beta
     return total

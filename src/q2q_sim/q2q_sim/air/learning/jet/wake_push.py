@@ -8,10 +8,10 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning.evidence.air_record import AirRecord
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
-from q2q_sim.air.learning.jet.jet_table import push
+from q2q_sim.air.learning.jet.jet_table import push_in_table
 from q2q_sim.air.learning.jet.wake_rows import CLOSEST, HIGHEST, NEAR
+from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 
@@ -33,13 +33,16 @@ def wake_push(
             between = _is_above(record, i, k, rows[near]) & _is_above(record, k, j, rows[near])
             taken = jet_place(record, (k, j), rows[near], travel_of(jet))
             left *= np.where(
-                between, 1.0 - absorbed(taken.radius, push(jet, taken.gap, taken.radius), absorption), 1.0
+                between,
+                1.0
+                - absorption_factor(taken.radius, push_in_table(jet, taken.gap, taken.radius), absorption),
+                1.0,
             )
-        total[near] += left * place.strength * push(jet, place.gap, place.radius)
+        total[near] += left * place.strength * push_in_table(jet, place.gap, place.radius)
     return total
 
 
-def absorbed(radius: Array, felt: Array, absorption: AbsorptionTerm | None) -> Array:
+def absorption_factor(radius: Array, felt: Array, absorption: AbsorptionTerm | None) -> Array:
     """Return c of a vehicle at a radius [m] in a jet of which it feels `felt` [m/s^2], (k,)."""
     least = felt / GRAVITY
     if absorption is None:

@@ -7,9 +7,9 @@ import numpy as np
 
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array, Mask, Rows
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.block_bootstrap import Blocks, Row, blocks_of
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Travel, jet_place
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, Row, block_of_rows
 
 NEAR = 0.35
 """Horizontal distance within which a vehicle above is a source [m]: the table's reach and 0.05 m of drift."""
@@ -38,7 +38,7 @@ class WakeRows:
         return self.one.exposed[self.rows]
 
 
-def under_one(records: Sequence[AirRecord]) -> list[WakeRows]:
+def rows_under_one(records: Sequence[AirRecord]) -> list[WakeRows]:
     """Return the rows with exactly one source."""
     found = []
     for record, one, above in _with_sources(records):
@@ -50,7 +50,7 @@ def under_one(records: Sequence[AirRecord]) -> list[WakeRows]:
     return found
 
 
-def under_two(records: Sequence[AirRecord]) -> list[WakeRows]:
+def rows_under_two(records: Sequence[AirRecord]) -> list[WakeRows]:
     """Return the exposed rows with exactly two sources, by the order of their heights."""
     found = []
     for record, one, above in _with_sources(records):
@@ -76,7 +76,7 @@ def _with_sources(records: Sequence[AirRecord]) -> list[tuple[AirRecord, ForceSa
     return found
 
 
-def places(parts: Sequence[WakeRows], travel: Travel, source: int = 0) -> JetPlace:
+def jet_places(parts: Sequence[WakeRows], travel: Travel, source: int = 0) -> JetPlace:
     """Return the places in the jets of each part's `source`, of all parts in order."""
     found = [
         jet_place(part.record, (part.one.vehicle, part.sources[source]), part.rows, travel) for part in parts
@@ -88,6 +88,6 @@ def _columns(place: JetPlace) -> tuple[Array, Array, Array, Array]:
     return place.gap, place.radius, place.toward, place.strength
 
 
-def blocks(parts: Sequence[WakeRows]) -> Blocks:
+def row_blocks(parts: Sequence[WakeRows]) -> Blocks:
     """Return the block of every row of all parts in order."""
-    return blocks_of([Row(part.record.name, part.record.motion.t[part.rows]) for part in parts])
+    return block_of_rows([Row(part.record.name, part.record.motion.t[part.rows]) for part in parts])

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.block_bootstrap import Row, block_sums, blocks_of, spread
-from q2q_sim.air.learning.evidence.fitted import Fitted, fitted
-from q2q_sim.air.learning.residual.wake_misses import WakeMisses, own_gain
+from q2q_sim.air.learning.residual.wake_misses import WakeMisses, vehicle_gain
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 
 FEWEST = 100
 """Fewest exposed rows of a vehicle for its gain: 1 s at 100 Hz."""
@@ -26,9 +26,9 @@ def gain_spread(wakes: Sequence[WakeMisses]) -> Fitted:
     for one in wakes:
         rows = np.flatnonzero(one.one.exposed)
         pair = np.stack([-one.one.y[rows] * one.eta[rows], one.eta[rows] ** 2], axis=1)
-        sums = block_sums(pair, blocks_of([Row(one.record.name, one.record.motion.t[rows])]))
+        sums = block_sums(pair, block_of_rows([Row(one.record.name, one.record.motion.t[rows])]))
         if rows.size >= FEWEST and len(sums) >= FEWEST_STRETCHES:
-            gain = own_gain(one)
+            gain = vehicle_gain(one)
             miss = sums[:, 0] - gain * sums[:, 1]
             gains.append(gain)
             errors.append(float(miss @ miss) / sums[:, 1].sum() ** 2)
@@ -41,5 +41,5 @@ def gain_spread(wakes: Sequence[WakeMisses]) -> Fitted:
         between = weight @ (each - mean) ** 2 / (weight.sum() - 1.0) - weight @ own / weight.sum()
         return np.array([np.sqrt(max(between, 0.0))])
 
-    found = spread(estimate, each.size)
-    return fitted(found, 0, PATH, each.size, "flights of vehicles under another")
+    found = estimate_spread(estimate, each.size)
+    return fitted_value(found, 0, PATH, each.size, "flights of vehicles under another")

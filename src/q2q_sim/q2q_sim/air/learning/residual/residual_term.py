@@ -15,12 +15,12 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.autocovariance import pairs, ticks
-from q2q_sim.air.learning.evidence.block_bootstrap import Row, blocks_of, cell_sums, spread
-from q2q_sim.air.learning.evidence.fitted import LearnedTerm, fitted
 from q2q_sim.air.learning.jet.other_flights import LeftOut
 from q2q_sim.air.learning.residual.gain_spread import gain_spread
-from q2q_sim.air.learning.residual.wake_misses import LAGS, WakeMisses, wake_misses, with_own_gain
+from q2q_sim.air.learning.residual.wake_misses import LAGS, WakeMisses, wake_misses, with_vehicle_gain
+from q2q_sim.air.learning.statistics.autocovariance import lag_ticks, lagged_pairs
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, cell_sums, estimate_spread
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, ResidualTerm
 
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
@@ -41,9 +41,9 @@ def residual_term(
     rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
     if rows < FEWEST:
         return None
-    sums = _sums([with_own_gain(wake) for wake in wakes])
-    found = spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
-    values = tuple(fitted(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
+    sums = _sums([with_vehicle_gain(wake) for wake in wakes])
+    found = estimate_spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
+    values = tuple(fitted_value(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
     gain = gain_spread(wakes)
     floor, slope, time = map(float, found.value)
     return LearnedTerm(ResidualTerm(floor, slope, time, gain.value), (*values, gain))
@@ -58,8 +58,8 @@ def _sums(wakes: Sequence[WakeMisses]) -> Array:
     for one in wakes:
         t = one.record.motion.t
         inside = np.minimum(one.eta / INSIDE, 1.0)
-        for k, step in enumerate(ticks(t, LAGS)):
-            first, second = pairs(one.one.exposed, int(step))
+        for k, step in enumerate(lag_ticks(t, LAGS)):
+            first, second = lagged_pairs(one.one.exposed, int(step))
             a, b, a2, b2 = inside[first], one.eta[first], inside[second], one.eta[second]
             product = one.missed[first] * one.missed[second] - one.clear[k]
             columns.append(np.stack([np.ones(first.size), product, a * a2, a * b2 + a2 * b, b * b2], axis=1))
@@ -67,7 +67,7 @@ def _sums(wakes: Sequence[WakeMisses]) -> Array:
             lag.append(np.full(first.size, k))
             places.append(Row(one.record.name, t[first]))
     cells = np.concatenate(level) * LAGS.size + np.concatenate(lag)
-    sums = cell_sums(np.concatenate(columns), blocks_of(places), cells, (LEVELS.size - 1) * LAGS.size)
+    sums = cell_sums(np.concatenate(columns), block_of_rows(places), cells, (LEVELS.size - 1) * LAGS.size)
     return np.asarray(sums.reshape(-1, LEVELS.size - 1, LAGS.size, 5))
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.evidence.air_record import AirRecord
-from q2q_sim.air.learning.evidence.autocovariance import autocovariance, ticks
 from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.learning.records.air_record import AirRecord
+from q2q_sim.air.learning.statistics.autocovariance import autocovariance, lag_ticks
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
@@ -54,7 +54,7 @@ def _wake(
     clear = record.clear[:, one.vehicle]
     own = np.zeros(LAGS.size)
     if clear.sum() >= FEWEST_CLEAR:
-        own = autocovariance(one.y - one.y[clear].mean(), clear, ticks(record.motion.t, LAGS))
+        own = autocovariance(one.y - one.y[clear].mean(), clear, lag_ticks(record.motion.t, LAGS))
     return WakeMisses(record, one, eta, one.y + eta, own)
 
 
@@ -68,12 +68,12 @@ def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
     ]
 
 
-def own_gain(wake: WakeMisses) -> float:
+def vehicle_gain(wake: WakeMisses) -> float:
     """Return the vehicle's gain on the mean downwash [-]; 1 where there is none."""
     square = float(wake.eta @ wake.eta)
     return -float(wake.one.y @ wake.eta) / square if square > 0.0 else 1.0
 
 
-def with_own_gain(wake: WakeMisses) -> WakeMisses:
+def with_vehicle_gain(wake: WakeMisses) -> WakeMisses:
     """Return what is left with the vehicle's own gain."""
-    return replace(wake, missed=wake.one.y + own_gain(wake) * wake.eta)
+    return replace(wake, missed=wake.one.y + vehicle_gain(wake) * wake.eta)

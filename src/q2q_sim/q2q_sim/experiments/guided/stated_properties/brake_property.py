@@ -34,12 +34,12 @@ from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.deception import (
-    blown,
-    deceived,
+    after_late_frame,
+    after_rotor_change,
+    hidden_by_gusts,
+    in_ignored_downwash,
     last_measured,
-    outdated,
-    unbalanced,
-    untold,
+    misleading_measurement,
 )
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
@@ -99,6 +99,12 @@ def _braking(ticks: RunTicks) -> _Braking:
 def _judged(run: Run, ticks: RunTicks) -> Mask:
     """Return where a vehicle is blind and nothing hides its motion from dead reckoning, (T, n)."""
     faults = run.scenario.faults
-    hidden = deceived(ticks, faults) | outdated(ticks, faults) | unbalanced(ticks, faults)
-    hidden |= untold(ticks, aware=run.options.aware) | blown(ticks, air=run.scenario.air)
+    hidden = (
+        misleading_measurement(ticks, faults)
+        | after_late_frame(ticks, faults)
+        | after_rotor_change(ticks, faults)
+    )
+    hidden |= in_ignored_downwash(ticks, aware=run.options.aware) | hidden_by_gusts(
+        ticks, air=run.scenario.air
+    )
     return np.asarray(is_blind(ticks.command_status) & ~hidden)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck_by_kinds
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies.blindness import RECOVERY_S
@@ -46,7 +46,7 @@ def last_measured(ticks: RunTicks) -> NDArray[np.intp]:
     return _last(measured, otherwise=0)
 
 
-def deceived(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+def misleading_measurement(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     """Return where position and velocity by the last measurement may be wrong, (T, n)."""
     t, seen = ticks.t[:, None], ticks.t[last_measured(ticks)]
     jumps = sum(abs(fault.size) for fault in faults if fault.kind == "clock_jump")
@@ -60,7 +60,7 @@ def deceived(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     return mask
 
 
-def outdated(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+def after_late_frame(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     """Return where the last frame came late, or again, with the velocity of then, (T, n)."""
     seen = ticks.t[last_measured(ticks)]
     mask = np.zeros(seen.shape, dtype=np.bool_)
@@ -71,7 +71,7 @@ def outdated(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     return mask
 
 
-def unbalanced(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
+def after_rotor_change(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     """Return where a rotor weakened or recovered after, or shortly before, the last measurement, (T, n)."""
     t, seen = ticks.t[:, None], ticks.t[last_measured(ticks)]
     mask = np.zeros(seen.shape, dtype=np.bool_)
@@ -82,7 +82,7 @@ def unbalanced(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     return mask
 
 
-def untold(ticks: RunTicks, *, aware: bool) -> Mask:
+def in_ignored_downwash(ticks: RunTicks, *, aware: bool) -> Mask:
     """Return where a downwash that the controller ignores has pushed since the last measurement, (T, n)."""
     if aware:
         return np.zeros((len(ticks.t), len(ticks.names)), dtype=np.bool_)
@@ -90,7 +90,7 @@ def untold(ticks: RunTicks, *, aware: bool) -> Mask:
     return np.asarray(_last(pushed, otherwise=-1) > last_measured(ticks))
 
 
-def blown(ticks: RunTicks, *, air: str) -> Mask:
+def hidden_by_gusts(ticks: RunTicks, *, air: str) -> Mask:
     """Return where gusts or the torque of a wake hide a motion in another air than the scenario's, (T, n)."""
     last, t = last_measured(ticks), np.arange(len(ticks.t))[:, None]
     if not air:
@@ -119,4 +119,4 @@ def _last(when: Mask, otherwise: int) -> NDArray[np.intp]:
 
 def _rows(ticks: RunTicks, fault: Fault) -> Mask:
     """Return which vehicles a fault strikes, (n,)."""
-    return np.array(struck(ticks.names, (fault,), (fault.kind,)))
+    return np.array(struck_by_kinds(ticks.names, (fault,), (fault.kind,)))

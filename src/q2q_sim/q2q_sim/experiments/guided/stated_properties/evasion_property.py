@@ -25,12 +25,12 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.deception import deceived, outdated
+from q2q_sim.experiments.guided.stated_properties.deception import after_late_frame, misleading_measurement
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.blindness import runs
+from q2q_sim.monitors.policies.blindness import runs_of_true
 
 CALM_TICKS = 300
 """Ticks in which no vehicle was lost before an evasion is judged: earlier shifts have ended."""
@@ -84,7 +84,7 @@ def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
         return StatedOutcome()
     found, margin = [], np.inf
     faults, acc = run.scenario.faults, ticks.commanded_acc()
-    known = ~(deceived(ticks, faults) | outdated(ticks, faults))
+    known = ~(misleading_measurement(ticks, faults) | after_late_frame(ticks, faults))
     for one in _encounters(ticks):
         if not known[one.tick, [one.i, one.j]].all() or np.abs(acc[one.tick, one.i]).max() > LEANING:
             continue
@@ -117,7 +117,7 @@ def _encounters(ticks: RunTicks) -> Iterator[_Encounter]:
     lost = over_ticks(ticks.states, "status") == TrackStatus.LOST
     blind = lost | is_blind(ticks.command_status)
     for j in range(len(ticks.names)):
-        for begin, end in runs(lost[:, j]):
+        for begin, end in runs_of_true(lost[:, j]):
             before = begin - 1
             if blind[max(begin - CALM_TICKS, 0) : begin].any() or not 1 <= before < end - 2:
                 continue

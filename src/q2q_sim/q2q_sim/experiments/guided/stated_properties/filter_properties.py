@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.signals.values import Array, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck
+from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck_by_kinds
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S, filter_params
 from q2q_sim.monitors.policies import Limits, Violation
@@ -68,8 +68,8 @@ def _ambiguous(swap: Fault, faults: tuple[Fault, ...]) -> bool:
     """
     end = swap.start + swap.duration
     now = tuple(one for one in faults if one.start <= end and one.start + one.duration >= swap.start)
-    displaced = struck(swap.vehicles, now, ("jump",))
-    missing = struck(swap.vehicles, now, ("dropout", "nan"))
+    displaced = struck_by_kinds(swap.vehicles, now, ("jump",))
+    missing = struck_by_kinds(swap.vehicles, now, ("dropout", "nan"))
     return any(one and other for one, other in zip(displaced, reversed(missing), strict=True))
 
 

@@ -17,7 +17,7 @@ from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, ove
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.blindness import runs
+from q2q_sim.monitors.policies.blindness import runs_of_true
 
 UNTOLD_S = FallbackParams().degraded_s + TICK_S
 """Largest age of a state on which a command may be OK [s]."""
@@ -62,7 +62,7 @@ def hold(run: Run, ticks: RunTicks) -> StatedOutcome:
         status = ticks.command_status[:, row]
         standing = (status == CommandStatus.LEVEL) & ~ticks.newer & (track[:, row] != TrackStatus.LOST)
         waiting = (status == CommandStatus.HOLD) | standing
-        for begin, end in runs(waiting):
+        for begin, end in runs_of_true(waiting):
             held = len(np.unique(ticks.stamp[begin:end])) * TICK_S
             longest = max(longest, held)
             if held > limit:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.rows import joined
+from q2q_model.signals.rows import stack_equal
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -62,7 +62,7 @@ class RunTicks:
 
 def over_ticks(signals: Sequence[Signal], attribute: str) -> Array:
     """Return one attribute of T signals of the same names, (T, n) or (T, n, width)."""
-    return joined(list(map(attrgetter(attribute), signals)))
+    return stack_equal(list(map(attrgetter(attribute), signals)))
 
 
 def run_ticks(topics: Mapping[str, Sequence[Signal]]) -> RunTicks:

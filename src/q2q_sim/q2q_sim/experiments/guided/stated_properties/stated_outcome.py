@@ -16,7 +16,7 @@ class StatedOutcome(NamedTuple):
     """Least distance from the limit, as a part of it; infinite where nothing was judged [-]."""
 
 
-def struck(names: Names, faults: tuple[Fault, ...], kinds: tuple[str, ...]) -> list[bool]:
+def struck_by_kinds(names: Names, faults: tuple[Fault, ...], kinds: tuple[str, ...]) -> list[bool]:
     """Return which vehicles a fault of these kinds strikes at some time."""
     some = [fault for fault in faults if fault.kind in kinds]
     return [any(not fault.vehicles or name in fault.vehicles for fault in some) for name in names]

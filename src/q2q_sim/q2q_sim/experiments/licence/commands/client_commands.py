@@ -13,7 +13,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
-from q2q_sim.experiments.licence.commands.plan_reach import out_of_reach
+from q2q_sim.experiments.licence.commands.plan_reach import reach_violation
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerAnswer
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
@@ -106,7 +106,7 @@ class ClientCommand:
         return f", line {self.line}" if self.line else ""
 
 
-def asked_by(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked | None:
+def client_command(packet: Packet, answers: list[Packet], firmware: Firmware) -> Asked | None:
     """Return what a packet asked for, after the firmware has handled it; None if it is no command."""
     match packet.port:
         case Port.SETPOINT:
@@ -141,10 +141,10 @@ def _out_of_reach(asked: Asked, firmware: Firmware) -> str:
     plan = firmware.planner.trajectory
     if asked.kind != CommandKind.PLAN or asked.refused or plan is None:
         return ""
-    return out_of_reach(plan, CRAZYFLIE_2_1)  # the lightest brushed one: the program may be meant for it
+    return reach_violation(plan, CRAZYFLIE_2_1)  # the lightest brushed one: the program may be meant for it
 
 
-def malformed(packet: Packet) -> Asked | None:
+def malformed_command(packet: Packet) -> Asked | None:
     """Return what a packet asked for that was not handled, as a number is not finite; None if no command."""
     if packet.port not in {Port.SETPOINT, Port.GENERIC, Port.HIGH_LEVEL}:
         return None

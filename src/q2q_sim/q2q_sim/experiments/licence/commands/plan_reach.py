@@ -21,7 +21,7 @@ BEHIND = 0.15
 """Distance by which a plan may leave a vehicle behind [m]: that of two vehicles that collide."""
 
 
-def out_of_reach(plan: Piecewise, vehicle: Vehicle) -> str:
+def reach_violation(plan: Piecewise, vehicle: Vehicle) -> str:
     """Return what of a plan is out of reach; empty if nothing is."""
     jump = max((_jump(one, other) for one, other in pairwise(plan.pieces)), default=0.0)
     if jump > BEHIND:
@@ -29,13 +29,13 @@ def out_of_reach(plan: Piecewise, vehicle: Vehicle) -> str:
     if plan.backwards:
         return ""
     for piece in plan.pieces:
-        behind = left_behind(piece, plan.timescale, vehicle)
+        behind = beyond_reach(piece, plan.timescale, vehicle)
         if behind > BEHIND:
             return f"a place that is {behind:.2f} m farther than full thrust takes it in that time"
     return ""
 
 
-def left_behind(piece: Piece, timescale: float, vehicle: Vehicle) -> float:
+def beyond_reach(piece: Piece, timescale: float, vehicle: Vehicle) -> float:
     """Return how far the end of a piece is beyond a vehicle's reach from its start [m]; below 0 within."""
     T = piece.duration * timescale
     if not T > 0.0:

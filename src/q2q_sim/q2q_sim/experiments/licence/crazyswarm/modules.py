@@ -64,7 +64,7 @@ class SwarmHost:
             self.links.settle(SETTLE_S)
 
 
-def put_in_place(swarms: SwarmHost) -> None:
+def install_modules(swarms: SwarmHost) -> None:
     """Put the modules in the place of crazyflie_py for the rest of this process, and refuse ROS."""
 
     class Crazyswarm(Absence):

@@ -4,7 +4,7 @@ import struct
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from q2q_model.geometry.quaternion32 import decompressed
+from q2q_model.geometry.quaternion32 import decompress_quat
 from q2q_sim.crtp.packets.packet import Port, packet_of
 from q2q_sim.crtp.ports import log_blocks
 
@@ -46,7 +46,7 @@ class Pose:
     orientation: Quaternion
 
 
-def reported(datagram: bytes) -> Pose | Status | None:
+def report_in_packet(datagram: bytes) -> Pose | Status | None:
     """Return the pose or status in a packet of the vehicle; None if it has neither."""
     packet = packet_of(datagram)
     if (packet.port, packet.channel) != (Port.LOG, log_blocks.DATA):
@@ -54,7 +54,7 @@ def reported(datagram: bytes) -> Pose | Status | None:
     values = packet.data[_VALUES_AT:]
     if packet.data[0] == POSE:
         x, y, z, bits = _POSE.unpack(values)
-        return Pose(Point(x, y, z), Quaternion(*decompressed(bits)))
+        return Pose(Point(x, y, z), Quaternion(*decompress_quat(bits)))
     info, millivolt, power, rssi = _STATUS.unpack(values)
     counts = dict.fromkeys(COUNTS, 0)
     return {"supervisor": info, "battery": millivolt / 1000.0, "pm_state": power, "rssi": rssi, **counts}

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.geometry.quaternion32 import compressed
+from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.signals.values import Array
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, high_level, localization, log_blocks, memory, parameters, platform
@@ -94,7 +94,7 @@ def upload(number: int, offset: int, pieces: Sequence[tuple[float, Array]]) -> I
 def full_state(one: FullStateArguments) -> Packet:
     """Return a full-state setpoint."""
     half = 0.5 * one.yaw
-    quat = compressed((math.sin(half), 0.0, 0.0, math.cos(half)))
+    quat = compress_quat((math.sin(half), 0.0, 0.0, math.cos(half)))
     numbers = b"".join(map(_milli, (*one.pos, *one.vel, *one.acc)))
     rates = b"".join(map(_milli, one.omega))
     return _setpoint(FULL_STATE, numbers + struct.pack("<I", quat) + rates)

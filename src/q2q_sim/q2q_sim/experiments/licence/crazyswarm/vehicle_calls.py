@@ -9,7 +9,7 @@ from q2q_sim.experiments.licence.crazyswarm import server_packets
 from q2q_sim.experiments.licence.crazyswarm.absent import Absence
 from q2q_sim.experiments.licence.crazyswarm.connection import NUMBERS
 from q2q_sim.experiments.licence.crazyswarm.message_fields import flag, real, seconds, three, whole
-from q2q_sim.experiments.licence.crazyswarm.reports import Pose, Status, reported
+from q2q_sim.experiments.licence.crazyswarm.reports import Pose, Status, report_in_packet
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
@@ -169,7 +169,7 @@ class CrazyflieCalls(Absence):
     def take_reports(self) -> None:
         """Take what the vehicle has reported; crazyflie_py does so while the program sleeps."""
         for datagram in self._links.received(self._number):
-            report = reported(datagram)
+            report = report_in_packet(datagram)
             if isinstance(report, Pose):
                 self.position = list(report.position)
                 self.pose = {"position": report.position, "orientation": report.orientation}

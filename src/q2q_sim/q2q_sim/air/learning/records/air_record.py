@@ -20,7 +20,7 @@ from q2q_model.identification.force.downwash_force import (
     force_samples,
     known_rows,
 )
-from q2q_model.identification.force.recorded_force import MOTORS, force_record, lagged, motor_duty
+from q2q_model.identification.force.recorded_force import MOTORS, first_order_lag, force_record, motor_duty
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
@@ -115,8 +115,8 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
         return None
     flight, t = one.flight, one.flight.t
     measured: Mask = known_rows(forces) & ~forces.saturated
-    clear = measured & (forces.motion.pos[..., 2] > FLOOR) & alone(forces.motion.pos, ALONE)
-    command = lagged(flight.thrust, t, lag)
+    clear = measured & (forces.motion.pos[..., 2] > FLOOR) & rows_alone(forces.motion.pos, ALONE)
+    command = first_order_lag(flight.thrust, t, lag)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
     return AirRecord(
         name=flight.name,
@@ -139,7 +139,7 @@ def _samples(forces: ForceRecord) -> tuple[ForceSamples, ...]:
     return tuple(force_samples(forces))
 
 
-def alone(pos: Array, distance: float) -> Mask:
+def rows_alone(pos: Array, distance: float) -> Mask:
     """Return the rows with every neighbour farther than `distance` [m] horizontally, (T, n)."""
     n = pos.shape[1]
     across: Array = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)

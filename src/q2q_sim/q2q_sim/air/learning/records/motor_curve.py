@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.identification.force.downwash_force import FLOOR
-from q2q_model.identification.force.recorded_force import FULL_DUTY, lagged
+from q2q_model.identification.force.recorded_force import FULL_DUTY, first_order_lag
 from q2q_model.signals.values import Array, Mask, Rows
-from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
+from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 
 FEWEST = 500
 """Fewest rows of a vehicle in flight: 5 s at 100 Hz."""
@@ -88,12 +88,12 @@ def _curve(record: AirRecord, motors: Motors, i: int, rows: Rows) -> MotorCurve:
     t, strength = record.motion.t, record.strength[rows, i]
     each = np.maximum(motors.duty[:, i] * motors.volts[:, i, None], 0.0)  # d_m u, (T, 4)
     powers = np.stack([(each**power).mean(axis=1) for power in POWERS], axis=1)
-    felt = lagged(powers, t, record.lag)[rows]  # (k, K)
+    felt = first_order_lag(powers, t, record.lag)[rows]  # (k, K)
     scale = (strength @ felt) / (felt**2).sum(axis=0)
     misses = ((strength[:, None] - scale * felt) ** 2).sum(axis=0)
     best = int(np.argmin(misses))
     mean = np.stack([motors.duty[:, i].mean(axis=1), motors.volts[:, i]], axis=1)
-    duty, volts = lagged(mean, t, record.lag)[rows].T
+    duty, volts = first_order_lag(mean, t, record.lag)[rows].T
     columns = np.stack([np.ones(rows.size), t[rows] - t[rows[0]], duty - duty.mean()], axis=1)
     start, fall, by_duty = map(float, np.linalg.lstsq(columns, volts)[0])
     hover_volts = float(scale[best] ** (-1.0 / POWERS[best]))

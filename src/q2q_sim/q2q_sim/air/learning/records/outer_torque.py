@@ -9,10 +9,10 @@ median of the motors' torque in clear air.
 import numpy as np
 
 from q2q_control.attitude.allocation import rotor_frame, wrench_of
-from q2q_model.identification.force.recorded_force import lagged
+from q2q_model.identification.force.recorded_force import first_order_lag
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.air.learning.evidence.air_record import AirRecord, Motors
+from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 
 FEWEST_CLEAR = 100
 """Fewest rows in clear air for the trim: 1 s at 100 Hz."""
@@ -34,7 +34,7 @@ def outer_torque(record: AirRecord, i: int, vehicle: Vehicle, power: float) -> A
 
 
 def _motor_torque(record: AirRecord, motors: Motors, i: int, vehicle: Vehicle, power: float) -> Array:
-    duty = lagged(motors.duty[:, i], record.motion.t, record.lag)  # (T, 4)
+    duty = first_order_lag(motors.duty[:, i], record.motion.t, record.lag)  # (T, 4)
     mean = np.maximum(duty.mean(axis=1, keepdims=True), 1e-3)
     quarter = 0.25 * vehicle.hover_thrust * record.strength[:, i, None]
     thrust = quarter * (1.0 + power * (duty - mean) / mean)

@@ -30,7 +30,7 @@ class Row:
     t: Array
 
 
-def blocks_of(parts: Sequence[Row]) -> Blocks:
+def block_of_rows(parts: Sequence[Row]) -> Blocks:
     """Return the block of every row of `parts`, in their order, numbered from 0."""
     flights = list(dict.fromkeys(part.flight for part in parts if part.t.size))
     if len(flights) >= MANY:
@@ -65,7 +65,7 @@ class Spread:
     high: Array
 
 
-def spread(estimate: Estimate, count: int) -> Spread:
+def estimate_spread(estimate: Estimate, count: int) -> Spread:
     """Return an estimate from `count` blocks with its interval."""
     value = estimate(np.ones(count))
     if count < 2:

@@ -16,7 +16,7 @@ class Products(NamedTuple):
     second: NDArray[np.intp]
 
 
-def pairs(known: Mask, lag: int) -> Products:
+def lagged_pairs(known: Mask, lag: int) -> Products:
     """Return the pairs of known rows `lag` ticks apart."""
     first = np.flatnonzero(known[: known.size - lag] & known[lag:])
     return Products(first, first + lag)
@@ -26,12 +26,12 @@ def autocovariance(values: Array, known: Mask, lags: NDArray[np.intp]) -> Array:
     """Return the mean product of known values at each lag in ticks, (L,); 0 without pairs."""
     found = np.zeros(lags.size)
     for k, lag in enumerate(lags):
-        first, second = pairs(known, int(lag))
+        first, second = lagged_pairs(known, int(lag))
         if first.size:
             found[k] = float(np.mean(values[first] * values[second]))
     return found
 
 
-def ticks(t: Array, times: Array) -> NDArray[np.intp]:
+def lag_ticks(t: Array, times: Array) -> NDArray[np.intp]:
     """Return lags [s] in ticks of t, at least one apart."""
     return np.unique(np.rint(times / float(np.median(np.diff(t)))).astype(np.intp))

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from q2q_sim.air.learning.evidence.block_bootstrap import Spread
+from q2q_sim.air.learning.statistics.block_bootstrap import Spread
 
 T = TypeVar("T")
 
@@ -37,7 +37,7 @@ class LearnedTerm(Generic[T]):
     values: tuple[Fitted, ...]
 
 
-def fitted(spread: Spread, k: int, path: str, rows: int, source: str) -> Fitted:
+def fitted_value(spread: Spread, k: int, path: str, rows: int, source: str) -> Fitted:
     """Return value k of a bootstrap."""
     low, high = (float(end[k]) for end in (spread.low, spread.high))
     known = math.isfinite(low) and math.isfinite(high)

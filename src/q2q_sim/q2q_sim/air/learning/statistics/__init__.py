@@ -1,0 +1,1 @@
+"""Intervals of what is learned from recorded flights: bootstrap over blocks, autocovariance."""
