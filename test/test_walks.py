@@ -23,7 +23,7 @@ PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 STEP = re.compile(r"^\d+\. `(q2q_\w+/[\w/]+\.py)`", re.MULTILINE)
 SERVICES = {
     "q2q_model/commands/command_line.py",
-    "q2q_model/commands/quiet_end.py",
+    "q2q_model/commands/clean_exit.py",
     "q2q_model/commands/recording_options.py",
     "q2q_model/compiled.py",
     "q2q_model/counted.py",
@@ -45,7 +45,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
     "q2q_model/files/sealed_json.py",
-    "q2q_model/flights/metres.py",
+    "q2q_model/flights/unit_check.py",
     "q2q_model/flights/up_axis.py",
     "q2q_model/forked.py",
     "q2q_model/geometry/rotations.py",

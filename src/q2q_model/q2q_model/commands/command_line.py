@@ -18,8 +18,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn
 
+from q2q_model.commands.clean_exit import drop_output, exiting_on_signal, output_is_read
 from q2q_model.commands.help_text import HelpText
-from q2q_model.commands.quiet_end import drop_output, exiting_on_signal, output_is_read
 from q2q_model.node.lean_imports import lean_imports
 from q2q_model.writable_places import writable_file, writable_folder
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from importlib import import_module
 from types import MappingProxyType
 
+from q2q_model.commands.clean_exit import exiting_on_signal
 from q2q_model.commands.node_command_line import NodeCommandLine
-from q2q_model.commands.quiet_end import exiting_on_signal
 from q2q_model.node.lean_imports import lean_imports
 
 NO_FLAGS: Mapping[str, str] = MappingProxyType({})

@@ -31,17 +31,17 @@ from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
-from q2q_model.estimation.pose_faults import pose_faults
-from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE
-from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
-from q2q_model.estimation.usual_tick import (
+from q2q_model.estimation.nominal_frame import (
     POSE_WIDTH,
     QUAT_AT,
     extend_memory,
     no_poses,
+    nominal_frame,
     remember_poses,
-    usual_tick,
 )
+from q2q_model.estimation.pose_faults import pose_faults
+from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE
+from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
 from q2q_model.signals.values import (
     Array,
     Mask,
@@ -158,7 +158,7 @@ class MocapFilter:
         pos, vel, ang_vel_body = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         quat, age = np.empty((n, 4)), np.zeros(n)
         out = pos, vel, quat, ang_vel_body
-        outcome, turned, repeated = usual_tick(t, (poses, self._recent), self._gates, self._memory, out)
+        outcome, turned, repeated = nominal_frame(t, (poses, self._recent), self._gates, self._memory, out)
         if turned and outcome == WHOLE:
             self._wrong = ()
             self._count_nominal()

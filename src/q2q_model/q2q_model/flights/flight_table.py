@@ -23,8 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.metres import check_metres
 from q2q_model.flights.table_vehicles import vehicle_prefixes
+from q2q_model.flights.unit_check import check_metres
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp

@@ -8,8 +8,8 @@ from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.flight_table import flight_table, log_of, signals_of
-from q2q_model.flights.metres import check_flight_metres
 from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.identification.filtered_states import with_filtered_states
 
 

@@ -12,7 +12,7 @@ line of either is copied.
 | 4 memory | the trajectory memory | memory |
 | 5 logging | table, blocks | log_table, log_blocks |
 | 6 localization | external position and pose | localization |
-| 7 generic setpoints | full state, position, velocity, hover, manual, stop | generic, pulses |
+| 7 generic setpoints | full state, position, velocity, hover, manual, stop | generic, cppm_setpoint |
 | 8 high-level commander | take-off, land, go-to, spiral, trajectories | high_level |
 | 9 supervisor | state, arming, recovery, emergency stop | supervisor_port |
 | 13 platform | protocol and firmware version, arming (old) | platform |

@@ -8,7 +8,7 @@ import numpy as np
 from q2q_control.onboard.native_app import compile_app
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
-from q2q_sim.crtp.spots import spread_spots
+from q2q_sim.crtp.start_places import spread_spots
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.firmware.parameters.parameter_table import DECKS

@@ -17,8 +17,8 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
-from q2q_model.flights.metres import check_flight_metres
 from q2q_model.flights.outliers import find_outliers, repair
+from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle

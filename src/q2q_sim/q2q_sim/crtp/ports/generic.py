@@ -6,7 +6,7 @@ angles in degrees, pitch nose up (legacy) for attitudes, yaw rates left for the 
 | type | fields |
 |---|---|
 | 0 stop | none: motors off; and so does every type above 11 |
-| 3 radio control pulses | see pulses |
+| 3 radio control pulses | see cppm_setpoint |
 | 6 full state | position [mm], velocity [mm/s], acceleration [mm/s^2], quaternion (32 bits), rates [mrad/s] |
 | 7 position | x, y, z [m], yaw [deg] |
 | 8 velocity | vx, vy, vz [m/s], world, yaw rate [deg/s]; 1: yaw rate to the right |
@@ -27,9 +27,9 @@ import struct
 from collections.abc import Callable
 
 from q2q_model.geometry.quaternion32 import decompress_quat
+from q2q_sim.crtp.packets.cppm_setpoint import cppm_setpoint
 from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
-from q2q_sim.crtp.packets.pulses import pulses
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.parameters.parameter_values import Parameters
@@ -52,7 +52,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
 
 
 def _setpoint(kind: int, data: bytes, parameters: Parameters) -> Setpoint:
-    return pulses(data, parameters) if kind == PULSES else _READERS.get(kind, _stop)(data)
+    return cppm_setpoint(data, parameters) if kind == PULSES else _READERS.get(kind, _stop)(data)
 
 
 def _stop(_: bytes) -> Setpoint:

@@ -5,7 +5,7 @@
 | brake | a vehicle that flies level or lands blind faster than FAST is decelerated |
 
 It was known to be as fast, in the same direction, when it was last measured, is so at the command, and
-nothing has deceived its dead reckoning since (deception). With v its true horizontal velocity once the
+nothing has deceived its dead reckoning since (hidden_motion). With v its true horizontal velocity once the
 command has taken effect:
 
     -a . v / |v|  >=  SHARE min(|v| / tau, a_max)      where  |v|, v_c . v / |v|, v_m . v / |v| > FAST
@@ -33,7 +33,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
 from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.deception import (
+from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
     after_late_frame,
     after_rotor_change,
     hidden_by_gusts,

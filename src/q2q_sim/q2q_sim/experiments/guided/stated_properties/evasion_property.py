@@ -11,7 +11,7 @@ the change of its commanded acceleration to the next tick, less that of its setp
     -c . d / |d| <= LEAST_ACC        where |d| > CLEAR and no third vehicle is near where it is sent
 
 It is judged for the PID, whose command follows its setpoint at once, where nothing has deceived the dead
-reckoning of either and the last frame of neither came late or again (deception): its state steps with the
+reckoning of either and the last frame of neither came late or again (hidden_motion): its state steps with the
 next one. Nor is it where a vehicle was lost shortly before. The margin is the least distance from these
 limits, at most 1; beyond NEAR it is the larger one of those from NEAR and from the limit.
 """
@@ -25,7 +25,10 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.deception import after_late_frame, misleading_measurement
+from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
+    after_late_frame,
+    misleading_measurement,
+)
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.assembly import TICK_S

@@ -25,7 +25,7 @@ MIDDLE, REACH, LEAST, RANGE = 1500.0, 500.0, 1000.0, 1000.0
 PWM_TOP = float(PWM_FULL)
 
 
-def pulses(data: bytes, parameters: Parameters) -> Setpoint:
+def cppm_setpoint(data: bytes, parameters: Parameters) -> Setpoint:
     """Return the setpoint of a packet after its type; raise MalformedError if its length is wrong."""
     further = byte(data, 0) & 0x0F
     needed = 1 + _CHANNELS.size + further * _SWITCH.size

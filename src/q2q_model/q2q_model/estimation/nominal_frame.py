@@ -1,6 +1,6 @@
-"""Usual tick of the mocap filter in one kernel: every pose is accepted by the track of its own name.
+"""Nominal frame of the mocap filter in one kernel: every pose is accepted by the track of its own name.
 
-Nearly every tick is usual. Positions are those of q2q_model.estimation.position, attitudes those of
+Nearly every frame is nominal. Positions are those of q2q_model.estimation.position, attitudes those of
 q2q_model.estimation.attitude; for ten vehicles, one call takes a third of the time of several.
 """
 
@@ -76,7 +76,7 @@ def _equal(one: Array, other: Array) -> bool:
 
 
 @compiled
-def usual_tick(
+def nominal_frame(
     t: float,
     poses: tuple[Array, RecentPoses],
     params: tuple[Floats, Floats],

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
-from q2q_sim.crtp.spots import SPACING, spread_spots
+from q2q_sim.crtp.start_places import SPACING, spread_spots
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 
