@@ -165,7 +165,7 @@ def taken(t: float, measured: Array, tracks: Table) -> bool:
     return took
 
 
-def test_the_compiled_way_takes_usual_ticks_alone_and_changes_nothing_in_others() -> None:
+def test_the_compiled_way_takes_nominal_ticks_alone_and_changes_nothing_in_others() -> None:
     quat, rate = tumbling(5)
     soon, now = 1.0 + STEP, turned(quat, rate, STEP)
     assert taken(soon, now, at_rest(quat))

@@ -83,11 +83,11 @@ def nominal_frame(
     memory: Memory,
     out: tuple[Array, Array, Array, Array],
 ) -> tuple[int, bool, Mask]:
-    """Take the poses of a usual tick.
+    """Take the poses of a nominal tick.
 
     Args:
         t: Time [s].
-        poses: Of this frame, (n, 7), and those before, which a wholly usual tick joins.
+        poses: Of this frame, (n, 7), and those before, which a wholly nominal tick joins.
         params: Of TrackParams and AttitudeGateParams.
         memory: Of positions and attitudes.
         out: Written as far as usual: pos, vel, quat and ang_vel_body of the state, (n, 3) or (n, 4) each.

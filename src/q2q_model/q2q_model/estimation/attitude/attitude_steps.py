@@ -1,4 +1,4 @@
-"""Compiled step of the attitude tracks in a usual tick: no attitude is new or rejected.
+"""Compiled step of the attitude tracks in a nominal tick: no attitude is new or rejected.
 
 Gates and symbols are those of q2q_model.estimation.attitude.attitude_tracks, which takes all other ticks.
 """

@@ -1,4 +1,4 @@
-"""Compiled steps of the position tracks: predict and gate, take samples, do both in a usual tick.
+"""Compiled steps of the position tracks: predict and gate, take samples, do both in a nominal tick.
 
 A tick is nominal if every track is confirmed and the sample of its own name passes its gates without thaw or
 doubt. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
