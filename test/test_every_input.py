@@ -295,5 +295,5 @@ def test_the_nodes_here_make_every_subscription_of_q2q(monkeypatch: pytest.Monke
         if file.name not in TOOLS and isinstance(part, ast.FunctionDef)
         if any(getattr(one, "attr", "") == "create_subscription" for one in ast.walk(part))
     }
-    assert ("tick.py", "_subscribe") in written
+    assert ("tick_wiring.py", "_subscribe") in written
     assert written - Open.sites == set()

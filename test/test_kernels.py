@@ -11,10 +11,10 @@ from fresh_checkout import ROOT
 
 SOURCES = [path for path in (ROOT / "src").rglob("*.py") if "test" not in path.parts]
 EVERY_KERNEL = """
-from q2q_model.compiled import KERNELS, uncached
+from q2q_model.compiled import KERNELS, uncached_kernels
 from q2q_sim.tools.compile_kernels import import_kernels
 import_kernels()
-print(len(KERNELS), *uncached(), sep="\\n")
+print(len(KERNELS), *uncached_kernels(), sep="\\n")
 """
 
 

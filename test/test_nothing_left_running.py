@@ -15,14 +15,14 @@ from q2q_sim.processes.warm_start import say_in_a_line
 NODES = 7
 ORPHAN = """
 import os
-from q2q_sim.processes.warm_start import settle
+from q2q_sim.processes.warm_start import join_session
 
 alive, held = os.pipe()
 if os.fork() == 0:  # the warm parent's part: it dies before its fork settles
     os.fork() and os._exit(0)
     os.close(held)
     os.read(alive, 1)
-    settle(frozenset())
+    join_session(frozenset())
     print("runs on")
 else:
     os.close(held)

@@ -67,11 +67,11 @@ def test_the_key_is_the_same_in_every_process(options: str) -> None:
     """Sets are told in another order by every process: kernels with such options were compiled ever anew."""
     script = f"""
 from numba import njit
-from q2q_model.compiled import compiled, digest_of
+from q2q_model.compiled import compiled, kernel_digest
 inner = njit(lambda x: x in {{"a", "b", "c"}}{options})
 def outer(x):
     return inner(x)
-print(digest_of(outer))
+print(kernel_digest(outer))
 """
     digests = set()
     for seed in ("1", "2", "3", "4"):
