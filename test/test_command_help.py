@@ -178,3 +178,17 @@ def test_an_interrupt_during_a_tools_import_ends_it_with_130():
     )
     done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (130, b"")
+
+
+@pytest.mark.parametrize("package", ["numba.core", "llvmlite.binding", "logging"])
+def test_an_interrupt_while_a_kernel_is_loaded_or_a_process_forks_ends_a_tool_after_it(package: str):
+    inside = "import os, signal\ndef act(): os.kill(os.getpid(), signal.SIGINT); print('done')"
+    program = (
+        f"import signal, sys; sys.path.insert(0, {str(ROOT / 'src/q2q_model')!r})\n"
+        "from q2q_model.commands.command_line import CommandLine, run_command\n"
+        f"exec({inside!r}, package := {{'__name__': {package!r}}})\n"
+        "def work(asked):\n    package['act']()\n    signal.pause()\n    return 9\n"
+        "sys.exit(run_command(CommandLine('tool', '', ''), lambda asked: work, []))"
+    )
+    done = subprocess.run([sys.executable, "-I", "-S", "-c", program], capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"done\n", b"tool: interrupted\n")

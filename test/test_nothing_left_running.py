@@ -39,6 +39,30 @@ if __name__ == "__main__":
     os.read(os.pipe()[0], 1)
 """
 """Command that waits for ever beside its pool."""
+INTERRUPTED_POOL = """
+import os, signal, sys
+from concurrent.futures.process import BrokenProcessPool
+from q2q_sim.processes.worker_pool import worker_pool
+
+sys.path.insert(0, {folder!r})
+if __name__ == "__mp_main__" and {starting}:
+    os.kill(os.getpid(), signal.SIGINT)
+if __name__ == "__main__":
+    import work
+    with worker_pool(1) as pool:
+        try:
+            pool.submit(work.act).result()
+        except (BrokenProcessPool, KeyboardInterrupt) as ended:
+            print(type(ended).__name__)
+"""
+"""Command whose worker is interrupted while it starts, imports its work, or works."""
+WORK = """
+import os, signal
+
+def act(): os.kill(os.getpid(), signal.SIGINT) if {acting} else print("acts")
+
+if os.environ.get("PARENT") != str(os.getppid()) and {importing}: os.kill(os.getpid(), signal.SIGINT)
+"""
 PATIENCE_S = 90.0
 
 
@@ -122,6 +146,22 @@ def test_a_command_that_is_killed_leaves_no_process_of_its_pool_behind(number: s
     command.send_signal(number)
     command.communicate(timeout=PATIENCE_S)
     assert ends(worker)
+
+
+@pytest.mark.parametrize(
+    ("when", "ended"),
+    [("starting", "BrokenProcessPool"), ("importing", "BrokenProcessPool"), ("acting", "Interrupted")],
+)
+def test_the_processes_of_a_pool_are_interrupted_without_a_word(
+    tmp_path: Path, when: str, ended: str
+) -> None:
+    places = {place: place == when for place in ("starting", "importing", "acting")}
+    (tmp_path / "work.py").write_text(WORK.format(**places))
+    (tmp_path / "command.py").write_text(INTERRUPTED_POOL.format(folder=str(tmp_path), **places))
+    command = [sys.executable, str(tmp_path / "command.py")]
+    environment = os.environ | {"PARENT": str(os.getpid())}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert (done.stdout, done.stderr) == (f"{ended}\n", "")
 
 
 @pytest.mark.parametrize(

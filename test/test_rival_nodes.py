@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
@@ -20,7 +21,9 @@ from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import TopicWriters
+from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.values import Names, SwarmCommand
 from q2q_model.trajectory import plan_file
 from q2q_planner.ros import replanner_node, trajectory_node
 from q2q_sim.loop import assembly
@@ -207,6 +210,34 @@ def test_the_simulator_tells_of_controllers_that_cannot_each_have_vehicles_of_th
     node.writers = {"command": ("mpc_cf1", "mpc_cf2")}
     report()
     assert graded(node) == (Level.STALE, "no tick")
+
+
+def commands(*orders: tuple[Names, float]) -> list[bytes]:
+    """Return the commands of a second by controllers, each with its vehicles and their thrust [N]."""
+    made = []
+    for stamp_ns in range(0, 10**9, 10**7):
+        for names, thrust in orders:
+            level, sound = np.zeros(len(names)), np.zeros(len(names), np.uint8)
+            one = SwarmCommand(0.0, names, level + thrust, level, level, level, sound)
+            made.append(encode(one, stamp_ns))
+    return made
+
+
+def test_the_simulator_names_the_vehicles_that_two_controllers_command_once() -> None:
+    node, report = room_for(Simulator, scenario="table6", pace="live", autostart=False)
+    node.writers = {"command": ("mpc", "pid")}
+    told = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
+    for orders, found in (
+        ([(("cf1",), 0.2), (("cf2",), 0.3)], ""),
+        ([(NAMES, 0.2), (("cf2",), 0.3)], told),
+        ([(NAMES, 0.2), (("cf2",), 0.3)], told),
+        ([(NAMES, 0.2), (("cf2",), 0.2)], ""),
+    ):
+        for data in commands(*orders):
+            node.takers["command"](data)
+        report()
+        assert graded(node) == ((Level.WARN, found) if found else (Level.STALE, "no tick"))
+    assert node.lines == [told]
 
 
 def test_a_bag_played_into_a_running_stack_is_told_by_its_player() -> None:

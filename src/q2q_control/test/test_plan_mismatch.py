@@ -79,6 +79,18 @@ def test_a_plan_that_was_over_when_it_came_is_told_while_the_setpoints_are_elsew
     assert told(10.0, *course, back, again)[3:] == [("", False), (OVER.format("1.5", "2.0"), False)]
 
 
+@pytest.mark.parametrize(("start", "t"), [(0.0, 1.7e9), (1.7e9, 50.0)])
+def test_a_plan_of_another_time_base_is_told_though_the_setpoints_stay_at_its_end(
+    start: float, t: float
+) -> None:
+    place = 4.0 if start < t else 0.0
+    first = (
+        f"plan: it starts at {start:.0f} s and the setpoints are of {t:.0f} s: do their nodes use one clock?"
+    )
+    still = [setpoint(t + 0.01 * tick, place, place) for tick in range(3)]
+    assert told(start, *still) == [(first, True), (first, False), (first, False)]
+
+
 def test_the_next_plan_is_told_anew() -> None:
     monitor, elsewhere = PlanMismatchMonitor(), setpoint(12.0, 2.0, -3.0)
     for _ in range(2):

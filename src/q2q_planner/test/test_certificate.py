@@ -47,6 +47,13 @@ def test_the_clearance_is_below_every_sample_and_near_the_least(seed: int, zone:
     assert proven >= seen - TOLERANCE - 2.4e-2
 
 
+@pytest.mark.parametrize("zone", ZONES)
+def test_a_search_that_ends_at_the_first_contact_judges_as_the_whole_one_does(zone: Zone) -> None:
+    proofs = [(certify(plan, zone), certify(plan, zone, enough=0.0)) for plan in map(random_plan, range(12))]
+    assert {whole.holds for whole, _ in proofs} == {True, False}
+    assert all(short == whole if whole.holds else short.clearance == -np.inf for whole, short in proofs)
+
+
 def test_a_pass_between_samples_is_not_missed() -> None:
     """At 100 m/s two vehicles are inside for 2 ms: any usual sampling sees nothing."""
     there = Trajectory(np.array([10.0]), np.array([[[-500.0, 100.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]]]))

@@ -14,6 +14,8 @@ from full_disk import full_after
 from q2q_msgs.msg import SwarmCommand
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
+from rosbags.interfaces import QosReliability
+from rosbags.rosbag2 import Reader
 
 from q2q_model.bag import BagError, BagReader
 from q2q_model.node.rehearsal import rehearsal
@@ -86,10 +88,13 @@ def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
         recorder.close()
         writing.destroy_node()
     assert [one.topic for one in BagReader(bag).raw()][:1] == ["/poses"]
+    with Reader(bag) as stored:
+        [channel] = [one for one in stored.connections if one.topic == "/poses"]
+        assert [one.reliability for one in channel.ext.offered_qos_profiles] == [QosReliability.BEST_EFFORT]
 
 
-LATCHED_EXTRA = "extra:=['plan:q2q_msgs/msg/SwarmCommand']"
-"""A latched topic; any type of message will do."""
+LATCHED_EXTRA = "extra:=['map:q2q_msgs/msg/SwarmCommand']"
+"""A latched topic of other software; any type of message will do."""
 
 
 @pytest.mark.parametrize("is_late", [True, False])
@@ -102,7 +107,7 @@ def test_what_was_latched_before_and_after_the_recorder_began_is_recorded_once(
         executor = make_executor()
         executor.add_node(node)
         recorder = None if is_late else Recorder(node)
-        writer = writing.create_publisher(SwarmCommand, "plan", LATCHED)
+        writer = writing.create_publisher(SwarmCommand, "map", LATCHED)
         writer.publish(sent[0])
         recorder = recorder or Recorder(node)
         deadline = monotonic() + PATIENCE_S
@@ -114,6 +119,7 @@ def test_what_was_latched_before_and_after_the_recorder_began_is_recorded_once(
         recorder.close()
         writing.destroy_node()
     assert [bytes(one.data) for one in BagReader(bag).raw()] == sent
+    assert BagReader(bag).latched == {"/map"}
 
 
 def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_it(tmp_path: Path) -> None:
@@ -122,12 +128,12 @@ def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_
         recorder, writing = Recorder(node), Node("writing")
         executor = make_executor()
         executor.add_node(node)
-        latching = writing.create_publisher(SwarmCommand, "plan", LATCHED)
+        latching = writing.create_publisher(SwarmCommand, "map", LATCHED)
         latching.publish(serialized_at(1))
         deadline = monotonic() + PATIENCE_S
         while recorder.health.ticks == 0 and monotonic() < deadline:
             executor.spin_once(timeout_sec=0.05)
-        other = writing.create_publisher(SwarmCommand, "plan", TICK_WRITER)
+        other = writing.create_publisher(SwarmCommand, "map", TICK_WRITER)
         while 0 in {one.get_subscription_count() for one in (latching, other)} and monotonic() < deadline:
             executor.spin_once(timeout_sec=0.05)
         for writer, second in ((latching, 2), (other, 3)):

@@ -74,6 +74,21 @@ def test_a_node_that_is_not_of_q2q_is_named_with_what_it_answers() -> None:
         stranger.destroy_node()
 
 
+def test_a_start_that_is_refused_ends_the_flight_with_the_answer() -> None:
+    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.message = "already flying"
+        return response
+
+    with own_domain(), FlightDirector(lambda: None) as director:
+        flying = Node("simulator")
+        flying.create_service(Trigger, "~/start", answer)
+        director._executor.add_node(flying)
+        with pytest.raises(ValueError, match=r"^simulator refuses to start: already flying$"):
+            director.start()
+        director._executor.remove_node(flying)
+        flying.destroy_node()
+
+
 def test_ticks_that_are_no_count_and_a_clock_that_is_none_leave_the_last_ticks() -> None:
     with own_domain(), FlightDirector(lambda: None) as director:
         director._on_diagnostics(told("12"))

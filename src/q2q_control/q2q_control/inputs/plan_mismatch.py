@@ -5,11 +5,14 @@ A preview of another plan, or of one in other time, is not followed: setpoints o
 
 | plan when it comes | compared with | told |
 |---|---|---|
+| begins a year or more before or after a setpoint | its stamp | until the next plan |
 | runs, or begins later | the first setpoint: a replanner may move later ones | until setpoints are near it |
 | is over | every setpoint | while they are far from its end |
 
 Setpoints near the end of a plan that is over hold there, as they do for a controller that starts after the
-plan has ended: nothing is wrong.
+plan has ended: nothing is wrong. A plan of another time base (one clock counts since 1970, one since its
+machine started) would be taken for such a one, or for one that begins later. A clock that is wrong by less
+than a year is not told while the setpoints stay near the plan's end.
 """
 
 import numpy as np
@@ -20,11 +23,14 @@ from q2q_model.signals.values import SwarmSetpoint
 
 OVER_S = 1.0
 """Time for which a plan that comes may be over [s]: a short one, as of braking, ends before it has come."""
+YEAR_S = 3.2e7
+"""Time between a plan and a setpoint from which on their stamps are not of one clock [s]."""
 _ELSEWHERE = "plan: it is far from the setpoints: {}: is it the plan they come from?"
 _OVER = (
     "plan: it ended {:.1f} s before it came, and is far from the setpoints: {}: is it of an earlier flight, "
     "or does it not start by the stamps of mocap?"
 )
+_OTHER_CLOCK = "plan: it starts at {:.0f} s and the setpoints are of {:.0f} s: do their nodes use one clock?"
 
 
 def far_from_plan(plan: SampledPreview, setpoint: SwarmSetpoint) -> str:
@@ -54,9 +60,15 @@ class PlanMismatchMonitor:
         if self._over is None:
             self._over = setpoint.t - (plan.start + plan.step * (plan.samples.shape[1] - 1))
         is_over = self._over > OVER_S
+        if abs(plan.start - setpoint.t) > YEAR_S:
+            return self._tell(_OTHER_CLOCK.format(plan.start, setpoint.t))
         if far := far_from_plan(plan, setpoint):
-            self._told = self._told or (_OVER.format(self._over, far) if is_over else _ELSEWHERE.format(far))
-            is_new, self._is_new = self._is_new, False
-            return self._told, is_new
+            return self._tell(_OVER.format(self._over, far) if is_over else _ELSEWHERE.format(far))
         self._told, self._plan = "", plan if is_over else None
         return "", False
+
+    def _tell(self, told: str) -> tuple[str, bool]:
+        """Return what was told first since all was well, and whether nothing of this plan was before."""
+        self._told = self._told or told
+        is_new, self._is_new = self._is_new, False
+        return self._told, is_new

@@ -1,4 +1,4 @@
-"""Exit without a traceback: on a signal during imports, and if nobody reads the output any more."""
+"""Exit without a traceback: on a signal in imports or numba, and if nobody reads the output any more."""
 
 import os
 import select
@@ -9,6 +9,11 @@ from types import FrameType
 
 STDOUT = 1
 """File descriptor of the standard output."""
+UNSAFE = {"numba", "llvmlite", "logging"}
+"""Packages that an interrupt waits for: memory that llvmlite was freeing is freed again at the exit, and what
+is raised first after a fork, in a hook of logging, is lost."""
+AGAIN_S = 0.02
+"""Time until one that came within them is tried again [s]."""
 
 
 @contextmanager
@@ -27,6 +32,34 @@ def exiting_on_signal(status: int) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def interrupted_where_safe() -> Iterator[None]:
+    """Raise KeyboardInterrupt on SIGINT, as usual, but within UNSAFE packages only once they are left."""
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield  # ignored, as in the background of a shell
+        return
+
+    def interrupt(_: int, frame: FrameType | None) -> None:
+        if UNSAFE.isdisjoint(_packages(frame)):
+            raise KeyboardInterrupt
+        signal.setitimer(signal.ITIMER_REAL, AGAIN_S)
+
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGINT, signal.SIGALRM)}
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _packages(frame: FrameType | None) -> Iterator[str]:
+    """Yield the packages of the functions that run, the innermost first."""
+    while frame is not None:
+        yield str(frame.f_globals.get("__name__")).partition(".")[0]
+        frame = frame.f_back
 
 
 def output_is_read() -> bool:

@@ -18,7 +18,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NoReturn
 
-from q2q_model.commands.clean_exit import drop_output, exiting_on_signal, output_is_read
+from q2q_model.commands.clean_exit import (
+    drop_output,
+    exiting_on_signal,
+    interrupted_where_safe,
+    output_is_read,
+)
 from q2q_model.commands.help_text import HelpText
 from q2q_model.node.lean_imports import lean_imports
 from q2q_model.writable_places import writable_file, writable_folder
@@ -94,7 +99,8 @@ def run_command(
         with warnings_in_one_line(line.prog):
             with exiting_on_signal(INTERRUPTED), lean_imports():
                 work = prepare(args)
-            status = work(args)
+            with interrupted_where_safe():
+                status = work(args)
             sys.stdout.flush()
             return status
     except KeyboardInterrupt:

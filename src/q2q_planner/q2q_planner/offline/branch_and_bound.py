@@ -51,6 +51,7 @@ def least_on_stretches(
     bounds: Callable[[Array], StretchBounds],
     tolerance: float = TOLERANCE,
     relative: float = 0.0,
+    enough: float = -np.inf,
 ) -> Least:
     """Return the least value on stretches.
 
@@ -59,12 +60,15 @@ def least_on_stretches(
         bounds: bounds of the value, of such arrays.
         tolerance: how far the bound may lie below the true least value.
         relative: the same, as a share of it; added.
+        enough: a value of this or less ends the search, without a bound.
     """
     row, share, length = np.arange(len(points)), np.zeros(len(points)), 1.0
     found, floor = Least(np.inf, 0, 0.0), np.inf
     for _ in range(DEEPEST):
         here = bounds(points)
         found = _improved(found, here, row, share + length * here.share)
+        if found.value <= enough:
+            return found
         split = here.lower < found.value - (tolerance + relative * abs(found.value))
         floor = min(floor, float(here.lower[~split].min(initial=np.inf)))
         if not split.any():

@@ -49,8 +49,11 @@ class Certificate:
         return self.clearance > ROUNDING
 
 
-def certify(plan: SwarmPlan, zone: Zone) -> Certificate:
-    """Return the proven clearance of a plan from a zone."""
+def certify(plan: SwarmPlan, zone: Zone, enough: float = -np.inf) -> Certificate:
+    """Return the proven clearance of a plan from a zone.
+
+    A distance of `enough` [m] or less ends the search: the clearance is -inf then, the plan does not hold.
+    """
     if len(plan.names) < 2:
         return Certificate(np.inf, None, 0.0)
     rounding = rounding_slack(plan.trajectories)
@@ -62,7 +65,7 @@ def certify(plan: SwarmPlan, zone: Zone) -> Certificate:
         words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
         return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
     stretches = _stretches(shared, lathe)
-    found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, lathe))
+    found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, lathe), enough=enough)
     pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
     piece = stretches.piece[found.row]
     t = shared.starts[piece] + found.share * shared.durations[piece]

@@ -84,7 +84,7 @@ def _one_by_one(
     now, legs = here.copy(), []
     for row in order:
         candidates = (_turn(names, now, (row, there[row]), terms[0], aside) for aside in ASIDE)
-        leg = next((plan for plan in candidates if certify(plan, terms[1]).holds), None)
+        leg = next((plan for plan in candidates if certify(plan, terms[1], enough=0.0).holds), None)
         if leg is None:
             return None
         legs.append(leg)

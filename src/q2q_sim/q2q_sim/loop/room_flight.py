@@ -14,6 +14,7 @@ from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_sim.air.air_names import AirError
+from q2q_sim.link.doubled_commands import DoubledCommands
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
 from q2q_sim.loop.lockstep import CommandGate, ResendTimer
 from q2q_sim.loop.room import TICK_S, Room, Tick
@@ -91,6 +92,7 @@ class RoomFlight:
         self._started = self._is_over = False
         self.clock = FlightClock()
         self.health = Health()
+        self.doubled = DoubledCommands()
 
     @property
     def is_flying(self) -> bool:
@@ -140,6 +142,7 @@ class RoomFlight:
             command = self._gate.offer(stamp_ns, offered)
         except ValueError as refusal:
             return self._refused(refusal)
+        self.doubled.take(stamp_ns, offered)
         if command is None or self._tick is None or (self._lockstep and self._command is not None):
             return NOTHING
         answered_ns = self._gate.stamp_of(command, stamp_ns)

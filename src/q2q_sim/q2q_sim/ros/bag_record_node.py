@@ -19,7 +19,7 @@ from rclpy.event_handler import (
     SubscriptionEventCallbacks,
 )
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.validate_topic_name import validate_topic_name
 
 from q2q_model.bag import BagError, BagWriter, OfferedQos, facts_from_text
@@ -66,6 +66,8 @@ class Recorder:
         self._node = node
         self._take_latched: dict[str, Callable[[], None]] = {}
         """How to subscribe anew to a topic that is not known to be latched."""
+        self._foreign: dict[str, str] = {}
+        """Topics of other software and their types, until their first message tells how they are offered."""
         self.health = Health()
         """Messages stored (ticks) and lost (missed)."""
         self._lost: dict[str, int] = {}
@@ -84,7 +86,10 @@ class Recorder:
         bus = bus_of(node)
         for topic, kind in types.items():
             whole = node.resolve_topic_name(topic)
-            self._writer.add_topic(whole, kind, OfferedQos(transient_local=is_latched(topic, kind)))
+            if topic in TYPE_NAMES or is_latched(topic, kind):
+                self._writer.add_topic(whole, kind, OfferedQos(transient_local=is_latched(topic, kind)))
+            else:
+                self._foreign[whole] = kind
             if bus.carries(topic):
                 bus.listen(topic, self._storing_signals(whole))
             else:
@@ -136,6 +141,8 @@ class Recorder:
             BagError: the disk took no more, before or now.
         """
         try:
+            for topic, kind in self._foreign.items() if not self.is_full else ():
+                self._writer.add_topic(topic, kind)
             self._writer.close()
         except BagError as refusal:
             self._give_up(refusal)
@@ -172,6 +179,8 @@ class Recorder:
         if stamp_ns < 0:
             self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; bags begin at 0 s; not recorded")
             return
+        if topic in self._foreign:
+            self._writer.add_topic(topic, self._foreign.pop(topic), _offered(self._node, topic))
         try:
             self._writer.write_raw(topic, stamp_ns, data)
         except BagError as refusal:
@@ -192,6 +201,12 @@ class Recorder:
             self.health.missed = sum(self._lost.values())
 
         return count
+
+
+def _offered(node: Node, topic: str) -> OfferedQos:
+    """Return what all publishers of a topic offer."""
+    found = {one.qos_profile.reliability for one in node.get_publishers_info_by_topic(topic)}
+    return OfferedQos(ReliabilityPolicy.BEST_EFFORT not in found, _is_latched(node, topic))
 
 
 def _is_latched(node: Node, topic: str) -> bool:

@@ -120,14 +120,21 @@ class FlightDirector:
             self._spin(POLL_S)
 
     def start(self, source: str = "simulator") -> None:
-        """Start the simulator or the bag playback."""
+        """Start the simulator or the bag playback.
+
+        Raises:
+            TimeoutError: nobody offers its service.
+            ValueError: the node refuses.
+        """
         client = self._node.create_client(Trigger, f"{source}/start")
         deadline = monotonic() + START_S
         while not client.service_is_ready():
             if monotonic() > deadline:
                 raise TimeoutError(f"the service {source}/start does not answer")
             self._spin(POLL_S)
-        self._call(client)
+        answer = self._call(client)
+        if answer is not None and not answer.success:
+            raise ValueError(f"{source} refuses to start: {answer.message}")
         self._moved_at = monotonic()
 
     def wait_summary(self, progress: Callable[[int], None]) -> FlightTiming:

@@ -28,7 +28,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.steady_timer import steady_timer
-from q2q_model.ros.node.topic_writers import SeveralWriters
+from q2q_model.ros.node.topic_writers import SeveralWriters, writers_of
 from q2q_model.ros.topics.audience import Audience
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND, CLOCK, CRTP, LOCKED = "command", "/clock", "crtp", "locked"
+COMMAND, CLOCK, CRTP, LOCKED, DOUBLED = "command", "/clock", "crtp", "locked", "doubled"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -146,14 +146,24 @@ class Simulator:
             self._node.get_logger().info(f"flight over: {output.timing}")
 
     def _diagnostics(self) -> Mapping[str, str]:
-        doubts, locked = self._flight.health.doubts, self._flight.locked
-        if locked and locked != doubts.get(LOCKED):
-            self._node.get_logger().warning(locked)
-        doubts |= {COMMAND: self._controllers.look(), CLOCK: self._clocks.look(), LOCKED: locked}
+        doubts = self._flight.health.doubts
+        for kind, doubt in ((LOCKED, self._flight.locked), (DOUBLED, self._doubled())):
+            if doubt and doubt != doubts.get(kind):
+                self._node.get_logger().warning(doubt)
+            doubts[kind] = doubt
+        doubts |= {COMMAND: self._controllers.look(), CLOCK: self._clocks.look()}
         if self._crtp is None:
             return self._flight.clock.recent()
         doubts[CRTP] = self._crtp.troubles()
         return {**self._flight.clock.recent(), **self._crtp.diagnostics()}
+
+    def _doubled(self) -> str:
+        """Return which vehicles two nodes command, and what to do; empty for none."""
+        doubled, writers = self._flight.doubled.take_doubled(), writers_of(self._node, COMMAND)
+        if not doubled or len(writers) < 2:
+            return ""
+        told = f"{COMMAND}: two nodes fly {', '.join(doubled)}: stop one, or give each `vehicles` of its own"
+        return f"{told} ({', '.join(writers)} write it)"
 
 
 def main() -> None:

@@ -1,0 +1,53 @@
+"""Vehicles that two controllers command: for one tick they get commands that differ.
+
+A controller answers a tick once, or again with the same numbers. The exceptions are single: an emergency cuts
+what its tick has commanded. So a vehicle has two controllers from TWICE such ticks between two looks on.
+"""
+
+from collections import Counter
+
+import numpy as np
+
+from q2q_model.signals.values import Names, SwarmCommand
+
+RECENT = 32
+"""Ticks whose commands are remembered: one controller may answer some ticks later than the other."""
+TWICE = 2
+"""Ticks with commands that differ."""
+
+
+class DoubledCommands:
+    """Commands of the recent ticks, and in how many of them each vehicle got two since the last look."""
+
+    def __init__(self) -> None:
+        self._recent: dict[int, dict[Names, SwarmCommand]] = {}  # by stamp [ns] and vehicles
+        self._doubled: Counter[str] = Counter()
+
+    def take(self, stamp_ns: int, command: SwarmCommand) -> None:
+        """Take the command of a stamp [ns]."""
+        earlier = self._recent.setdefault(stamp_ns, {})
+        for one in earlier.values():
+            self._doubled.update(_at_odds(one, command))
+        earlier[command.names] = command
+        if len(self._recent) > RECENT:
+            del self._recent[next(iter(self._recent))]
+
+    def take_doubled(self) -> Names:
+        """Return the vehicles that two controllers have commanded since the last call, sorted."""
+        doubled = tuple(sorted(name for name, ticks in self._doubled.items() if ticks >= TWICE))
+        self._doubled.clear()
+        return doubled
+
+
+def _at_odds(one: SwarmCommand, other: SwarmCommand) -> list[str]:
+    """Return the vehicles to which two commands give different orders."""
+    if set(one.names).isdisjoint(other.names):
+        return []
+    these, those = _orders(one), _orders(other)
+    return [name for name in these.keys() & those.keys() if these[name] != those[name]]
+
+
+def _orders(command: SwarmCommand) -> dict[str, tuple[float, ...]]:
+    """Return what a command orders each vehicle: thrust, roll, pitch, yaw rate."""
+    values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate], axis=1)  # (n, 4)
+    return dict(zip(command.names, map(tuple, values.tolist()), strict=True))
