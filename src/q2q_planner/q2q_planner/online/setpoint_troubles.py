@@ -1,5 +1,7 @@
 """What a replanner cannot mend in its setpoints, for its log: broken promises, and what is not finite."""
 
+from math import isfinite
+
 import numpy as np
 
 from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
@@ -33,6 +35,8 @@ class SetpointTroubles:
 def trouble_of(setpoint: SwarmSetpoint) -> str:
     """Return what is wrong with setpoints, with the vehicles; empty if nothing is."""
     broken = setpoint.status == BROKEN
+    if isfinite(setpoint.pos.sum()) and not np.count_nonzero(broken):
+        return ""
     endless = np.asarray(~np.isfinite(setpoint.pos).all(axis=1))
     found = _of(setpoint.names, broken, "promise broken"), _of(setpoint.names, endless, "no finite setpoint")
     return "; ".join(filter(None, found))
