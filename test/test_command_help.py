@@ -185,6 +185,7 @@ def test_an_interrupt_while_a_kernel_is_loaded_or_a_process_forks_ends_a_tool_af
     inside = "import os, signal\ndef act(): os.kill(os.getpid(), signal.SIGINT); print('done')"
     program = (
         f"import signal, sys; sys.path.insert(0, {str(ROOT / 'src/q2q_model')!r})\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background ignores it
         "from q2q_model.commands.command_line import CommandLine, run_command\n"
         f"exec({inside!r}, package := {{'__name__': {package!r}}})\n"
         "def work(asked):\n    package['act']()\n    signal.pause()\n    return 9\n"
