@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
@@ -33,6 +33,16 @@ def node_of_others(name: str) -> Iterator[Node]:
         yield node
     finally:
         node.destroy_node()
+
+
+def refusing(message: str) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
+    """Return the callback of a service that answers with a message and no success."""
+
+    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.message = message
+        return response
+
+    return answer
 
 
 def told(ticks: str) -> DiagnosticArray:
@@ -72,12 +82,8 @@ def test_a_summary_is_the_timing_of_the_flight() -> None:
 
 
 def test_a_node_that_is_not_of_q2q_is_named_with_what_it_answers() -> None:
-    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.message = "as ready as can be"
-        return response
-
     with own_domain(), FlightDirector(lambda: None) as director, node_of_others("pid") as stranger:
-        stranger.create_service(Trigger, "~/ready", answer)
+        stranger.create_service(Trigger, "~/ready", refusing("as ready as can be"))
         director._executor.add_node(stranger)
         with pytest.raises(ValueError, match=r"^pid answers 'as ready as can be' to ~/ready"):
             director.wait_connected(("pid",), PATIENCE_S)
@@ -85,12 +91,8 @@ def test_a_node_that_is_not_of_q2q_is_named_with_what_it_answers() -> None:
 
 
 def test_a_start_that_is_refused_ends_the_flight_with_the_answer() -> None:
-    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.message = "already flying"
-        return response
-
     with own_domain(), FlightDirector(lambda: None) as director, node_of_others("simulator") as flying:
-        flying.create_service(Trigger, "~/start", answer)
+        flying.create_service(Trigger, "~/start", refusing("already flying"))
         director._executor.add_node(flying)
         with pytest.raises(ValueError, match=r"^simulator refuses to start: already flying$"):
             director.start()

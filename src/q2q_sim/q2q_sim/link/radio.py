@@ -59,9 +59,8 @@ class Radio:
         self._onboard = np.zeros(n, dtype=np.int64), locked, applied
         sent, nothing = (np.zeros(0, dtype=np.intp), self._next_ns, locked), (np.zeros((4, 0)), *self._scale)
         never = np.zeros(n), 0.0, np.zeros(n), 0.0
-        send_packets(
-            (*self._flying, 0), nothing, sent, never, (0, 0, 0)
-        )  # loads the kernel before the first tick
+        # loads the kernel before the first tick
+        send_packets((*self._flying, 0), nothing, sent, never, (0, 0, 0))
 
     @property
     def locked(self) -> Mask:

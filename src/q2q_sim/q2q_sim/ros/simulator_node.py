@@ -159,8 +159,9 @@ class Simulator:
 
     def _doubled(self) -> str:
         """Return which vehicles two nodes command, and what to do; empty for none."""
-        doubled, writers = self._flight.doubled.take_doubled(), writers_of(self._node, COMMAND)
-        if not doubled or len(writers) < 2:
+        doubled = self._flight.doubled.take_doubled()
+        writers = writers_of(self._node, COMMAND) if doubled else []
+        if len(writers) < 2:
             return ""
         told = f"{COMMAND}: two nodes fly {', '.join(doubled)}: stop one, or give each `vehicles` of its own"
         return f"{told} ({', '.join(writers)} write it)"
