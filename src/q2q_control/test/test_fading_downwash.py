@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
 from q2q_control.failsafe.blind_flight.fading_downwash import (
     ABOVE_RADIUS,
     FADE_S,
@@ -48,6 +49,13 @@ def test_it_fades_with_the_time_since_it_was_known_where_somebody_is_above() -> 
     assert left(fading, places(BEGUN), known=True, t=3.0) == 1.0
     alone, below = FadingDownwash(), {"low": BEGUN["low"], "below": BEGUN["below"]}
     assert left(alone, places(below), t=1.0) == left(alone, places(below), t=9.0) == 1.0
+
+
+def test_one_that_left_a_moment_ago_counts_as_above_by_the_downwash_that_the_balance_still_holds() -> None:
+    at = BEGUN | {"high": (0.25 + 0.8 * 2.0 / OBSERVER[1] - 0.01, 0.0, 1.5)}
+    fading = FadingDownwash()
+    assert left(fading, places(at)) == 1.0
+    assert left(fading, places(at), t=FADE_S) == pytest.approx(np.exp(-1.0))
 
 
 def test_of_two_above_the_one_that_stays_keeps_its_half() -> None:

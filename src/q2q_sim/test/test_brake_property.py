@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
+from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.stated_properties.brake_property import FAST, SHARE, brake
+from q2q_sim.experiments.guided.stated_properties.hidden_motion import learned_push
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import TICK_S
@@ -145,6 +147,25 @@ def test_in_another_air_a_vehicle_is_not_judged_that_a_gust_has_blown_by_more_th
         for k, one in enumerate(ticks.pushes)
     ]
     assert bool(brake(run, replace(ticks, pushes=tuple(pushed))).violations) == judged
+
+
+def test_a_steady_push_is_learned_as_by_the_observer_of_dead_reckoning() -> None:
+    steady = np.tile([0.3, -0.2], (END, 2, 1))
+    t = OBSERVER[0] * TICK_S * np.arange(1, END + 1)
+    left = 1.0 - (1.0 + t) * np.exp(-t)  # of a unit step through two equal poles
+    np.testing.assert_allclose(learned_push(steady)[:, 0, 0], 0.3 * left, atol=4e-3)
+    np.testing.assert_allclose(learned_push(steady)[:, 0, 1], -0.2 * left, atol=4e-3)
+
+
+@pytest.mark.parametrize("repeated", [False, True])
+def test_a_gust_counts_from_the_last_frame_that_was_not_repeated(*, repeated: bool) -> None:
+    """The gust blows for 0.2 s until cf1 is measured last, in frames of one stamp or of their own."""
+    ticks, run, begun = level_flight(1.0, 0.0), aware_in("room"), LAST - 20
+    gust = np.array([[2.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    pushed = [replace(one, acc=gust) if begun < k <= LAST else one for k, one in enumerate(ticks.pushes)]
+    stamp = np.where((ticks.t > ticks.t[begun]) & (ticks.t <= ticks.t[LAST]), ticks.t[begun], ticks.t)
+    flown = replace(ticks, pushes=tuple(pushed), stamp=stamp if repeated else ticks.stamp)
+    assert bool(brake(run, flown).violations) != repeated
 
 
 @pytest.mark.parametrize(("aside", "judged"), [(0.2, False), (0.3, True)])

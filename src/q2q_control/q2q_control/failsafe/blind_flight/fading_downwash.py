@@ -26,8 +26,9 @@ JET_WIDTH = 0.076
 """Offset that leaves 1/e of a downwash [m]: sqrt(2) of the 54 mm of the measured jet (q2q_model.downwash)."""
 FADE_S = 0.5
 """Time in which a downwash is forgotten [s]: a vehicle lifted out of it unnoticed rises to those above."""
-ABOVE_RADIUS = 0.3
-"""Horizontal distance within which a vehicle above counts [m]: four widths."""
+ABOVE_RADIUS = 0.5
+"""Horizontal distance within which a vehicle above counts [m]: four widths, 0.3, and what it moves by at
+0.8 m/s while the balance still holds its downwash, 0.25 s (2 / OBSERVER, vertically; dead_reckoning)."""
 
 
 class Places(NamedTuple):

@@ -9,14 +9,19 @@
 | none, but the controller ignores the downwash | from a push of PUSH after its last measurement on |
 | none, but another air than the scenario's | once blown or tilted since its last measurement, or in it |
 
-Blown is a vehicle whose velocity gusts have changed by BLOWN; a gust counts by what it differs from the mean
-of the BALANCE_S before the last measurement, which is learned. Tilted is one below another, by its wake.
+Blown is a vehicle whose velocity gusts have changed by BLOWN; a gust counts by what it differs from the push
+that the observer of dead reckoning had learned when the vehicle was last measured (learned_push). Tilted is
+one below another, by its wake.
 Jumps of the clock may add up: each counts as longer by the sum of their sizes on both ends.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
+from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck_by_kinds
@@ -31,8 +36,6 @@ OF_MOTION = ("clock_jump", "radio_loss")
 """Faults that mislead dead reckoning from it, too: times or commands are not those reckoned with."""
 BLOWN = 0.15
 """Velocity by gusts from which a motion is not known [m/s]: half of what the reckoned one may be wrong by."""
-BALANCE_S = 1.0
-"""Time over which a steady push is learned [s]: the mean lag of an observer with two poles at 2 rad/s."""
 IN_WAKE = 0.25
 """Horizontal distance from one above within which its wake tilts a vehicle [m]: that of its edge, 0.06, and
 what its axis may be carried away by."""
@@ -41,8 +44,9 @@ LEARNT_S = 1.5
 
 
 def last_measured(ticks: RunTicks) -> NDArray[np.intp]:
-    """Return the tick in which each vehicle was last measured, (T, n)."""
-    measured = over_ticks(ticks.states, "age") <= 0.0
+    """Return the tick of the last measurement of each vehicle, by a frame that does not repeat, (T, n)."""
+    repeated = np.diff(ticks.stamp, prepend=math.nan) == 0.0
+    measured = (over_ticks(ticks.states, "age") <= 0.0) & ~repeated[:, None]
     return _last(measured, otherwise=0)
 
 
@@ -95,14 +99,18 @@ def hidden_by_gusts(ticks: RunTicks, *, air: str) -> Mask:
     last, t = last_measured(ticks), np.arange(len(ticks.t))[:, None]
     if not air:
         return np.zeros(last.shape, dtype=np.bool_)
-    gained = TICK_S * np.cumsum(over_ticks(ticks.pushes, "acc")[..., :2], axis=0)
-    seen = np.take_along_axis(gained, last[..., None], axis=0)
-    first = np.maximum(last - round(BALANCE_S / TICK_S), 0)
-    before = seen - np.take_along_axis(gained, first[..., None], axis=0)
-    steady = before / np.maximum(last - first, 1)[..., None]
-    unknown = gained - seen - steady * (t - last)[..., None]
+    push = over_ticks(ticks.pushes, "acc")[..., :2]
+    gained = TICK_S * np.cumsum(push, axis=0)
+    seen, learned = (np.take_along_axis(one, last[..., None], axis=0) for one in (gained, learned_push(push)))
+    unknown = gained - seen - TICK_S * learned * (t - last)[..., None]
     tilted = _last(_below_another(over_ticks(ticks.truth, "pos")), otherwise=-1) >= last
     return np.asarray((np.linalg.norm(unknown, axis=2) > BLOWN) | tilted)
+
+
+def learned_push(push: Array) -> Array:
+    """Return what an observer of two poles at OBSERVER has learned of a push (T, n, 2) [m/s^2], horizontal."""
+    pole = math.exp(-OBSERVER[0] * TICK_S)
+    return np.asarray(lfilter([(1.0 - pole) ** 2], [1.0, -2.0 * pole, pole**2], push, axis=0))
 
 
 def _below_another(pos: Array) -> Mask:
