@@ -108,7 +108,7 @@ def hidden_by_gusts(ticks: RunTicks, *, air: str) -> Mask:
 
 
 def learned_push(push: Array) -> Array:
-    """Return what an observer of two poles at OBSERVER has learned of a push (T, n, 2) [m/s^2], horizontal."""
+    """Return what an observer of two poles at OBSERVER knows of a push (T, n, 2), horizontal [m/s^2]."""
     pole = math.exp(-OBSERVER[0] * TICK_S)
     return np.asarray(lfilter([(1.0 - pole) ** 2], [1.0, -2.0 * pole, pole**2], push, axis=0))
 
