@@ -21,12 +21,12 @@ from q2q_sim.plant.swarm import PHYSICS_RATE
 
 
 def test_ground_effect_multiplies_the_thrust() -> None:
-    air = RoomAir(ground=GroundTerm(coefficient=0.5, rotor_radius_m=0.023))
-    for z in (0.03, 0.1, 0.5):
+    air = RoomAir(ground=GroundTerm(coefficient=0.5, rotor_radius_m=0.023, lowest_m=0.05))
+    for z in (0.05, 0.1, 0.5):
         eta = swarm_in(air, [(0.0, 0.0, z)]).downwash()[0]
         np.testing.assert_allclose(eta, [0.0, 0.0, 0.5 * (0.023 / z) ** 2 * GRAVITY], rtol=1e-9)
     on_ground = swarm_in(air, [(0.0, 0.0, 0.01)]).downwash()[0, 2]
-    assert on_ground == pytest.approx(0.5 * GRAVITY, rel=1e-9)  # no nearer than one radius
+    assert on_ground == pytest.approx(0.5 * (0.023 / 0.05) ** 2 * GRAVITY, rel=1e-9)
 
 
 def test_the_ceiling_of_thrust_falls_with_the_battery() -> None:

@@ -5,7 +5,7 @@
     c_kj    = max(share exp(-r_kj^2 / 2 w^2), P(dz_kj, r_kj) / g)
     e_i     = sigma n_i(t),  sigma = floor min(|eta_i| / e_0, 1) + slope |eta_i|           residual
     tau_i   = sum_j K_ij T_j / (m g) peak (r / r_0) exp((1 - r^2 / r_0^2) / 2)     edge torque
-    k_g     = 1 + b (R / max(z, R))^2                             thrust over that away from the ground
+    k_g     = 1 + b (R / max(z, z_0))^2                           thrust over that away from the ground
     a_wind  = mean + gust                                         wind
     a_0     = offset_mean + offset_std n                          of each vehicle, drawn for each flight
     a_drag  = - k (v - (v . b) b)                                 drag of its rotors, b: body z
@@ -141,6 +141,10 @@ class EdgeTorqueTerm:
     """Distance from the axis at which it is largest [m]."""
 
 
+ON_THE_GROUND = 0.06
+"""Height of a vehicle that stands, with its marker, and a margin [m]."""
+
+
 @dataclass(frozen=True, slots=True)
 class GroundTerm:
     """Growth of thrust near the ground."""
@@ -149,6 +153,8 @@ class GroundTerm:
     """b [-]."""
     rotor_radius_m: float
     """R [m]."""
+    lowest_m: float = ON_THE_GROUND
+    """z_0, height from which it grows no further: no vehicle was measured lower [m]."""
 
 
 @dataclass(frozen=True, slots=True)

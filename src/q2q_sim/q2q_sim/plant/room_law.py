@@ -82,6 +82,8 @@ class RoomNumbers(NamedTuple):
     torque_radius: float
     ground: float
     rotor_radius: float
+    ground_from: float
+    """Height from which the ground effect grows no further [m]."""
     fading: float
     """Loss of the largest thrust of a rotor [N/s]."""
     drag: float
@@ -189,7 +191,8 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
         torque=torque.peak_nm if torque else 0.0,
         torque_radius=torque.radius_m if torque else 1.0,
         ground=ground.coefficient if ground else 0.0,
-        rotor_radius=ground.rotor_radius_m if ground else 1.0,
+        rotor_radius=ground.rotor_radius_m if ground else 0.0,
+        ground_from=ground.lowest_m if ground else 1.0,
         fading=hover * own.headroom_per_volt * own.discharge_v_per_s if own else 0.0,
         drag=air.rotor_drag.per_s if air.rotor_drag else 0.0,
         rate_load=0.25 * air.rate_load.nms / lever if air.rate_load else 0.0,

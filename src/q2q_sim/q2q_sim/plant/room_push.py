@@ -220,7 +220,7 @@ def add_surroundings(state: Array, i: int, unit: float, one: RoomNumbers, mass: 
     """Add residual, ground effect and drag to the push on a vehicle; take the load of its rotors off."""
     eta = abs(state[i, ETA])
     state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
-    near = one.rotor_radius / max(state[i, Z], one.rotor_radius)
+    near = one.rotor_radius / max(state[i, Z], one.ground_from)
     lift = one.ground * near * near * (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / mass
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
     state[i, ETA_X] = lift * 2.0 * (x * z + w * y)

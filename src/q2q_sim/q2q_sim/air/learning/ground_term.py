@@ -1,10 +1,11 @@
 """Growth of thrust near the ground, from flights of single vehicles close to it.
 
-    (R f)_z / (T b_z / m) over its median away from the ground = 1 + b (R / max(z, R))^2
+    (R f)_z / (T b_z / m) over its median away from the ground = 1 + b (R / z)^2
 
 The form is that of Cheeseman and Bennett (The effect of the ground on a helicopter rotor in forward flight,
 ARC R&M 3021, 1955) for small R / z, 1 / (1 - (R / 4 z)^2) with b = 1 / 16 for one rotor; four rotors near
-each other have a larger one. z is the height of the tracked point, near the rotors.
+each other have a larger one. z is the height of the tracked point, near the rotors, above that of a
+vehicle that stands: lower, the square would double the thrust of a vehicle that lands, which nobody measured.
 """
 
 from collections.abc import Sequence
@@ -17,14 +18,12 @@ from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
 from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
-from q2q_sim.air.room_air import GroundTerm
+from q2q_sim.air.room_air import ON_THE_GROUND, GroundTerm
 
 NEAR = 0.15
 """Height below which a row shows the ground effect [m]: six rotor radii."""
 FEWEST = 200
 """Fewest such rows: 2 s at 100 Hz."""
-ON_THE_GROUND = 0.06
-"""Height of a vehicle that stands, with its marker, and a margin [m]."""
 FLYING = 0.7
 """Thrust over hover thrust above which a vehicle flies [-]."""
 ONE_ROTOR = 1.0 / 16.0
@@ -39,7 +38,7 @@ def ground_term(records: Sequence[AirRecord]) -> LearnedTerm[GroundTerm]:
             if near.any() and (away := _away(record)[:, i]).sum() >= FEWEST:
                 ratio = _ratio(record, i)
                 gain = ratio[near] / np.median(ratio[away]) - 1.0
-                closeness = (ROTOR_RADIUS / np.maximum(record.motion.pos[near, i, 2], ROTOR_RADIUS)) ** 2
+                closeness = (ROTOR_RADIUS / record.motion.pos[near, i, 2]) ** 2
                 places.append(Row(record.name, record.motion.t[near]))
                 products.append(np.stack([closeness * gain, closeness**2], axis=1))
                 rows += int(near.sum())
