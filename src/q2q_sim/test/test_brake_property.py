@@ -157,6 +157,14 @@ def test_a_steady_push_is_learned_as_by_the_observer_of_dead_reckoning() -> None
     np.testing.assert_allclose(learned_push(steady)[:, 0, 1], -0.2 * left, atol=4e-3)
 
 
+@pytest.mark.parametrize(("begun", "judged"), [(BLIND, False), (END, True)])
+def test_a_gust_counts_until_the_command_takes_effect(begun: int, *, judged: bool) -> None:
+    gust = np.array([[10.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    ticks = level_flight(1.0, 0.0)
+    pushed = [replace(one, acc=gust) if k > begun else one for k, one in enumerate(ticks.pushes)]
+    assert bool(brake(aware_in("room"), replace(ticks, pushes=tuple(pushed))).violations) == judged
+
+
 @pytest.mark.parametrize("repeated", [False, True])
 def test_a_gust_counts_from_the_last_frame_that_was_not_repeated(*, repeated: bool) -> None:
     """The gust blows for 0.2 s until cf1 is measured last, in frames of one stamp or of their own."""

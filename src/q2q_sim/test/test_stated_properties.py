@@ -142,3 +142,13 @@ def test_a_swap_is_not_judged_while_one_marker_is_displaced_and_the_other_missin
     )
     run = with_faults(flown("upper lost"), faults)
     assert math.isfinite(swap(run, run_ticks(fly_pure(run).topics)).margin) == judged
+
+
+@pytest.mark.parametrize(("missing", "judged"), [("cf2", False), ("cf1", True)])
+def test_nor_while_the_room_itself_has_lost_the_other(missing: str, judged: bool) -> None:
+    faults = (Fault("swap", 4.4, 0.1, ("cf1", "cf2")), Fault("jump", 4.4, 1.0, ("cf1",), 0.5))
+    run = with_faults(flown("upper lost"), faults)
+    ticks = run_ticks(fly_pure(run).topics)
+    unseen = np.where([name == missing for name in ticks.names], 0.2, 0.0)
+    states = tuple(replace(one, age=unseen) if 4.3 < one.t < 4.395 else one for one in ticks.states)
+    assert math.isfinite(swap(run, replace(ticks, states=states)).margin) == judged

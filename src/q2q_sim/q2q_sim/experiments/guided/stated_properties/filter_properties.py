@@ -48,7 +48,7 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
     off = _errors(ticks)
     found, margin = [], np.inf
     for fault in swaps:
-        if fault.start < SETTLED_S or _ambiguous(fault, faults):
+        if fault.start < SETTLED_S or _ambiguous(fault, faults, ticks):
             continue
         now = (ticks.t >= fault.start) & (ticks.t <= fault.start + fault.duration + RECOVERY_S)
         for name in fault.vehicles:
@@ -61,15 +61,19 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
     return StatedOutcome(tuple(found), margin)
 
 
-def _ambiguous(swap: Fault, faults: tuple[Fault, ...]) -> bool:
+def _ambiguous(swap: Fault, faults: tuple[Fault, ...], ticks: RunTicks) -> bool:
     """Return whether a marker of one vehicle of a swap is displaced while the other is missing.
 
-    The only sample of the two then has the name of the missing one, and is where that may have moved.
+    The only sample of the two then has the name of the missing one, and is where that may have moved. A room
+    loses vehicles by itself: the other is missing, too, if it was not measured in the tick before the swap.
     """
     end = swap.start + swap.duration
     now = tuple(one for one in faults if one.start <= end and one.start + one.duration >= swap.start)
     displaced = struck_by_kinds(swap.vehicles, now, ("jump",))
-    missing = struck_by_kinds(swap.vehicles, now, ("dropout", "nan"))
+    struck = struck_by_kinds(swap.vehicles, now, ("dropout", "nan"))
+    before = ticks.states[max(int(np.searchsorted(ticks.t, swap.start)) - 1, 0)]
+    unseen = before.age[[before.names.index(name) for name in swap.vehicles]] > 0.0
+    missing = np.array(struck) | unseen
     return any(one and other for one, other in zip(displaced, reversed(missing), strict=True))
 
 

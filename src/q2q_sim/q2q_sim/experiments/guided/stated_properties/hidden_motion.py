@@ -10,8 +10,8 @@
 | none, but another air than the scenario's | once blown or tilted since its last measurement, or in it |
 
 Blown is a vehicle whose velocity gusts have changed by BLOWN; a gust counts by what it differs from the push
-that the observer of dead reckoning had learned when the vehicle was last measured (learned_push). Tilted is
-one below another, by its wake.
+that the observer of dead reckoning had learned when the vehicle was last measured (learned_push), until the
+command takes effect. Tilted is one below another, by its wake.
 Jumps of the clock may add up: each counts as longer by the sum of their sizes on both ends.
 """
 
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
+from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck_by_kinds
@@ -97,12 +97,13 @@ def in_ignored_downwash(ticks: RunTicks, *, aware: bool) -> Mask:
 def hidden_by_gusts(ticks: RunTicks, *, air: str) -> Mask:
     """Return where gusts or the torque of a wake hide a motion in another air than the scenario's, (T, n)."""
     last, t = last_measured(ticks), np.arange(len(ticks.t))[:, None]
+    effect = np.minimum(t + round(LAG_S / TICK_S), t[-1])
     if not air:
         return np.zeros(last.shape, dtype=np.bool_)
     push = over_ticks(ticks.pushes, "acc")[..., :2]
     gained = TICK_S * np.cumsum(push, axis=0)
     seen, learned = (np.take_along_axis(one, last[..., None], axis=0) for one in (gained, learned_push(push)))
-    unknown = gained - seen - TICK_S * learned * (t - last)[..., None]
+    unknown = gained[effect[:, 0]] - seen - TICK_S * learned * (effect - last)[..., None]
     tilted = _last(_below_another(over_ticks(ticks.truth, "pos")), otherwise=-1) >= last
     return np.asarray((np.linalg.norm(unknown, axis=2) > BLOWN) | tilted)
 
