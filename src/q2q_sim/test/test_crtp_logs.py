@@ -14,7 +14,7 @@ from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.parameters.parameter_table import TABLE
-from q2q_sim.plant.quadcopter import QUAT
+from q2q_sim.plant.quadcopter import QUAT, RATE, VEL
 from q2q_sim.sensors.range_finder import NOTHING_MM, RoomBox
 
 LOG_CONTROL, LOG_DATA = b"\x5d", 0x5E
@@ -150,6 +150,17 @@ def test_feed_forward_of_the_velocity_tilts_by_itself() -> None:
         pilot.fly(0.01, pilot.hold(ahead))
         pitch.append(pilot.firmware().rows.memory[ATTITUDE_SETPOINT + 1])
     assert pitch[1] - pitch[0] == pytest.approx(-10.0 * 0.2)
+
+
+def test_the_flow_is_that_of_the_ground_below_by_velocity_and_rates_of_the_body(grounded: Pilot) -> None:
+    state = grounded.swarm.state
+    for height, scale in ((2.0, 0.5), (0.02, 10.0)):  # the filter divides by no less than 0.1 m
+        state[0, 2], state[0, VEL], state[0, RATE] = height, (0.5, -0.3, 0.1), (0.4, -0.2, 1.0)
+        state[0, QUAT] = quat_from_euler(0.0, 0.0, math.pi / 2)  # ahead is y
+        read = {one.name: one.read for one in VARIABLES if one.group == "kalman_pred"}
+        flow = [read[name](grounded.firmware()) for name in ("predNX", "predNY")]
+        np.testing.assert_allclose(flow, 0.35 / 0.71674 * np.array([-0.3 * scale + 0.2, -0.5 * scale + 0.4]))
+        assert flow == [read[name](grounded.firmware()) for name in ("measNX", "measNY")]
 
 
 def test_ranges_are_those_along_the_body_axes_to_the_walls_and_0_without_a_deck() -> None:

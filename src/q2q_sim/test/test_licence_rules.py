@@ -183,12 +183,20 @@ def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_told():
     log = hover()
     assert [one.rule for one in broken_rules(replace(log, commands=(turn,)), LIMITS)] == ["yaw"]
     spun = hover()
-    spun.yaw_rate[400] = 10.0
+    spun.yaw_rate[400:419] = 10.0
+    assert broken_rules(spun, LIMITS) == ()
+    spun.yaw_rate[419] = 10.0
     assert [one.rule for one in broken_rules(spun, LIMITS)] == ["spin"]
     endless = hover()
     endless.pos[800:, 0, 2] = 1.0
     endless.running[800:] = True
     assert [one.rule for one in broken_rules(endless, LIMITS)] == ["end"]
+
+
+@pytest.mark.parametrize(("step", "told"), [(0.25, False), (math.radians(45.0), False), (45.0, True)])
+def test_a_program_may_count_its_turns_in_radians(step: float, *, told: bool) -> None:
+    turns = tuple(command(3.0 + 0.1 * k, CommandKind.PLAN, "go_to", yaw_rad=k * step) for k in range(50))
+    assert [one.rule for one in broken_rules(replace(hover(), commands=turns), LIMITS)] == ["yaw"] * told
 
 
 def test_what_no_vehicle_can_follow_is_told_with_its_line():

@@ -39,8 +39,10 @@ START_STD = np.array([100.0, 100.0, 1.0])
 START_VEL_STD = 0.01
 """stdDevInitialVelocity [m/s], the same."""
 
-FLOW_STD = 0.2 * 0.71674 / (35.0 * 0.01)
-"""Of the velocity by flow, per metre of height [1/s]: 0.2 pixels of 35, over 0.71674 rad, each 10 ms."""
+PIXELS = 35.0 * 0.01 / 0.71674
+"""Flow in 10 ms per angular velocity of the ground [s]: 35 pixels over 0.71674 rad."""
+FLOW_STD = 0.2 / PIXELS
+"""Of the velocity by flow, per metre of height [1/s]: 0.2 pixels."""
 FLOW_HEIGHT_MIN = 0.1
 """Smallest height that scales the flow [m]."""
 RANGE_STD = 2.5e-3

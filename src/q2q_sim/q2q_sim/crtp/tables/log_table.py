@@ -1,9 +1,9 @@
 """Log variables of a vehicle, with the firmware's names, units and signs.
 
 Source: firmware: LOG_ADD of modules/src/stabilizer.c, supervisor.c, crtp_localization_service.c,
-estimator/estimator_kalman.c, controller/controller_mellinger.c, controller_pid.c, position_controller_pid.c,
-hal/src/pm_stm32f4.c, radiolink.c, modules/src/range.c,
-drivers/src/motors.c. Angles are in degrees, pitch nose up (stateEstimate.pitch), the gyroscope's y is not
+estimator/estimator_kalman.c, kalman_core/mm_flow.c, controller/controller_mellinger.c, controller_pid.c,
+position_controller_pid.c, hal/src/pm_stm32f4.c, radiolink.c, modules/src/range.c, drivers/src/motors.c.
+Angles are in degrees, pitch nose up (stateEstimate.pitch), the gyroscope's y is not
 turned; accelerations in g, stateEstimate.az without gravity; the ...Z groups in mm, mm/s, mm/s^2, mrad/s,
 and the ranges in mm.
 """
@@ -32,6 +32,7 @@ from q2q_sim.firmware.controllers.columns import (
     VEL_TARGET,
     Z_AXIS_SETPOINT,
 )
+from q2q_sim.firmware.estimator import FLOW_HEIGHT_MIN, PIXELS
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.plant.quadcopter import ACC, QUAT, RATE
 
@@ -98,6 +99,14 @@ def _turned(firmware: Firmware, vector: Array) -> Array:
     return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])
 
 
+def _flow(firmware: Firmware) -> Numbers:
+    """Return what a flow deck sees [pixels in 10 ms]."""
+    (x, y, _), rates, quat = _vel_body(firmware), firmware.rows.state[RATE], _quat(firmware)
+    upright = 1.0 - 2.0 * float(quat[0] ** 2 + quat[1] ** 2)
+    per_height = upright / max(float(firmware.pos[2]), FLOW_HEIGHT_MIN)
+    return PIXELS * (per_height * x - rates[1]), PIXELS * (per_height * y + rates[0])
+
+
 def _memory(first: int) -> Callable[[Firmware], Numbers]:
     return lambda firmware: firmware.rows.memory[first:]
 
@@ -149,6 +158,8 @@ _SENSORS = (
     _vector("kalman: statePX statePY statePZ", "float", _vel_body),
     _vector("kalman: varX varY varZ varPX varPY varPZ", "float", lambda one: one.estimator.variance),
     _vector("kalman: q0 q1 q2 q3", "float", lambda one: np.roll(_quat(one), 1)),  # w x y z
+    _vector("kalman_pred: predNX predNY", "float", _flow),
+    _vector("kalman_pred: measNX measNY", "float", _flow),  # an exact sensor (estimator.py)
     _vector("locSrv: x y z", "float", lambda one: one.external.pos),
     _vector("locSrv: qx qy qz qw", "float", lambda one: one.external.quat),
     _vector("range: front back up left right zrange", "uint16", lambda one: one.ranges_mm),

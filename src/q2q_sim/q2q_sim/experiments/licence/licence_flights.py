@@ -34,7 +34,9 @@ from q2q_sim.sensors.range_finder import RoomBox
 MOST_VEHICLES = 15
 """Vehicles of one radio."""
 SPACING = 1.0
-"""Distance of neighbours on the floor, and half of it from the walls [m]."""
+"""Distance of neighbours on the floor [m]."""
+ASIDE = 1.5
+"""Distance of the outermost from the walls [m]: a leg of 1 m does not end at one."""
 DYING_S = 5.0
 """Longest time from the end of a process's output to its own [s]."""
 LONGER_S = 30.0
@@ -72,7 +74,7 @@ class LicenceOptions:
 
     def rows_of(self, count: int) -> tuple[Start, ...]:
         """Return starts of `count` vehicles in rows along y, as few as the room has space for."""
-        fit = max(int(2.0 * self.limits.half_room[1] / SPACING), 1)
+        fit = max(1 + int(2.0 * (self.limits.half_room[1] - ASIDE) / SPACING), 1)
         rows = -(-count // fit)
         wide = -(-count // rows)
         middle_x, middle_y = 0.5 * (rows - 1), 0.5 * (wide - 1)

@@ -9,8 +9,8 @@
 | downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
-| spin | it turns faster than 500 deg/s |
-| yaw | a yaw of more than one turn is asked of the high-level commander, whose unit is rad |
+| spin | it turns faster than 500 deg/s for 0.2 s |
+| yaw | the high-level commander, whose unit is rad, is asked for more than a turn, and a quarter at once |
 | command | it is asked for what no vehicle can follow (commands) |
 | end | it still flies 5 s after the end of the program, or at the time limit |
 | program | the program fails, dies, or does not end |
@@ -30,7 +30,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
+from q2q_sim.experiments.licence.commands.client_commands import FLIGHT, CommandKind
 from q2q_sim.experiments.licence.licence_causes import failure_cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
@@ -62,6 +62,10 @@ class LicenceLimits:
     exposed_s: float = 0.3
     spin: float = math.radians(500.0)
     """[rad/s]"""
+    spun_s: float = 0.2
+    """Shortest spin [s]: an asked step of 360 deg/s overshoots to 500 for less."""
+    yaw_step: float = 0.5 * math.pi
+    """Largest step of an asked yaw beyond one turn [rad]: a program may count its turns in radians."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +104,13 @@ def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ..
 def _first(broken: Mask) -> int:
     """Return the first tick at which a condition holds; -1 if it never does."""
     return int(np.argmax(broken)) if broken.any() else -1
+
+
+def _first_lasting(broken: Mask, ticks: int) -> int:
+    """Return the first tick from which a condition holds for so many ticks; -1 if it never does."""
+    if len(broken) < ticks:
+        return -1
+    return _first(np.asarray(np.convolve(broken, np.ones(ticks), mode="valid") >= ticks))
 
 
 def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
@@ -174,8 +185,8 @@ def _setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None
 
 
 def _spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
-    spinning = np.abs(log.yaw_rate[:, row]) > limits.spin
-    tick = _first(np.asarray(log.airborne[:, row] & spinning))
+    spinning = log.airborne[:, row] & (np.abs(log.yaw_rate[:, row]) > limits.spin)
+    tick = _first_lasting(spinning, round(limits.spun_s / float(log.t[0])))
     if tick < 0:
         return None
     rate = math.degrees(abs(float(log.yaw_rate[tick, row])))
@@ -183,9 +194,13 @@ def _spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None
     return BrokenRule("spin", t, f"{log.name(row)} spins at {rate:.0f} deg/s", failure_cause(log, row, t))
 
 
-def _yaw(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+def _yaw(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    last = 0.0
     for one in log.of(row):
-        if abs(one.asked.yaw_rad) > 2.0 * math.pi:
+        if one.asked.kind != CommandKind.PLAN:
+            continue
+        step, last = abs(one.asked.yaw_rad - last), one.asked.yaw_rad
+        if abs(last) > 2.0 * math.pi and step > limits.yaw_step:
             what = f"{log.name(row)} is asked to turn to {one.asked.yaw_rad:.1f} rad"
             return BrokenRule("yaw", one.t, what, f"{one.words_without_time}, whose yaw is in radians")
     return None
@@ -273,10 +288,7 @@ def _exposure(
     i, j = pair
     scaled = apart / np.array([limits.beside, limits.beside, limits.below])
     inside = (np.linalg.norm(scaled, axis=-1) < 1.0) & log.airborne[:, i] & log.airborne[:, j]
-    ticks = round(limits.exposed_s / float(log.t[0]))
-    if len(inside) < ticks:
-        return None
-    tick = _first(np.asarray(np.convolve(inside, np.ones(ticks), mode="valid") >= ticks))
+    tick = _first_lasting(inside, round(limits.exposed_s / float(log.t[0])))
     if tick < 0:
         return None
     below, above = (i, j) if apart[tick, 2] < 0.0 else (j, i)

@@ -9,7 +9,7 @@ import struct
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from q2q_model.vehicle.constants import CRAZYFLIE_2_1
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
@@ -32,8 +32,9 @@ NAMES = {
     13: "start_trajectory",
 }  # fmt: skip
 """Commands of the high-level commander."""
-LIFTING = CRAZYFLIE_2_1.hover_thrust * MASS_THRUST
-"""Thrust of the weight of the lightest brushed vehicle [PWM]: with less, motors are tested on the floor."""
+LIFTING = CRAZYFLIE_2_0.hover_thrust * MASS_THRUST
+"""Thrust of the weight of the vehicles that fly [PWM] (licence_room): less tests motors on the floor, or is
+meant for a lighter vehicle."""
 COMPLEMENTARY = 1
 """Value of stabilizer.estimator: attitude and height only (firmware: estimator_complementary.c)."""
 
@@ -73,7 +74,7 @@ class Asked:
     impossible: str = ""
     """What no vehicle can follow; empty if it can."""
     lifts: bool = True
-    """False for a setpoint of less thrust than any vehicle's weight."""
+    """False for a setpoint of less thrust than the vehicle's weight."""
 
 
 @dataclass(frozen=True, slots=True)
