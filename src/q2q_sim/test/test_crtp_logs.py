@@ -153,14 +153,27 @@ def test_feed_forward_of_the_velocity_tilts_by_itself() -> None:
 
 
 def test_the_flow_is_that_of_the_ground_below_by_velocity_and_rates_of_the_body(grounded: Pilot) -> None:
-    state = grounded.swarm.state
+    blind = {one.read(grounded.firmware()) for one in VARIABLES if one.group in {"kalman_pred", "motion"}}
+    assert blind == {0.0}  # without a deck
+    pilot = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2",)))
+    state = pilot.swarm.state
     for height, scale in ((2.0, 0.5), (0.02, 10.0)):  # the filter divides by no less than 0.1 m
         state[0, 2], state[0, VEL], state[0, RATE] = height, (0.5, -0.3, 0.1), (0.4, -0.2, 1.0)
         state[0, QUAT] = quat_from_euler(0.0, 0.0, math.pi / 2)  # ahead is y
         read = {one.name: one.read for one in VARIABLES if one.group == "kalman_pred"}
-        flow = [read[name](grounded.firmware()) for name in ("predNX", "predNY")]
+        flow = [read[name](pilot.firmware()) for name in ("predNX", "predNY")]
         np.testing.assert_allclose(flow, 0.35 / 0.71674 * np.array([-0.3 * scale + 0.2, -0.5 * scale + 0.4]))
-        assert flow == [read[name](grounded.firmware()) for name in ("measNX", "measNY")]
+        assert flow == [read[name](pilot.firmware()) for name in ("measNX", "measNY")]
+        turned = {one.name: one.read(pilot.firmware()) for one in VARIABLES if one.group == "motion"}
+        assert turned == {"deltaX": pytest.approx(-10.0 * flow[1]), "deltaY": pytest.approx(-10.0 * flow[0])}
+
+
+def test_the_barometer_reads_the_pressure_of_the_height(grounded: Pilot) -> None:
+    grounded.swarm.state[0, 2] = 8.0
+    read = {one.name: one.read(grounded.firmware()) for one in VARIABLES if one.group == "baro"}
+    height = ((1015.7 / read["pressure"]) ** 0.1902630958 - 1.0) * (25.0 + 273.15) / 0.0065
+    assert (read["asl"], height) == (pytest.approx(8.0), pytest.approx(8.0))
+    assert 1015.7 - read["pressure"] == pytest.approx(8.0 * 0.118, rel=0.02)  # 11.8 Pa a metre at 25 deg C
 
 
 def test_ranges_are_those_along_the_body_axes_to_the_walls_and_0_without_a_deck() -> None:

@@ -34,6 +34,8 @@ SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
 ZERO_EXPIRES_MS = 500
 """Age at which a vehicle at rest drops a setpoint without thrust, if the build does so."""
+SEES_FLOW = frozenset(("bcFlow", "bcFlow2"))
+"""Decks that see the ground move."""
 LOOKS_DOWN = frozenset(("bcFlow", "bcFlow2", "bcZRanger", "bcZRanger2"))
 """Decks that measure the range downwards."""
 LOOKS_AROUND = "bcMultiranger"

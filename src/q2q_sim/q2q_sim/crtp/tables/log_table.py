@@ -2,10 +2,10 @@
 
 Source: firmware: LOG_ADD of modules/src/stabilizer.c, supervisor.c, crtp_localization_service.c,
 estimator/estimator_kalman.c, kalman_core/mm_flow.c, controller/controller_mellinger.c, controller_pid.c,
-position_controller_pid.c, hal/src/pm_stm32f4.c, radiolink.c, modules/src/range.c, drivers/src/motors.c.
-Angles are in degrees, pitch nose up (stateEstimate.pitch), the gyroscope's y is not
-turned; accelerations in g, stateEstimate.az without gravity; the ...Z groups in mm, mm/s, mm/s^2, mrad/s,
-and the ranges in mm.
+position_controller_pid.c, hal/src/pm_stm32f4.c, radiolink.c, modules/src/range.c, drivers/src/motors.c,
+deck/drivers/src/flowdeck_v1v2.c. Angles are in degrees, pitch nose up (stateEstimate.pitch), the gyroscope's
+y is not turned; accelerations in g, stateEstimate.az without gravity; the ...Z groups in mm, mm/s, mm/s^2,
+mrad/s, and the ranges in mm.
 """
 
 import math
@@ -33,12 +33,16 @@ from q2q_sim.firmware.controllers.columns import (
     Z_AXIS_SETPOINT,
 )
 from q2q_sim.firmware.estimator import FLOW_HEIGHT_MIN, PIXELS
-from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.firmware import SEES_FLOW, Firmware
 from q2q_sim.plant.quadcopter import ACC, QUAT, RATE
 
 Numbers = Array | tuple[float, ...]
 RSSI = 40
 """Signal strength of a vehicle in the same room [-dBm]."""
+SEA_LEVEL, LAPSE, ASL_EXPONENT = 1015.7, 0.0065, 0.1902630958
+"""Of sensors_bmi088_bmp388.c, which takes heights from pressures: pressure [mbar], lapse [K/m], exponent."""
+ROOM_TEMPERATURE = 25.0
+"""[deg C], which it assumes."""
 LOG_MAX_BLOCKS, LOG_MAX_OPS = 16, 128
 """Largest number of blocks, and of variables in all blocks."""
 
@@ -100,11 +104,20 @@ def _turned(firmware: Firmware, vector: Array) -> Array:
 
 
 def _flow(firmware: Firmware) -> Numbers:
-    """Return what a flow deck sees [pixels in 10 ms]."""
+    """Return what a flow deck sees [pixels in 10 ms]; 0 without one."""
+    if not (firmware.build.flow_deck or not SEES_FLOW.isdisjoint(firmware.build.decks)):
+        return 0.0, 0.0
     (x, y, _), rates, quat = _vel_body(firmware), firmware.rows.state[RATE], _quat(firmware)
     upright = 1.0 - 2.0 * float(quat[0] ** 2 + quat[1] ** 2)
     per_height = upright / max(float(firmware.pos[2]), FLOW_HEIGHT_MIN)
     return PIXELS * (per_height * x - rates[1]), PIXELS * (per_height * y + rates[0])
+
+
+def _baro(height: float) -> Numbers:
+    """Return height above sea level [m], temperature [deg C] and pressure [mbar]; the floor is at the sea."""
+    kelvin = ROOM_TEMPERATURE + 273.15
+    pressure = SEA_LEVEL * (1.0 + LAPSE * height / kelvin) ** (-1.0 / ASL_EXPONENT)
+    return height, ROOM_TEMPERATURE, pressure
 
 
 def _memory(first: int) -> Callable[[Firmware], Numbers]:
@@ -160,6 +173,8 @@ _SENSORS = (
     _vector("kalman: q0 q1 q2 q3", "float", lambda one: np.roll(_quat(one), 1)),  # w x y z
     _vector("kalman_pred: predNX predNY", "float", _flow),
     _vector("kalman_pred: measNX measNY", "float", _flow),  # an exact sensor (estimator.py)
+    _vector("motion: deltaY deltaX", "int16", _flow, -10.0),  # of the sensor, turned, in tenths of a pixel
+    _vector("baro: asl temp pressure", "float", lambda one: _baro(float(one.pos[2]))),
     _vector("locSrv: x y z", "float", lambda one: one.external.pos),
     _vector("locSrv: qx qy qz qw", "float", lambda one: one.external.quat),
     _vector("range: front back up left right zrange", "uint16", lambda one: one.ranges_mm),
