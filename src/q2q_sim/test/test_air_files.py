@@ -57,6 +57,7 @@ def _resealed(change: dict[str, object]) -> str:
             "floor_mps2 = nan: a finite number is expected",
         ),
         ({"residual": {"floor_mps2": 0.1, "slope": 0.1}}, "residual.time_s is missing"),
+        ({"ground": {"coefficient": 0.8, "rotor_radius_m": 0.02, "lowest_m": 0.0}}, "lowest_m = 0.0: above"),
         (
             {"jet": {**json.loads(encode(WHOLE))["air"]["jet"], "gaps_m": [0.1, 0.2]}},
             "push_mps2 has the shape",

@@ -156,6 +156,11 @@ class GroundTerm:
     lowest_m: float = ON_THE_GROUND
     """z_0, height from which it grows no further: no vehicle was measured lower [m]."""
 
+    def __post_init__(self) -> None:
+        """Check the height."""
+        if not self.lowest_m > 0.0:
+            raise ValueError(f"lowest_m = {self.lowest_m}: above 0 is allowed")
+
 
 @dataclass(frozen=True, slots=True)
 class WindTerm:

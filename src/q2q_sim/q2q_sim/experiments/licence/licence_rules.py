@@ -30,7 +30,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.experiments.licence.commands.client_commands import FLIGHT, CommandKind
+from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import failure_cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
@@ -197,7 +197,7 @@ def _spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None
 def _yaw(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     last = 0.0
     for one in log.of(row):
-        if one.asked.kind != CommandKind.PLAN:
+        if one.asked.yaw_rad == 0.0:  # most commands have none
             continue
         step, last = abs(one.asked.yaw_rad - last), one.asked.yaw_rad
         if abs(last) > 2.0 * math.pi and step > limits.yaw_step:
