@@ -54,6 +54,8 @@ LEAST_ABSORBED = 1e-3
 INSIDE = 0.25
 """e_0 [m/s^2]: |eta| from which on a vehicle is inside a wake: in both families the turbulence has its floor
 from about there on."""
+ON_THE_GROUND = 0.06
+"""Height of a vehicle that stands, with its marker, and a margin [m]."""
 ATTITUDE_FREQUENCY = 80.0
 """Attitude loop of the vehicles of a room whose file has none, critically damped [rad/s]."""
 
@@ -139,10 +141,6 @@ class EdgeTorqueTerm:
     """Largest torque under a source whose thrust carries its weight, positive towards the axis [N m]."""
     radius_m: float
     """Distance from the axis at which it is largest [m]."""
-
-
-ON_THE_GROUND = 0.06
-"""Height of a vehicle that stands, with its marker, and a margin [m]."""
 
 
 @dataclass(frozen=True, slots=True)

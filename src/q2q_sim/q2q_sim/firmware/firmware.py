@@ -36,7 +36,7 @@ ZERO_EXPIRES_MS = 500
 """Age at which a vehicle at rest drops a setpoint without thrust, if the build does so."""
 SEES_FLOW = frozenset(("bcFlow", "bcFlow2"))
 """Decks that see the ground move."""
-LOOKS_DOWN = frozenset(("bcFlow", "bcFlow2", "bcZRanger", "bcZRanger2"))
+LOOKS_DOWN = SEES_FLOW | {"bcZRanger", "bcZRanger2"}
 """Decks that measure the range downwards."""
 LOOKS_AROUND = "bcMultiranger"
 """Deck that measures the other ranges."""

@@ -16,7 +16,7 @@ from itertools import chain
 import numpy as np
 
 from q2q_model.geometry.quaternion32 import compress_quat
-from q2q_model.geometry.rotations import rotate_inverse
+from q2q_model.geometry.rotations import matrix_from_quat, rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.crtp.tables.contents import Contents, Entry
@@ -107,8 +107,8 @@ def _flow(firmware: Firmware) -> Numbers:
     """Return what a flow deck sees [pixels in 10 ms]; 0 without one."""
     if not (firmware.build.flow_deck or not SEES_FLOW.isdisjoint(firmware.build.decks)):
         return 0.0, 0.0
-    (x, y, _), rates, quat = _vel_body(firmware), firmware.rows.state[RATE], _quat(firmware)
-    upright = 1.0 - 2.0 * float(quat[0] ** 2 + quat[1] ** 2)
+    (x, y, _), rates = _vel_body(firmware), firmware.rows.state[RATE]
+    upright = matrix_from_quat(_quat(firmware))[2, 2]
     per_height = upright / max(float(firmware.pos[2]), FLOW_HEIGHT_MIN)
     return PIXELS * (per_height * x - rates[1]), PIXELS * (per_height * y + rates[0])
 

@@ -97,9 +97,9 @@ def in_ignored_downwash(ticks: RunTicks, *, aware: bool) -> Mask:
 def hidden_by_gusts(ticks: RunTicks, *, air: str) -> Mask:
     """Return where gusts or the torque of a wake hide a motion in another air than the scenario's, (T, n)."""
     last, t = last_measured(ticks), np.arange(len(ticks.t))[:, None]
-    effect = np.minimum(t + round(LAG_S / TICK_S), t[-1])
     if not air:
         return np.zeros(last.shape, dtype=np.bool_)
+    effect = np.minimum(t + round(LAG_S / TICK_S), t[-1])
     push = over_ticks(ticks.pushes, "acc")[..., :2]
     gained = TICK_S * np.cumsum(push, axis=0)
     seen, learned = (np.take_along_axis(one, last[..., None], axis=0) for one in (gained, learned_push(push)))
