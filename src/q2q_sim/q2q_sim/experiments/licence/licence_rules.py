@@ -168,9 +168,8 @@ def _tumble(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     tick = _first(log.state[:, row] == State.CRASHED)
     if tick < 0:
         return None
-    return BrokenRule(
-        "tumble", float(log.t[tick]), f"{log.name(row)} tumbles", failure_cause(log, row, log.t[tick])
-    )
+    t = float(log.t[tick])
+    return BrokenRule("tumble", t, f"{log.name(row)} tumbles", failure_cause(log, row, t))
 
 
 def _setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
