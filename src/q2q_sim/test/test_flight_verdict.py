@@ -56,7 +56,7 @@ def test_a_flight_that_goes_as_it_is_sent_is_ok() -> None:
     [
         ((0.0, 1.0, 0.0), "cf2 hit the floor at 5.6 s"),
         ((0.0, 0.1, 1.0), "cf1 and cf2 collided at 5.6 s, 0.10 m apart"),
-        ((0.0, 2.7, 1.0), "cf2 left the room at 5.6 s, 1.70 m from its setpoint"),
+        ((0.0, 2.7, 1.0), "cf2 left its path at 5.6 s, 1.70 m from its setpoint"),
     ],
 )
 def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, float], words: str) -> None:

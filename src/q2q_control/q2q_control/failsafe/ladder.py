@@ -5,9 +5,9 @@
 | ok | 0 | the controller's | OK, SATURATED |
 | degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
 | hold | no usable state; or no tick for hold_s | the last command again | HOLD |
-| hold | last_commands' hold_time; or no tick for level_s | level or braking, hover thrust | LEVEL |
+| level | last_commands' hold_time; or no tick for level_s | level or braking, hover thrust | LEVEL |
 | land | land_s | level or braking, below hover thrust: descends | LAND |
-| cut | cut_s, or an emergency; permanent | motors off | CUT |
+| cut | cut_s, until a new flight; or an emergency, for good | motors off | CUT |
 
 The age is the time since the newest accepted measurement, by the stamps and ages in the messages
 (q2q_control.failsafe.guard), never a count of messages. The firmware's own watchdog levels after 0.5 s
@@ -46,7 +46,12 @@ class FallbackParams:
         1.0, "age from which a vehicle sinks", unit="s", low=0.1, high=60.0, read_only=True
     )
     cut_s: float = tunable(
-        5.0, "age from which its motors are off, for good", unit="s", low=0.1, high=120.0, read_only=True
+        5.0,
+        "age from which its motors are off, until a new flight",
+        unit="s",
+        low=0.1,
+        high=120.0,
+        read_only=True,
     )
     land_share: float = tunable(
         0.94, "share of hover thrust while sinking blind", low=0.5, high=1.0, read_only=True

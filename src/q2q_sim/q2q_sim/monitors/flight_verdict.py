@@ -5,7 +5,7 @@
 | a vehicle hit the floor | policy `floor` |
 | a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
 | two vehicles collided | policy `separation` |
-| a vehicle left the room | policy `room` |
+| a vehicle left its path | policy `room` |
 | commands ended before the flight | last command older than the firmware's watchdog, 0.5 s |
 | ticks were missed | more than 1 % without a command in time |
 | the recording ends before the flight | a bag that was not closed (`with_unknown_end`) |
@@ -39,7 +39,7 @@ UNSEEN_S = 0.5
 """Time without a position of a vehicle from which it is told [s]: longer than the dropouts of a room."""
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
 """Policies that decide on the outcome of a flight."""
-WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left the room"}
+WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left its path"}
 
 
 @dataclass(frozen=True, slots=True)

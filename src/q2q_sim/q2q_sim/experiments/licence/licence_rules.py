@@ -5,7 +5,7 @@
 | motors | the motors stop for 0.05 s more than 0.25 m above the floor |
 | landing | a vehicle reaches the floor faster than 2.25 m/s, as after a fall from 0.25 m |
 | room | it leaves the room, or is asked to |
-| collision | two vehicles are within 0.15 m of each other; only a remark if one has lost its link |
+| collision | two vehicles touch, within 0.14 m of each other; only a remark if one has lost its link |
 | downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
@@ -30,6 +30,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
+from q2q_model.vehicle.constants import CONTACT
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import failure_cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
@@ -54,8 +55,8 @@ class LicenceLimits:
     """Shortest stop of the motors [s]."""
     landing: float = 2.25
     """[m/s]: a fall from `drop`."""
-    gap: float = 0.15
-    """Smallest distance of two vehicles [m]: one and a half of their widths, motor to motor."""
+    gap: float = CONTACT
+    """Smallest distance of two vehicles [m]."""
     beside: float = 0.24
     below: float = 0.6
     """Axes of the ellipsoid of the downwash [m]."""
