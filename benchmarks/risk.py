@@ -27,8 +27,8 @@ from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, risk_zone
 from q2q_planner.tools.risk_options import MANOEUVRES, MODEL
 from q2q_sim.experiments.promise.tracking_tube import conformal_bound, fewest_flights
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios.room_profiles import REAL
 from q2q_sim.scenarios.scenario import AttitudeLoop, Scenario
-from q2q_sim.scenarios.settings import REAL
 from row import Row
 
 VEHICLE = vehicle_by_name("crazyflie_2_1")

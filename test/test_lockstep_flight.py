@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rclpy.node import Node
 
-from q2q_control.mpc.prediction.slots import RATE_HZ
+from q2q_control.mpc.prediction.time_slots import RATE_HZ
 from q2q_model.bag import BagReader, read_facts
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_control.inputs.alignment import align
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_stages import Tracks
-from q2q_control.mpc.prediction.surroundings import Future, Surroundings, at_constant_velocity
+from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks, at_constant_velocity
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
@@ -29,7 +29,7 @@ def tracks_of(loading: float, climb_acc: float) -> Tracks:
     path = np.repeat(pos[:, None], STAGES + 1, axis=1)
     future = Future(times, path, inputs)
     others = at_constant_velocity(state, PAIR, times)
-    return Surroundings(span=0.0, loading=loading).tracks(align(state, setpoint, None), future, others)
+    return VehicleTracks(span=0.0, loading=loading).tracks(align(state, setpoint, None), future, others)
 
 
 def test_a_downwash_grows_with_its_sources_thrust_as_far_as_the_loading_says():

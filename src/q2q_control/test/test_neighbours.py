@@ -17,7 +17,7 @@ from q2q_control.mpc.prediction.neighbours import (
     known_neighbours,
     positions_at,
 )
-from q2q_control.mpc.prediction.surroundings import FAR, Neighbours, at_constant_velocity
+from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours, at_constant_velocity
 from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState, TrackStatus
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import solve_discrete_are
 from scipy.signal import lfilter
 
-from q2q_control.disturbance.felt_push import ExplainedTick, FeltPush
+from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
 from q2q_control.disturbance.observer import Measurement
 from q2q_control.disturbance.residual_observer import (
     CLIMB,
@@ -141,7 +141,7 @@ def tick(t: float, tilt: float, acc: float) -> ExplainedTick:
 
 
 def test_a_push_is_felt_along_the_vertical_of_its_own_tick_whichever_comes_first() -> None:
-    felt, force = FeltPush(), np.array([[0.0, 0.0, 11.0]])
+    felt, force = AccelerometerResidual(), np.array([[0.0, 0.0, 11.0]])
     early = SwarmImu(0.02, NAME, force, np.zeros((1, 3)))
     assert felt.sense(early) is None
     assert felt.explain(tick(0.01, 0.0, GRAVITY)) is None

@@ -14,7 +14,7 @@ from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import Trajectory
-from q2q_sim.air.air_names import FLIGHTS, MADE, ROOM
+from q2q_sim.air.air_names import FLIGHTS, ROOM, SYNTHETIC
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir, WindTerm
 from q2q_sim.experiments.ablation import contender_flight, learned_models
@@ -115,7 +115,7 @@ def test_the_interval_of_a_median_is_that_of_the_models_where_draws_agree() -> N
 def test_no_air_but_the_papers_is_flown_with_models_of_its_own_family_or_flights() -> None:
     assert [plant.air for plant in PLANTS if plant not in JUDGED] == [LAW]
     assert all(plant.family != plant.models for plant in PLANTS)
-    assert {plant.air for plant in JUDGED} >= set(MADE)
+    assert {plant.air for plant in JUDGED} >= set(SYNTHETIC)
     air = find_air(ROOM)
     assert isinstance(air, RoomAir)
     assert air.flights

@@ -9,7 +9,7 @@ from room_flights import WHOLE
 
 from q2q_model.files.sealed_json import checksum
 from q2q_sim.air.air_file import decode, encode, load, save
-from q2q_sim.air.air_names import LAWS, MADE, AirError, check_air
+from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, check_air
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake_laws import WakeLaw
@@ -79,7 +79,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
 
 def test_every_name_gives_an_air() -> None:
     assert [find_air(name) for name in LAWS] == list(WakeLaw)
-    for name in MADE:
+    for name in SYNTHETIC:
         found = find_air(name)
         assert isinstance(found, RoomAir)
         assert found.jet is not None

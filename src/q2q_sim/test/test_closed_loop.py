@@ -16,8 +16,8 @@ from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.scenarios import library
+from q2q_sim.scenarios.room_profiles import ROUGH
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.settings import ROUGH
 
 TICK = 0.01
 

@@ -11,7 +11,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.loop.room import Room
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.settings import REAL
+from q2q_sim.scenarios.room_profiles import REAL
 
 HOVER = CRAZYFLIE_2_0.hover_thrust
 

@@ -36,8 +36,8 @@ from q2q_sim.experiments.promise.tracking_tube import (
 from q2q_sim.loop.assembly import safe_replanner_params
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
+from q2q_sim.scenarios.room_profiles import IDEAL
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.settings import IDEAL
 
 CONDITIONS = PromiseCase().conditions
 

@@ -9,7 +9,7 @@ from q2q_model.signals.values import Array, SwarmCommand
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.settings import ROUGH
+from q2q_sim.scenarios.room_profiles import ROUGH
 
 
 def _command(names: tuple[str, ...], thrust: float, t: float = 0.0) -> SwarmCommand:

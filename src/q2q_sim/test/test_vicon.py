@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.geometry.rotations import quat_conjugate, quat_from_euler, quat_multiply, vector_from_quat
 from q2q_model.signals.values import MocapFrame, SwarmState
-from q2q_sim.scenarios.settings import ROUGH
+from q2q_sim.scenarios.room_profiles import ROUGH
 from q2q_sim.sensors.episodes import AHEAD, Episodes, Frequency
 from q2q_sim.sensors.vicon import Injected, Vicon, ViconParams
 

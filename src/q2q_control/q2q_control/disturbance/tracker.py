@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
 from q2q_control.disturbance.actuation import Actuation, Pending
-from q2q_control.disturbance.felt_push import ExplainedTick, FeltPush
 from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, MeasuredRows, Measurement
 from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RESIDUAL, ResidualObserver
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
@@ -64,7 +64,7 @@ class DisturbanceTracker:
     ) -> None:
         """Track vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
         self._fine = None if correct is None else ResidualObserver(correct)
-        self._felt = FeltPush()
+        self._felt = AccelerometerResidual()
         self._most, self._mass = params.disturbance_max, vehicle.mass
         self._actuation = Actuation(vehicle, params.latency)
         self._observer = DisturbanceObserver(

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.outlook import Outlook
+from q2q_control.mpc.prediction.forecast import Forecast
 from q2q_control.mpc.prediction.plan_memory import Plan
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
 from q2q_model.compiled import compiled
@@ -78,17 +78,17 @@ def command_rule(params: MpcParams) -> CommandRule:
 
 
 def commanded_acceleration(
-    solution: HorizonSolution, horizon: Horizon, outlook: Outlook, rule: CommandRule
+    solution: HorizonSolution, horizon: Horizon, forecast: Forecast, rule: CommandRule
 ) -> Commanded:
     """Return each vehicle's commanded acceleration, the plan to remember, and the report.
 
     Rows of `solution` that failed are overwritten by the last plan.
     """
-    old, acc = outlook.plan, np.empty((len(solution.status), 3))
+    old, acc = forecast.plan, np.empty((len(solution.status), 3))
     offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
     new = Plan(old.start, offset, solution.inputs, solution.pattern, solved)
     sources = _choose(solution, horizon, (old, new), rule, acc)
-    report = MpcReport(*sources, iterations=solution.iterations, pairs=len(outlook.downwash.i))
+    report = MpcReport(*sources, iterations=solution.iterations, pairs=len(forecast.downwash.i))
     return Commanded(acc, new, report)
 
 

@@ -1,9 +1,9 @@
 """Receding-horizon control with predicted downwash: (26), solved anew every tick.
 
-Every tick: the state in which a command given now finds the vehicles (latency, lags, disturbance: `present`);
-references, last plans and the downwash along their paths (`outlook`); the inputs that keep the vehicles
-nearest to their references within thrust, tilt and their rates (`horizon_solver`); the first of them, or a
-fallback, as acceleration (`fallback`), and as thrust, roll and pitch.
+Every tick: the state in which a command given now finds the vehicles (latency, lags, disturbance:
+`initial_state`); references, last plans and the downwash along their paths (`forecast`); the inputs that
+keep the vehicles nearest to their references within thrust, tilt and their rates (`horizon_solver`); the
+first of them, or a fallback, as acceleration (`fallback`), and as thrust, roll and pitch.
 
     minimise sum_k sum_j (r_j(t_k) - r_j,ref(t_k))^2 + (effort)      of (26), for all vehicles that interact
     v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              downwash linear along the last prediction
@@ -34,6 +34,8 @@ from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
+from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
+from q2q_control.mpc.prediction.initial_state import InitialState, InitialStateEstimator
 from q2q_control.mpc.prediction.neighbours import (
     HeardPredictions,
     PredictedPaths,
@@ -41,9 +43,7 @@ from q2q_control.mpc.prediction.neighbours import (
     known_neighbours,
     usable_prediction,
 )
-from q2q_control.mpc.prediction.outlook import Forecaster, Outlook, correct_downwash, future_reference
-from q2q_control.mpc.prediction.present import Present, PresentEstimator
-from q2q_control.mpc.prediction.surroundings import Neighbours, at_constant_velocity
+from q2q_control.mpc.prediction.vehicle_tracks import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.pid.thrust_vector import ThrustLimits, largest_thrust
@@ -135,7 +135,7 @@ class Mpc:
         """Forget all memory."""
         slopes = SlopeRule(coupled_axes(self._params), self._params.slope_max)
         self._forecaster = Forecaster(self._params, self._model, slopes)
-        self._present = PresentEstimator(self._params, self._vehicle, self._setup.correct)
+        self._initial_state = InitialStateEstimator(self._params, self._vehicle, self._setup.correct)
         self._last_commands.reset()
         self._heard = HeardPredictions(self._setup.exchange_period)
         self._predicted: tuple[Aligned, Array, Array, Array] | None = None
@@ -156,23 +156,23 @@ class Mpc:
         references = shifted_preview(setpoint, self._preview, times)
         reference = future_reference(tick, setpoint, references, times)
         neighbours = self._neighbours(state, setpoint, references, times)
-        outlook = self._forecaster.outlook(tick, reference, neighbours, aware=interference is not None)
+        forecast = self._forecaster.forecast(tick, reference, neighbours, aware=interference is not None)
         if interference is not None and (self._params.loading > 0.0 or np.count_nonzero(interference.status)):
-            correct_downwash(tick, interference, outlook.downwash, self._params)
-        horizon = self._horizon(tick, self._present.update(tick), outlook)
-        solution = self._solver.solve(horizon, outlook.downwash, outlook.plan.pattern, self._setup.in_time)
-        answer = commanded_acceleration(solution, horizon, outlook, self._command_rule)
+            correct_downwash(tick, interference, forecast.downwash, self._params)
+        horizon = self._horizon(tick, self._initial_state.update(tick), forecast)
+        solution = self._solver.solve(horizon, forecast.downwash, forecast.plan.pattern, self._setup.in_time)
+        answer = commanded_acceleration(solution, horizon, forecast, self._command_rule)
         self._forecaster.keep(tick.names, answer.plan)
         self._predicted = tick, reference, answer.plan.offset, times
         self.report = answer.report
         last_commands = self._last_commands.memory(tick.names)
         self._last = limited_command(tick, answer.acc, self._law, last_commands)
-        self._present.sent(self._last, tick)
+        self._initial_state.sent(self._last, tick)
         return self._last
 
     def sense(self, imu: SwarmImu) -> None:
         """Take accelerometers of a tick; without `correct` they are ignored."""
-        self._present.sense(imu)
+        self._initial_state.sense(imu)
 
     def hear(self, prediction: PredictedPaths) -> None:
         """Take a neighbour's prediction, for the ticks after its own."""
@@ -206,18 +206,18 @@ class Mpc:
             return heard
         return blend(heard, known_neighbours(straight, setpoint, references), share)
 
-    def _horizon(self, tick: Aligned, present: Present, outlook: Outlook) -> Horizon:
-        eta, kept = outlook.downwash.eta[: len(tick.names)], np.zeros((len(tick.names), self._params.steps))
-        push = eta + present.disturbance[:, None]
+    def _horizon(self, tick: Aligned, initial: InitialState, forecast: Forecast) -> Horizon:
+        eta, kept = forecast.downwash.eta[: len(tick.names)], np.zeros((len(tick.names), self._params.steps))
+        push = eta + initial.disturbance[:, None]
         if self._setup.correct is not None:
-            push[..., 2] -= faded_residual(present.residual, self._setup.correct, self._params)
+            push[..., 2] -= faded_residual(initial.residual, self._setup.correct, self._params)
             kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
         low, high = input_bounds(tick.table[:, QUAT].copy(), self._most, kept)
-        chains = present.chains
+        chains = initial.chains
         if not tick.all_usable:  # nobody knows where they are
-            still = _on_reference(outlook.reference[:, 0], push[:, 0])
+            still = _on_reference(forecast.reference[:, 0], push[:, 0])
             chains = np.where(tick.usable[:, None, None], chains, still)
-        return Horizon(chains, outlook.reference, push, outlook.path, low, high, self._step_max)
+        return Horizon(chains, forecast.reference, push, forecast.path, low, high, self._step_max)
 
 
 def _on_reference(reference: Array, push: Array) -> Array:

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
 from q2q_control.mpc.prediction.neighbours import SILENT
 from q2q_control.mpc.prediction.own_predictions import OwnPredictions
-from q2q_control.mpc.prediction.slots import BroadcastSchedule
+from q2q_control.mpc.prediction.time_slots import BroadcastSchedule
 from q2q_control.mpc.receding import Mpc
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
 from q2q_model.ros.node.tick_wiring import TickWiring

@@ -10,8 +10,8 @@ from q2q_model.files.shipped_folder import shipped_folder, shipped_or_given
 SUFFIX = ".air"
 LAWS = ("none", "paper", "measured")
 """Wake laws (q2q_sim.air.wake_laws)."""
-MADE = ("ring", "heavy_tailed", "bent", "meandering")
-"""Airs of other families than the models (q2q_sim.air.made_airs)."""
+SYNTHETIC = ("ring", "heavy_tailed", "bent", "meandering")
+"""Airs of other families than the models (q2q_sim.air.synthetic_airs)."""
 ROOM = "room"
 """Shipped air of a room, learned from real flights."""
 RECORDED = "recorded"
@@ -37,7 +37,7 @@ def check_air(name: str) -> None:
     """Raise AirError if there is neither an air nor a file of this name; `module:Class` is not imported."""
     if is_recorded(name):
         recorded_paths(name)
-    elif name not in (*LAWS, *MADE) and not OWN.fullmatch(name):
+    elif name not in (*LAWS, *SYNTHETIC) and not OWN.fullmatch(name):
         air_path(name)
 
 
@@ -83,7 +83,8 @@ def air_path(name: str) -> Path:
     shipped = shipped_airs()
     if (found := shipped_or_given(name, shipped / f"{name}{SUFFIX}")) is not None:
         return found
-    known = ", ".join((*LAWS, *MADE, RECORDED, *sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))))
+    learned = sorted(path.stem for path in shipped.glob(f"*{SUFFIX}"))
+    known = ", ".join((*LAWS, *SYNTHETIC, RECORDED, *learned))
     raise AirError(f"no air {name!r}: give one of {known}, a {SUFFIX} file, or module:Class")
 
 

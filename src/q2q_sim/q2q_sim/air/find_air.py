@@ -6,10 +6,10 @@ from pathlib import Path
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
-from q2q_sim.air.air_names import LAWS, MADE, OWN, AirError, air_path, error_line, is_recorded
+from q2q_sim.air.air_names import LAWS, OWN, SYNTHETIC, AirError, air_path, error_line, is_recorded
 from q2q_sim.air.checked_wake import CheckedWake
-from q2q_sim.air.made_airs import made_air
 from q2q_sim.air.room_air import RoomAir, without_terms
+from q2q_sim.air.synthetic_airs import synthetic_air
 from q2q_sim.air.wake import AirSetup, Wake
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 
@@ -33,7 +33,7 @@ def find_air(name: str, off: tuple[str, ...] = ()) -> FlownAir:
         if off:
             raise AirError(f"air {name} has no terms that could be switched off ({', '.join(off)})")
         return wake_by_name(name) if name in LAWS else _own(name)
-    return without_terms(made_air(name) if name in MADE else load(air_path(name)), off)
+    return without_terms(synthetic_air(name) if name in SYNTHETIC else load(air_path(name)), off)
 
 
 def _own(name: str) -> Wake:

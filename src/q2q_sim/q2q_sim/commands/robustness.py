@@ -9,11 +9,11 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command, whole_number
-from q2q_sim.air.air_names import MADE, RECORDED, ROOM, check_air
+from q2q_sim.air.air_names import RECORDED, ROOM, SYNTHETIC, check_air
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 MOST_DRAWS = 25
-AIRS = (ROOM, RECORDED, *MADE, "paper")
+AIRS = (ROOM, RECORDED, *SYNTHETIC, "paper")
 EXAMPLE = """  ros2 run q2q_sim robustness --json out/robustness.json --out docs/robustness.md
   ros2 run q2q_sim robustness --airs ring bent --seeds 2 --json out/two.json --out out/two.md"""
 

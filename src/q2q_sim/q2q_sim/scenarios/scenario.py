@@ -15,7 +15,7 @@ from q2q_sim.faults.faults import Fault, check_vehicles
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.block_overrides import BLOCKS, override_params
-from q2q_sim.scenarios.settings import Overrides
+from q2q_sim.scenarios.room_profiles import Overrides
 from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon import ViconParams
 

@@ -12,7 +12,7 @@
     in_air: {vehicle: crazyflie_2_0}   # keys that replace those above where the flight names another air
     attitude: firmware        # loop on board: paper (section 5.1) or firmware (the emulated stock controller)
     model: paper_law          # of the controllers: none, a shipped name, a .q2q file
-    room: ideal               # q2q_sim.scenarios.settings; vicon, radio, imu, disturbance below override
+    room: ideal               # q2q_sim.scenarios.room_profiles; vicon, radio, imu, disturbance below override
     single values reading: stop_and_go      # of eq. (17): stop_and_go or free
     vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # without t: times as from `plan`
     plan: mine.json           # in place of vehicles: a plan file, beside this file
@@ -36,8 +36,8 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.faults.faults import Fault, check_sizes
 from q2q_sim.scenarios.block_overrides import merge_overrides, override_params
+from q2q_sim.scenarios.room_profiles import profile_by_name
 from q2q_sim.scenarios.scenario import AttitudeLoop, Scenario
-from q2q_sim.scenarios.settings import setting_by_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         ValueError: with the keys and values that are not allowed, and what is.
     """
     given = from_plain(_Document, document, "")
-    room = setting_by_name(given.room)
+    room = profile_by_name(given.room)
     vehicle = vehicle_by_name(given.vehicle, given.firmware)
     waypoints = _waypoints(given, with_limits_of(FlightLimits(), vehicle), plan)
     last = max(float(one.times[-1]) for one in waypoints)

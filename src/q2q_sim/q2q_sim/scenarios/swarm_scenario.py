@@ -11,9 +11,9 @@ import math
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_sim.scenarios.room_profiles import IDEAL
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_files import MOST
-from q2q_sim.scenarios.settings import IDEAL
 
 SPACING = 0.6
 """Along the ring [m]: six times eps, well outside each other's downwash."""

@@ -1,9 +1,9 @@
 """Predicted paths that MPCs exchange, and the paths of neighbours as they are known now.
 
 Every MPC sends the paths it has solved for its own vehicles, once in each slot of T
-(q2q_control.mpc.prediction.slots). A receiver interpolates the newest one from before its own tick, so that a
-distributed flight does not depend on which of two messages of one tick arrives first. A path that is older
-than T turns into what is known without it, and its position becomes uncertain:
+(q2q_control.mpc.prediction.time_slots). A receiver interpolates the newest one from before its own tick, so
+that a distributed flight does not depend on which of two messages of one tick arrives first. A path that is
+older than T turns into what is known without it, and its position becomes uncertain:
 
     w = exp(-a / LATE_FADE),   r_j = w r_heard + (1 - w) r_known,   sigma = (1 - w) TRACKING
 
@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.inputs.alignment import Aligned
-from q2q_control.mpc.prediction.surroundings import FAR, Neighbours
+from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours
 from q2q_model.compiled import compiled
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, index_of

@@ -16,7 +16,7 @@ from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline.shared_pieces import split_at
 from q2q_planner.playing.plan_waypoints import waypoints_of
-from q2q_sim.air.air_names import MADE, RECORDED, ROOM
+from q2q_sim.air.air_names import RECORDED, ROOM, SYNTHETIC
 from q2q_sim.loop.assembly import plan_of
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
@@ -65,7 +65,7 @@ class Plant:
 PLANTS = (
     Plant(ROOM, "dc21", "dc19"),
     Plant(RECORDED, "dc21", "dc19"),
-    *(Plant(air, "dc19", "dc21") for air in MADE),  # as strong as a law fitted to dc19
+    *(Plant(air, "dc19", "dc21") for air in SYNTHETIC),  # as strong as a law fitted to dc19
     Plant(LAW, "", LAW),
 )
 SHIPPED = PLANTS[0]

@@ -29,8 +29,8 @@ from q2q_sim.firmware.firmware import Build, Firmware
 from q2q_sim.firmware.supervisor.rules import State
 from q2q_sim.loop.room import TICK_NS, TICK_S, Room
 from q2q_sim.plant.quadcopter import POS, QUAT, ROTORS, VEL, R
+from q2q_sim.scenarios.room_profiles import CAPTURE
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.settings import CAPTURE
 from q2q_sim.sensors.range_finder import RoomBox
 
 PACKET_S = 0.001

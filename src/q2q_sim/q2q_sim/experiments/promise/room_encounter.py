@@ -22,8 +22,8 @@ from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.experiments.promise.fastest_return import DT, can_return
 from q2q_sim.experiments.promise.tracking_tube import TubeConditions
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
+from q2q_sim.scenarios.room_profiles import REAL
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.settings import REAL
 
 MODEL = "measured_law"
 GAINS = {"k_p_z": 10.0, "k_d_z": 5.0, "k_p_xy": 6.0, "k_d_xy": 4.0}

@@ -33,8 +33,8 @@ BEND = 0.05 / 0.5
 MEANDER = MeanderTerm(std=0.02 / 0.5, time_s=0.3)
 
 
-def made_air(name: str) -> RoomAir:
-    """Return one of air_names.MADE."""
+def synthetic_air(name: str) -> RoomAir:
+    """Return one of air_names.SYNTHETIC."""
     return _MADERS[name]()
 
 

@@ -1,4 +1,4 @@
-"""State in which a command given now finds the vehicles.
+"""Initial state of the horizon: that in which a command given now finds the vehicles.
 
 The tick's measurements, the thrust produced by earlier commands and the commands in transit
 (q2q_control.disturbance.tracker), rolled forward by the latency with each axis' lag.
@@ -19,7 +19,7 @@ from q2q_model.vehicle.constants import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
-class Present:
+class InitialState:
     """State in which a command given now finds the vehicles."""
 
     t: float
@@ -32,7 +32,7 @@ class Present:
     """Part of its z that fades within the correlation time [m/s^2], (n,)."""
 
 
-class PresentEstimator:
+class InitialStateEstimator:
     """Tracker of disturbances and of commands in transit."""
 
     def __init__(self, params: MpcParams, vehicle: Vehicle, correct: ResidualProcess | None = None) -> None:
@@ -44,8 +44,8 @@ class PresentEstimator:
         )
         self._tracker = DisturbanceTracker(tracker, vehicle, correct)
 
-    def update(self, tick: Aligned) -> Present:
-        """Return the present of the tick's vehicles."""
+    def update(self, tick: Aligned) -> InitialState:
+        """Return the initial state of the tick's vehicles."""
         tracked = self._tracker.update(tick)
         pos, vel, disturbance = tracked.estimate
         if not self._observes:
@@ -56,7 +56,7 @@ class PresentEstimator:
             push = tick.table[:, ETA] + disturbance
             for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
                 roll_chains(chains, seconds, acc, push, self._lags)
-        return Present(tick.t + self._params.latency, chains, disturbance, tracked.residual)
+        return InitialState(tick.t + self._params.latency, chains, disturbance, tracked.residual)
 
     def sense(self, imu: SwarmImu) -> None:
         """Take accelerometers of a tick."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_control.mpc.prediction.slots import BroadcastSchedule, slot_start
+from q2q_control.mpc.prediction.time_slots import BroadcastSchedule, slot_start
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import Names, SwarmState
 

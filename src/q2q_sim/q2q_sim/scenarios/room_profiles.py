@@ -1,4 +1,4 @@
-"""Rooms of a flight: quality of motion capture, radio and inertial sensors, and disturbances.
+"""Profiles of rooms: quality of motion capture, radio and inertial sensors, and disturbances.
 
 | name | meaning |
 |---|---|
@@ -25,7 +25,7 @@ Overrides = Mapping[str, Mapping[str, ParameterValue]]
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class RoomProfile:
     """Parameters of a room, with those that the blocks know."""
 
     vicon: ViconParams = field(default_factory=ViconParams)
@@ -35,7 +35,7 @@ class Setting:
     overrides: Overrides = field(default_factory=dict)
 
 
-IDEAL = Setting(overrides={"mocap_filter": {"position_noise": 0.0, "rate_filter_s": 0.0}})
+IDEAL = RoomProfile(overrides={"mocap_filter": {"position_noise": 0.0, "rate_filter_s": 0.0}})
 
 _SEEN = ViconParams(
     pos_noise=0.00015,  # VICON, static
@@ -45,7 +45,7 @@ _SEEN = ViconParams(
 )
 _SENSED = ImuParams(acc_noise=0.02, acc_bias=0.05, gyro_noise=0.002, gyro_bias=0.005)
 
-CAPTURE = Setting(
+CAPTURE = RoomProfile(
     vicon=_SEEN,
     imu=_SENSED,
     disturbance=DisturbanceParams(air_std=0.005),  # 1 cm of drift in the paper's soft loop
@@ -57,7 +57,7 @@ loop K_p 10, K_d 5. Their z error is 1.87 cm rms: 1.7 cm upwards in the mean of 
 1 cm about it, with an autocorrelation of .93, .80 and .56 after 0.2, 0.4 and 0.8 s. These values, simulated
 with that loop, 0.07 s of thrust lag and 26 ms of delay, give 1.88 cm: 1.7, 0.74, and .95, .83, .55."""
 
-REAL = Setting(
+REAL = RoomProfile(
     vicon=replace(_SEEN, latency=0.010),
     radio=RadioParams(latency=0.016, loss=0.02, quantised=True),
     imu=_SENSED,
@@ -70,11 +70,11 @@ ROUGH = replace(
     radio=replace(REAL.radio, jitter=0.005, loss=0.05),
 )
 
-SETTINGS = {"ideal": IDEAL, "capture": CAPTURE, "real": REAL, "rough": ROUGH}
+PROFILES = {"ideal": IDEAL, "capture": CAPTURE, "real": REAL, "rough": ROUGH}
 
 
-def setting_by_name(name: str) -> Setting:
-    """Return the named room; raise ValueError with the known names."""
-    if name not in SETTINGS:
-        raise ValueError(f"unknown room {name!r}; known are {', '.join(SETTINGS)}")
-    return SETTINGS[name]
+def profile_by_name(name: str) -> RoomProfile:
+    """Return the profile of a named room; raise ValueError with the known names."""
+    if name not in PROFILES:
+        raise ValueError(f"unknown room {name!r}; known are {', '.join(PROFILES)}")
+    return PROFILES[name]

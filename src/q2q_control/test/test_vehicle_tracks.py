@@ -3,13 +3,13 @@
 import numpy as np
 
 from q2q_control.inputs.alignment import align
-from q2q_control.mpc.prediction.surroundings import Future, Surroundings, at_constant_velocity
+from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks, at_constant_velocity
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 
 TIMES = 0.05 * np.arange(4)
 
 
-def add_tick(around: Surroundings, t: float, names: Names, pos: Array) -> Array:
+def add_tick(around: VehicleTracks, t: float, names: Names, pos: Array) -> Array:
     """Return the positions along the tracks of a tick, (K, n, 3), of vehicles at rest at pos [m], (n, 3)."""
     n = len(names)
     zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
@@ -21,7 +21,7 @@ def add_tick(around: Surroundings, t: float, names: Names, pos: Array) -> Array:
 
 
 def test_a_vehicle_that_appears_or_leaves_lets_the_others_keep_their_pasts() -> None:
-    around, way = Surroundings(span=0.5, loading=0.0), np.array([0.1, 0.0, 0.0])
+    around, way = VehicleTracks(span=0.5, loading=0.0), np.array([0.1, 0.0, 0.0])
     first, second, third = np.array([0.0, 0.0, 1.0]), np.array([0.0, 3.0, 1.0]), np.array([5.0, 0.0, 2.0])
     for k in range(3):
         add_tick(around, 0.1 * k, ("cf1", "cf2"), np.array([first + k * way, second - k * way]))

@@ -28,7 +28,7 @@ class ExplainedTick(NamedTuple):
     """Vertical specific force by thrust and predicted downwash [m/s^2], (n,)."""
 
 
-class FeltPush:
+class AccelerometerResidual:
     """Memory of ticks and of the sample whose tick has not come yet."""
 
     def __init__(self) -> None:

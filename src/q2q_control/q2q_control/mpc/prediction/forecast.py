@@ -1,4 +1,4 @@
-"""Outlook of a tick: references, last plan and downwash along the horizon."""
+"""Forecast of a tick: references, last plan and downwash along the horizon."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from q2q_control.mpc.prediction.downwash_horizon import (
 )
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
-from q2q_control.mpc.prediction.surroundings import Future, Neighbours, Surroundings
+from q2q_control.mpc.prediction.vehicle_tracks import Future, Neighbours, VehicleTracks
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.source_strength import source_terms
 from q2q_model.signals.values import (
@@ -28,7 +28,7 @@ from q2q_model.signals.values import (
 
 
 @dataclass(frozen=True, slots=True)
-class Outlook:
+class Forecast:
     """Predictions for the n vehicles of one tick."""
 
     reference: Array
@@ -41,28 +41,28 @@ class Outlook:
 
 
 class Forecaster:
-    """Memory of plans and of past positions, from which outlooks are made."""
+    """Memory of plans and of past positions, from which forecasts are made."""
 
     def __init__(self, params: MpcParams, model: InteractionModel, slopes: SlopeRule) -> None:
         """Predict downwash by `model`."""
         self._params, self._model, self._slopes = params, model, slopes
         self._plans = PlanMemory(params.steps, params.step)
-        self._surroundings = Surroundings(model.max_delay, source_terms(model).loading or params.loading)
+        self._tracks = VehicleTracks(model.max_delay, source_terms(model).loading or params.loading)
         self._ahead = params.step * np.arange(params.steps + 1)
 
     def stages(self, t: float) -> Array:
         """Return the times of the stages of a tick at t, (N + 1,) [s]."""
         return np.asarray(t + self._params.latency + self._ahead, dtype=np.float64)
 
-    def outlook(self, tick: Aligned, reference: Array, neighbours: Neighbours, *, aware: bool) -> Outlook:
-        """Return the outlook of the tick's vehicles, without downwash unless `aware`."""
+    def forecast(self, tick: Aligned, reference: Array, neighbours: Neighbours, *, aware: bool) -> Forecast:
+        """Return the forecast of the tick's vehicles, without downwash unless `aware`."""
         times = self.stages(tick.t)
         plan = self._plans.shifted(tick.names, float(times[0]))
         path = reference[..., :3] + plan.offset
         if not tick.all_usable:
             path[tick.stray] = reference[tick.stray, :, :3]
         future = Future(times, path, plan.inputs)
-        tracks = self._surroundings.tracks(tick, future, neighbours)
+        tracks = self._tracks.tracks(tick, future, neighbours)
         others = None
         if neighbours.names:
             certain = np.zeros(len(tick.names))
@@ -71,7 +71,7 @@ class Forecaster:
             predict_downwash(self._model, tracks, self._slopes, others) if aware else no_downwash(tracks)
         )
         predicted = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
-        return Outlook(reference, plan, downwash, predicted)
+        return Forecast(reference, plan, downwash, predicted)
 
     def keep(self, names: Names, plan: Plan) -> None:
         """Remember the plans of a tick."""

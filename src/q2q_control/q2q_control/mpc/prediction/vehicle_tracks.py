@@ -1,4 +1,4 @@
-"""Past and future tracks of all vehicles: the controlled ones and those of other controllers.
+"""Tracks, past and future, of all vehicles: the controlled ones and those of other controllers.
 
 A controlled vehicle follows its last plan, or flies on at its velocity if it has no setpoint. A vehicle of
 another controller follows the prediction that its MPC has sent (q2q_control.mpc.prediction.neighbours), else
@@ -46,7 +46,7 @@ class Neighbours(NamedTuple):
 
     names: Names
     pos: Array
-    """Present positions [m], world, (n, 3)."""
+    """InitialState positions [m], world, (n, 3)."""
     path: Array
     """[m], world, (n, N + 1, 3); far away if they have no state."""
     inputs: Array
@@ -65,7 +65,7 @@ class Past(NamedTuple):
 
 
 class PresentInputs(NamedTuple):
-    """Present positions of n vehicles."""
+    """InitialState positions of n vehicles."""
 
     t: float
     """[s]"""
@@ -75,7 +75,7 @@ class PresentInputs(NamedTuple):
     """Weight of each vehicle's downwash by visibility, (n,)."""
 
 
-class Surroundings:
+class VehicleTracks:
     """Recent positions of the vehicles."""
 
     def __init__(self, span: float, loading: float) -> None:
