@@ -106,3 +106,14 @@ def test_many_fade_as_each_would_alone() -> None:
         known, t = rng.random(12) < 0.3, 0.1 * tick
         apart = [one.shares(every[[k]], known[[k]], at, t)[0] for k, one in enumerate(alone)]
         np.testing.assert_allclose(together.shares(every, known, at, t), apart, rtol=1e-12)
+
+
+def test_a_clock_set_back_or_a_new_vehicle_after_a_prediction_changes_nothing() -> None:
+    back, more = FadingDownwash(), FadingDownwash()
+    for fading in (back, more):
+        left(fading, places(BEGUN), known=True, t=5.0)
+    back.set_back(3.0)
+    assert left(back, places(BEGUN), t=2.0 + FADE_S) == pytest.approx(np.exp(-1.0))
+    moved = {"new": (5.0, 5.0, 1.0)} | BEGUN | {"high": (0.05, JET_WIDTH, 1.5)}
+    shares = more.shares(np.array([1]), np.zeros(1, np.bool_), places(moved), 5.0)
+    assert shares[0] == pytest.approx(np.exp(-1.0))

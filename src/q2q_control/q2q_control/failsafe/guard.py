@@ -247,9 +247,10 @@ class Guard:
     def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:
         """Return the command with level hover, and status LEVEL, where the controller's is not finite."""
         values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
-        bad = ~np.isfinite(values).all(axis=0)
-        if not bad.any():
+        finite = np.isfinite(values)
+        if finite.all():
             return command
+        bad = ~finite.all(axis=0)
         level = np.array([[self._hover_thrust], [0.0], [0.0], [0.0]])
         thrust, roll, pitch, yaw_rate = np.where(bad, level, values)
         status = np.where(bad, CommandStatus.LEVEL, command.status).astype(np.uint8)

@@ -58,6 +58,17 @@ class _Above(NamedTuple):
         return _Above(below, above, np.vstack((self.offset, other.offset)))
 
 
+class _Known(NamedTuple):
+    """A tick at which the downwash of every vehicle without measurements was known."""
+
+    blind: Rows
+    """Their rows in `pos`, (m,)."""
+    pos: Array
+    """[m], world, (n, 3)."""
+    t: float
+    """[s]"""
+
+
 class FadingDownwash:
     """Offsets of those above vehicles without measurements, when their downwash was last known."""
 
@@ -69,9 +80,11 @@ class FadingDownwash:
         self._names: Names = ()
         self._known_at = np.zeros(0)  # [s]; NaN: a measured vehicle
         self._above = _above(np.zeros((0, 3)), np.zeros(0, np.intp))
+        self._last: _Known | None = None  # whose offsets are taken when one is no longer known
 
     def set_back(self, by: float) -> None:
         """Shift stored times back by `by` [s]: the clock was."""
+        self._take_offsets()
         self._known_at = self._known_at - by
 
     def shares(self, blind: Rows, known: Mask, places: Places, t: float) -> Array:
@@ -83,6 +96,10 @@ class FadingDownwash:
             places: dead-reckoned and measured positions.
             t: time of the tick [s].
         """
+        if known.all():
+            self._names, self._last = places.names, _Known(blind, places.pos, t)
+            return np.ones(blind.size)
+        self._take_offsets()
         self._match(places.names)
         begun = known | np.isnan(self._known_at[blind])
         known_at = np.full(len(places.names), np.nan)
@@ -92,6 +109,14 @@ class FadingDownwash:
         kept_pairs = self._above.of(kept[self._above.below])
         self._above, self._known_at = kept_pairs.joined(_above(places.pos, blind[begun])), known_at
         return _left(self._above, places.pos, t - known_at)[blind]
+
+    def _take_offsets(self) -> None:
+        """Take the offsets of the last tick at which all were known, if that was the last tick."""
+        if self._last is None:
+            return
+        blind, pos, t = self._last
+        self._known_at, self._last = np.full(len(pos), np.nan), None
+        self._known_at[blind], self._above = t, _above(pos, blind)
 
     def _match(self, names: Names) -> None:
         """Match the stored rows to `names`."""
