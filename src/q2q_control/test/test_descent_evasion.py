@@ -1,4 +1,4 @@
-"""A vehicle observed below an unobserved one, or little above it, leaves its column."""
+"""A measured vehicle below one that is not measured, or little above it, leaves its column."""
 
 from dataclasses import replace
 

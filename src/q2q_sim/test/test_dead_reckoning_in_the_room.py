@@ -1,4 +1,4 @@
-"""Dead reckoning of unobserved vehicles against the vehicles of a room."""
+"""Dead reckoning of vehicles without measurements against the vehicles of a room."""
 
 from dataclasses import replace
 

@@ -30,10 +30,6 @@ class LegacyScale:
         """Return the PWM of a collective thrust [N], neither rounded nor clipped."""
         return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
 
-    def thrust_of(self, pwm: Array) -> Array:
-        """Return the collective thrust [N] at a PWM."""
-        return np.asarray(pwm / PWM_FULL * self.full_pwm_thrust)
-
 
 def legacy_setpoints(command: SwarmCommand, scale: LegacyScale) -> Array:
     """Return pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM] of every vehicle, (n, 4)."""
