@@ -184,7 +184,8 @@ def _flight(number: int, gap: float, speed: float) -> AltitudeRecord:
     pos = np.zeros((ticks, 2, 3))
     pos[:, 1, 1], pos[..., 2] = y, z + NOISE * np.random.default_rng(number).standard_normal(z.shape)
     still = np.zeros_like(pos)
+    none = np.zeros_like(z)
     blank = AltitudeRecord(
-        f"pass {number}", ("cf1", "cf2"), DT, t, pos, still, still, ref, 0.0 * z, 0.0 * z, 0, 2 * ticks
+        f"pass {number}", ("cf1", "cf2"), DT, t, pos, still, still, ref, none, none, none, 0, 2 * ticks
     )
     return replace(blank, commanded_acc=np.full_like(z, np.nan), feed_forward=np.full_like(z, np.nan))

@@ -251,7 +251,22 @@ def test_two_flights_determine_no_interval_of_the_decay():
 def test_one_flight_with_overlap_gives_no_decay():
     near = record_of(PASSES[0])
     with pytest.raises(ValueError, match="1 of 2 flights have vehicles within"):
-        fit_decay([near, replace(near, pos=near.pos + np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]))])
+        fit_decay(
+            [near, replace(near, name="far", pos=near.pos + np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]))]
+        )
+
+
+def test_pieces_of_one_flight_count_as_one_in_the_decay():
+    one, other = (record_of(each) for each in PASSES[:2])
+    with pytest.raises(ValueError, match="1 of 1 flights have vehicles within"):
+        fit_decay([one, replace(other, name=one.name)])
+    params = DeviationParams(steady=0.0, allowed=0.005)
+    decay = fit_decay([one, replace(one, name="again"), replace(other, name="again")], params)
+    first, joined = decay.overlaps
+    alone = fit_decay([one, other], params).overlaps[1]
+    assert joined.seconds == pytest.approx(first.seconds + alone.seconds)
+    expected = (first.gap * first.seconds + alone.gap * alone.seconds) / joined.seconds
+    assert joined.gap == pytest.approx(expected)
 
 
 def test_holes_and_outliers_are_mended_and_counted():

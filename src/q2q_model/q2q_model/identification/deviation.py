@@ -20,7 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
+from q2q_model.identification.gains.impulse_response import CLEAR
 from q2q_model.identification.intervals import UNKNOWN, Interval
 from q2q_model.signals.values import Array
 
@@ -40,7 +41,7 @@ class DeviationParams:
     """Horizontal distance [m]; beyond it the discs of two Crazyflies (92 mm) do not overlap."""
     steady: float = 15.0
     """Initial time that is ignored [s]; section 3.1."""
-    clear: float = 0.5
+    clear: float = CLEAR
     """Horizontal distance beyond which a vehicle is in clear air [m]."""
     allowed: float = 0.02
     """Acceptable deviation [m]: a fifth of eps."""
@@ -90,6 +91,21 @@ def overlap_of(record: AltitudeRecord, params: DeviationParams) -> Overlap | Non
     return Overlap(flight=record.name, gap=best[1], dev=best[2], seconds=best[0] * record.dt)
 
 
+def _overlaps(records: Sequence[AltitudeRecord], params: DeviationParams) -> tuple[Overlap, ...]:
+    """Return the overlap of each flight that has one, over all its records."""
+    pieces: dict[str, list[Overlap]] = {}
+    for record in records:
+        if (one := overlap_of(record, params)) is not None:
+            pieces.setdefault(record.name, []).append(one)
+    return tuple(_joined(one) for one in pieces.values())
+
+
+def _joined(pieces: Sequence[Overlap]) -> Overlap:
+    seconds = np.array([one.seconds for one in pieces])
+    gap, dev = (np.average([(one.gap, one.dev) for one in pieces], axis=0, weights=seconds)).tolist()
+    return Overlap(pieces[0].flight, gap, dev, float(seconds.sum()))
+
+
 def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None = None) -> DecayFit:
     """Return the decay of dev with the gap, and d.
 
@@ -97,11 +113,11 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
         ValueError: fewer than two flights have overlap.
     """
     given = params or DeviationParams()
-    overlaps = tuple(o for record in records if (o := overlap_of(record, given)) is not None)
+    overlaps = _overlaps(records, given)
     if len(overlaps) < 2:
         raise ValueError(
-            f"{len(overlaps)} of {len(records)} flights have vehicles within {given.eps} m of each other "
-            "horizontally, 2 needed to fit the decay of dev"
+            f"{len(overlaps)} of {len({one.name for one in records})} flights have vehicles within "
+            f"{given.eps} m of each other horizontally, 2 needed to fit the decay of dev"
         )
     gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
     best = _decay(gaps, devs, given.allowed)
@@ -139,11 +155,9 @@ def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, floa
 
 def _clear_bias(record: AltitudeRecord, clear: float) -> Array:
     """Return every vehicle's median deviation in clear air [m], (n,); 0 if it has too few rows there."""
-    n = len(record.names)
+    n, alone = len(record.names), in_clear_air(record, clear)
     bias = np.zeros(n)
     for i in range(n):
-        rel = record.pos[:, [j for j in range(n) if j != i]] - record.pos[:, i : i + 1]
-        alone = (np.hypot(rel[..., 0], rel[..., 1]) > clear).all(axis=1)
-        if alone.sum() >= FEWEST:
-            bias[i] = np.median(record.deviation[alone, i])
+        if alone[:, i].sum() >= FEWEST:
+            bias[i] = np.median(record.deviation[alone[:, i], i])
     return bias

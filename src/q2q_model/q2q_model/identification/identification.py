@@ -25,6 +25,7 @@ from q2q_model.identification.force.residual_fit import ResidualFit, fit_residua
 from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
+from q2q_model.identification.gains.impulse_response import with_added_acc
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.selection.candidates import (
@@ -93,11 +94,11 @@ def identify(
     on_step("gains")
     records = [*chain(*flown)]
     gains, remarks = _gains(records, recordings, params.vehicle)
-    loop = replace(gains.loop, lag=params.vehicle.thrust_lag if gains.from_commands else 0.0)
+    loop, known = _loop(gains, flown, params.vehicle)
     on_step("pushes")
     pushes, told = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
-    evidence = [FlightEvidence(*pair) for pair in zip(flown, pushes, strict=True)]
+    evidence = [FlightEvidence(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
     decay, no_decay = _decay(records)
     omitted = remarks_on_networks(params.model_type, evidence)
@@ -125,6 +126,16 @@ def identify(
         file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, evidence)),
         remarks=tuple(chain(*holes, remarks, told, no_decay, omitted, failed, unfit, on_zone, doubted)),
     )
+
+
+def _loop(
+    gains: GainFit, flown: Sequence[tuple[AltitudeRecord, ...]], vehicle: Vehicle
+) -> tuple[AltitudeLoop, Sequence[tuple[AltitudeRecord, ...]]]:
+    """Return the loop that predicts altitudes, and the records with what commands show beside it."""
+    if not gains.from_commands:
+        return gains.loop, flown
+    loop = replace(gains.loop, lag=vehicle.thrust_lag, offset=0.0)
+    return loop, [tuple(with_added_acc(one, loop, gains.compensated) for one in pieces) for pieces in flown]
 
 
 def _file(
@@ -197,7 +208,20 @@ def _gains(
             rms=float(np.concatenate(found.mse).mean() ** 0.5),
             from_commands=False,
         )
-        return fit, [f"gains are from trajectories, downwash and lag included: {missing}"]
+        told = [f"gains are from trajectories, downwash and lag included: {missing}"]
+        return fit, [*told, *_feed_forward_note(records)]
+
+
+def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
+    """Return a note if a controller may have compensated downwash, and no commands tell how much of it."""
+    if not any((np.nan_to_num(record.feed_forward) != 0.0).any() for record in records):
+        return []
+    return [
+        (
+            "the topic interference is recorded, but no commands: if the controller compensated it, the "
+            "model has what was left of it; record the topic command"
+        )
+    ]
 
 
 def _sign_note(fit: GainFit) -> list[str]:

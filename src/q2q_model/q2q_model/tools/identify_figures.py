@@ -15,7 +15,7 @@ from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.flight_evidence import every_record, is_lower, motion_along
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.gains.impulse_response import downwash_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.identification import Identification
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -77,7 +77,7 @@ def _altitude_figure(
     record: AltitudeRecord, loop: AltitudeLoop, model: InteractionModel | None, title: str
 ) -> Figure:
     n = len(record.names)
-    deviation = free_response(loop, record.dt, record.start, record.jerk)
+    deviation = undisturbed(record, loop)
     if model is not None:
         eta = eta_along(model, motion_along(record))[..., 2]
         deviation = deviation + downwash_response(loop, record.dt, eta)

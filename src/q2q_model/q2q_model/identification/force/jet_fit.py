@@ -20,8 +20,8 @@ from scipy.optimize import least_squares, minimize
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.along_flight import FlownRows, Motion, VehicleTicks, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
-from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.gains.impulse_response import downwash_response, free_response
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
+from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.intervals import (
     EstimatingRows,
     Interval,
@@ -100,16 +100,16 @@ def fit_to_altitudes(
     records: Sequence[AltitudeRecord], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
 ) -> JetFit:
     """Return the jet fitted to altitudes under a closed loop; `solved` as in fit_to_pushes."""
-    motions = [Motion(one.t, one.pos, one.vel, one.axis) for one in records]
+    motions, numbers = [Motion(one.t, one.pos, one.vel, one.axis) for one in records], flight_numbers(records)
     flown = [
         FlownRows([VehicleTicks(motion, i, np.arange(motion.t.size)) for i in range(motion.pos.shape[1])])
         for motion in motions
     ]
-    targets = [one.deviation - free_response(loop, one.dt, one.start, one.jerk) for one in records]
+    targets = [one.deviation - undisturbed(one, loop) for one in records]
 
     def residuals(jet: Jet) -> list[Stretch]:
         found = []
-        for k, (record, rows, target) in enumerate(zip(records, flown, targets, strict=True)):
+        for k, record, rows, target in zip(numbers, records, flown, targets, strict=True):
             eta = np.stack(np.split(rows.eta(jet)[:, 2], len(record.names)), axis=1)  # (T, n)
             moved = downwash_response(loop, record.dt, eta)
             missed = (target - moved)[::THINNING].T  # (n, T / 10)

@@ -11,6 +11,7 @@ holes (no frame, a vehicle out of sight, a jump of the clock, two flights in one
 hole to the next. A vehicle that only stands there is no part of it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,6 +63,8 @@ class AltitudeRecord:
     not recorded, and on the ground."""
     feed_forward: Array
     """Downwash compensated by the controller [m/s^2], along z, (T, n); NaN where not recorded."""
+    added_acc: Array
+    """Acceleration by feed-forward and by a constant, beside (13), along z [m/s^2], (T, n); 0 if unknown."""
     outliers: int
     """Number of outliers among the motion capture samples."""
     samples: int
@@ -82,6 +85,19 @@ class AltitudeRecord:
         return np.asarray(np.gradient(self.ref[..., 2], self.dt, axis=0))
 
 
+def flight_numbers(records: Sequence[AltitudeRecord]) -> list[int]:
+    """Return for each record the number of its flight: those of one name are pieces of one flight."""
+    names = list(dict.fromkeys(record.name for record in records))
+    return [names.index(record.name) for record in records]
+
+
+def in_clear_air(record: AltitudeRecord, distance: float) -> Mask:
+    """Return the ticks at which no other vehicle is within a horizontal distance [m], (T, n)."""
+    rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
+    apart = np.hypot(rel[..., 0], rel[..., 1]) > distance
+    return np.asarray((apart | np.eye(len(record.names), dtype=np.bool_)).all(axis=2))
+
+
 def decimate(record: AltitudeRecord, every: int) -> AltitudeRecord:
     """Return every `every`-th tick of a record."""
     rows = slice(None, None, every)
@@ -95,6 +111,7 @@ def decimate(record: AltitudeRecord, every: int) -> AltitudeRecord:
         ref=record.ref[rows],
         commanded_acc=record.commanded_acc[rows],
         feed_forward=record.feed_forward[rows],
+        added_acc=record.added_acc[rows],
     )
 
 
@@ -186,6 +203,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         ref=ref,
         commanded_acc=commanded_acc[nearest],
         feed_forward=flight.eta[nearest, :, 2],
+        added_acc=np.zeros((t.size, len(flight.names))),
         outliers=int((bad & visible).sum()),
         samples=int(visible.sum()),
     )

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from q2q_model.counted import counted
-from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, cluster_rows, intervals
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -38,9 +38,6 @@ ROUNDS, SETTLED = 10, 1e-4
 """Most iterations of reweighting, and the change of weights that ends them [-]."""
 BLOCK = 1.0
 """Least length of a cluster of residuals [s]."""
-MOST_VEHICLES = 1000
-"""Bound of the vehicles of a flight, for group numbers made of flight and vehicle."""
-
 K_P, K_D, INTEGRAL, FEED_FORWARD, OFFSET = range(5)
 """Terms of the equation; OFFSET is one column for each vehicle of each flight."""
 
@@ -57,6 +54,8 @@ class GainFit:
     rms: float
     """Standard deviation of the residual: [m/s^2] from commands, [m] from trajectories."""
     from_commands: bool = True
+    compensated: float = 0.0
+    """c [-]; 0 if not found from commands."""
 
     @property
     def holds(self) -> bool:
@@ -72,7 +71,9 @@ class _Equation:
     columns: Array
     """K_P to FEED_FORWARD, (rows, 4)."""
     group: Array
-    """Number of flight and vehicle, (rows,)."""
+    """Number of record and vehicle, (rows,)."""
+    flight: Array
+    """Number of the flight, (rows,)."""
     t: Array
     """[s], (rows,), ascending within a group."""
 
@@ -113,24 +114,27 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         needs_offset=OFFSET in terms,
         needs_integral=INTEGRAL in terms,
         rms=_spread(residual),
+        compensated=found[FEED_FORWARD].value if FEED_FORWARD in found else 0.0,
     )
 
 
 def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
-    parts = [
-        _equation(record, i, MOST_VEHICLES * k + i)
-        for k, record in enumerate(records)
+    each = [
+        (record, i, flight)
+        for record, flight in zip(records, flight_numbers(records), strict=True)
         for i in range(len(record.names))
     ]
+    parts = [_equation(record, i, group, flight) for group, (record, i, flight) in enumerate(each)]
     return _Equation(
         target=np.concatenate([part.target for part in parts]),
         columns=np.concatenate([part.columns for part in parts]),
         group=np.concatenate([part.group for part in parts]),
+        flight=np.concatenate([part.flight for part in parts]),
         t=np.concatenate([part.t for part in parts]),
     )
 
 
-def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
+def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equation:
     error = -record.deviation[:, i]
     rate = record.ref[:, i, 1] - record.vel[:, i, 2]
     integral = np.cumsum(error) * record.dt
@@ -138,7 +142,8 @@ def _equation(record: AltitudeRecord, i: int, group: int) -> _Equation:
     columns = np.stack([error, rate, integral - integral.mean(), -feed_forward], axis=1)
     target = record.commanded_acc[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
-    return _Equation(target[known], columns[known], np.full(known.sum(), float(group)), record.t[known])
+    numbers = np.full((2, known.sum()), [[group], [flight]])
+    return _Equation(target[known], columns[known], numbers[0], numbers[1], record.t[known])
 
 
 def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:
@@ -154,7 +159,7 @@ def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Arra
         own = system.group == group
         if OFFSET in terms:
             columns[own] -= slope[own] @ columns[own] / max(slope[own].sum(), 1.0)
-        stretches.append(Stretch(int(group) // MOST_VEHICLES, system.t[own], psi[own]))
+        stretches.append(Stretch(int(system.flight[own][0]), system.t[own], psi[own]))
     return EstimatingRows(columns, psi, slope, cluster_rows(stretches, BLOCK))
 
 

@@ -1,4 +1,4 @@
-"""Exact response of the altitude loop (14) to downwash, offset and reference jerk.
+"""Exact response of the altitude loop (14) to downwash, reference jerk, and what a controller adds to it.
 
 In epsilon = z - z_ref the reference cancels. Without lag, and with a thrust lag T,
 
@@ -9,6 +9,15 @@ so epsilon = free response (start, b, reference's jerk) + sum over k of h_(t-k) 
 eta that is 1 at one sample and falls linearly to 0 at its neighbours: exact for eta linear between samples
 (matrix exponential; Van Loan, Computing integrals involving the matrix exponential, 1978).
 
+A controller adds its feed-forward and a constant, -c eta_ff + b_i. c is found from the commands
+(command_gains). Their own constant is not b: most of it balances a weak battery, a mass that the controller
+does not know, or downwash that an integral has learned, and pushes nobody. So b is what clear air shows, from
+the altitudes of each vehicle of a record once its loop has settled after another was near,
+
+    b = sum (epsilon - epsilon(b = 0)) s / sum s^2          s: response to a unit offset (trajectory_gains)
+
+and 0 for a vehicle that is too seldom alone: its loop then counts as balanced.
+
 | symbol | name | meaning [unit] |
 |---|---|---|
 | epsilon | deviation | altitude minus reference [m] |
@@ -16,14 +25,22 @@ eta that is 1 at one sample and falls linearly to 0 at its neighbours: exact for
 | Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import expm
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+CLEAR = 0.5
+"""Horizontal distance from all others beyond which a vehicle is in clear air [m]."""
+SETTLED = 3.0
+"""Time constants after which a loop has forgotten a push [-]: a twentieth is left."""
+LEAST = 2.0
+"""Least time in clear air from which a constant is inferred [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +76,9 @@ def impulse_response(loop: AltitudeLoop, dt: float, length: int) -> Array:
     return _march(step.phi, push, np.ascontiguousarray(step.gamma1[:, :1]))[:, 0]
 
 
-def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> Array:
+def free_response(
+    loop: AltitudeLoop, dt: float, start: Array, jerk: Array, added_acc: Array | float = 0.0
+) -> Array:
     """Return epsilon [m], (T, n), of vehicles without downwash.
 
     Args:
@@ -67,16 +86,49 @@ def free_response(loop: AltitudeLoop, dt: float, start: Array, jerk: Array) -> A
         dt: time between samples [s].
         start: epsilon and epsilon' at the first sample [m], [m/s], (2, n).
         jerk: third derivative of the altitude reference [m/s^3], (T, n).
+        added_acc: commanded acceleration beside that of the loop [m/s^2], (T, n).
     """
     step = loop_step(loop, dt)
     state = np.zeros((step.phi.shape[0], start.shape[1]))
     state[:2] = start
+    constant = np.broadcast_to(loop.offset + np.asarray(added_acc), jerk.shape)  # (T, n)
     if loop.lag > 0.0:
-        state[3] = loop.offset - loop.k_d * start[1] - loop.k_p * start[0]  # thrust settled on its command
-    after = np.concatenate((jerk[1:], jerk[-1:]))
+        state[3] = constant[0] - loop.k_d * start[1] - loop.k_p * start[0]  # thrust settled on its command
+    after, later = (np.concatenate((one[1:], one[-1:])) for one in (jerk, constant))
     push = jerk[:, None] * step.gamma0[:, 2:] + after[:, None] * step.gamma1[:, 2:]  # (T, s, n)
-    push += (step.gamma0 + step.gamma1)[:, 1:2] * loop.offset
+    push += constant[:, None] * step.gamma0[:, 1:2] + later[:, None] * step.gamma1[:, 1:2]
     return _march(step.phi, push, state)
+
+
+def undisturbed(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
+    """Return epsilon [m], (T, n), that a record's vehicles would have without downwash."""
+    return free_response(loop, record.dt, record.start, record.jerk, record.added_acc)
+
+
+def with_added_acc(record: AltitudeRecord, loop: AltitudeLoop, compensated: float) -> AltitudeRecord:
+    """Return the record with `added_acc`, given the loop without offset and c [-]."""
+    known = np.isfinite(record.feed_forward)
+    fed = replace(record, added_acc=-compensated * np.where(known, record.feed_forward, 0.0))
+    return replace(fed, added_acc=fed.added_acc + _constant(fed, loop))
+
+
+def _constant(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
+    """Return b of every vehicle [m/s^2], (n,); 0 for a loop that does not settle."""
+    if not (loop.k_p > 0.0 and loop.k_d > 0.0):
+        return np.zeros(len(record.names))
+    still = np.zeros((record.t.size, 1))
+    response = free_response(replace(loop, offset=1.0, lag=0.0), record.dt, still[:2], still)
+    settling = SETTLED * max(2.0 / loop.k_d, loop.k_d / loop.k_p)
+    weight = _settled(record, settling) * response  # (T, n)
+    found = (weight * (record.deviation - undisturbed(record, loop))).sum(axis=0)
+    enough = np.count_nonzero(weight, axis=0) * record.dt >= LEAST
+    return np.where(enough, found / np.maximum((weight * response).sum(axis=0), 1e-300), 0.0)
+
+
+def _settled(record: AltitudeRecord, settling: float) -> Mask:
+    """Return the ticks of each vehicle that are `settling` [s] after it was last near another, (T, n)."""
+    near = np.where(in_clear_air(record, CLEAR), -np.inf, record.t[:, None])
+    return np.asarray(record.t[:, None] - np.maximum.accumulate(near, axis=0) >= settling)
 
 
 def downwash_response(loop: AltitudeLoop, dt: float, eta: Array) -> Array:

@@ -24,7 +24,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares, minimize
 from scipy.special import fdtrc
 
-from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.impulse_response import free_response
 from q2q_model.identification.intervals import (
     Interval,
@@ -86,7 +86,7 @@ def gains_from_trajectories(
     residuals, offsets = zip(*fitted(found.x), strict=True)
     stretches = [
         Stretch(k, record.t, one)
-        for k, (record, residual) in enumerate(zip(records, residuals, strict=True))
+        for k, record, residual in zip(flight_numbers(records), records, residuals, strict=True)
         for one in residual.T
     ]
     rows = least_squares_rows(found.jac, found.fun, cluster_rows(stretches, BLOCK))

@@ -99,14 +99,15 @@ def _inputs(record: AltitudeRecord, loop: AltitudeLoop) -> _Inputs:
     j = [b for a in range(n) for b in range(n) if a != b]
     rel = record.pos[:, j] - record.pos[:, i]
     deviation, rate = record.start
-    rows = [record.pos[0, :, 2], record.vel[0, :, 2]]
+    rows, ref = [record.pos[0, :, 2], record.vel[0, :, 2]], record.ref.copy()
+    ref[..., 2] += record.added_acc
     if loop.lag > 0.0:
-        rows.append(record.ref[0, :, 2] + loop.offset - loop.k_d * rate - loop.k_p * deviation)
+        rows.append(ref[0, :, 2] + loop.offset - loop.k_d * rate - loop.k_p * deviation)
     as_tensor = torch.tensor
     return _Inputs(
         t=as_tensor(record.t),
         z=as_tensor(record.pos[..., 2].copy()),
-        ref=as_tensor(record.ref),
+        ref=as_tensor(ref),
         across=torch.hypot(as_tensor(rel[..., 0]), as_tensor(rel[..., 1])),
         i=i,
         j=j,

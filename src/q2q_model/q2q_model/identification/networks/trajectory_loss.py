@@ -27,7 +27,7 @@ import numpy as np
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, decimate
-from q2q_model.identification.gains.impulse_response import free_response, impulse_response
+from q2q_model.identification.gains.impulse_response import impulse_response, undisturbed
 from q2q_model.identification.networks.gradient import Evaluation, evaluate, pullback
 from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -108,7 +108,7 @@ def flight_terms(record: AltitudeRecord, loop: AltitudeLoop, reach: tuple[float,
     i, j = np.nonzero(~np.eye(n, dtype=np.bool_))
     rel = record.pos[:, j] - record.pos[:, i]  # (T, p, 3)
     across, active = np.hypot(rel[..., 0], rel[..., 1]), active_samples(record, reach)
-    free = free_response(loop, record.dt, record.start, record.jerk)
+    free = undisturbed(record, loop)
     r = record.deviation - free
     h = impulse_response(loop, record.dt, record.t.size)
     K = np.zeros((record.t.size, active.size), order="F")  # (T, S)

@@ -18,7 +18,7 @@ from q2q_model.identification.flight_evidence import FlightEvidence, is_lower, m
 from q2q_model.identification.force.along_flight import eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.command_gains import GainFit
-from q2q_model.identification.gains.impulse_response import downwash_response, free_response
+from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
@@ -88,7 +88,7 @@ def score_on(model: InteractionModel, flights: Sequence[FlightEvidence], loop: A
 def _sums(model: InteractionModel, flight: FlightEvidence, loop: AltitudeLoop) -> _Sums:
     altitude, push = np.zeros((2, 3)), np.zeros((2, 2))
     for record in flight.records:
-        free = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
+        free = record.deviation - undisturbed(record, loop)
         missed = free - downwash_response(loop, record.dt, eta_along(model, motion_along(record))[..., 2])
         for i, lower in enumerate(is_lower(record)):
             sums = [missed[:, i] @ missed[:, i], free[:, i] @ free[:, i], free.shape[0]]
