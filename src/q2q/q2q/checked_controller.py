@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 
 from q2q_control.inputs.controller import Controller
-from q2q_model.signals.array_answer import array_answer
+from q2q_model.signals.array_answer import array_answer, own_copy
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import (
     Array,
@@ -62,7 +62,8 @@ class CheckedController:
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None
     ) -> SwarmCommand:
         """Return the controller's command, in the order of the setpoint's vehicles."""
-        command = self._controller.update(state, setpoint, interference)
+        felt = None if interference is None else own_copy(interference)
+        command = self._controller.update(own_copy(state), own_copy(setpoint), felt)
         self._check_tick(command, state, setpoint)
         known = partial(_known, command.names, state, setpoint, interference)
         rows = index_of(setpoint.names, command.names)

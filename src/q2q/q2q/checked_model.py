@@ -12,7 +12,7 @@ from q2q_model.downwash.interaction_model import (
     Reach,
     pairs_at_rest,
 )
-from q2q_model.signals.array_answer import array_answer
+from q2q_model.signals.array_answer import array_answer, own_copy
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air import checked_wake
 
@@ -57,13 +57,15 @@ class CheckedModel:
 
     def delay(self, rel_pos: Array) -> Array:
         """Return the model's transport delay [s], (...,)."""
-        given = self._numbers("delay", self._model.delay(rel_pos), rel_pos.shape[:-1])
+        given = self._numbers("delay", self._model.delay(rel_pos.copy()), rel_pos.shape[:-1])
         self._require("delay", given, (given >= 0.0) & (given < math.inf), (rel_pos,))
         return given
 
     def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return the model's eta [m/s^2], world, (..., 3)."""
-        given = self._numbers("acceleration", self._model.acceleration(rel_pos, motion), rel_pos.shape)
+        given = self._numbers(
+            "acceleration", self._model.acceleration(rel_pos.copy(), own_copy(motion)), rel_pos.shape
+        )
         allowed = np.abs(given) <= LARGEST  # not NaN either
         inputs = rel_pos, motion.source_vel, motion.source_axis, motion.vel
         self._require("acceleration", given, np.asarray(allowed.all(axis=-1)), inputs)
@@ -71,7 +73,9 @@ class CheckedModel:
 
     def deviation(self, rel_pos: Array, motion: PairMotion) -> Array:
         """Return one standard deviation of the model's prediction [m/s^2], (..., 3)."""
-        given = self._numbers("deviation", self._model.deviation(rel_pos, motion), rel_pos.shape)
+        given = self._numbers(
+            "deviation", self._model.deviation(rel_pos.copy(), own_copy(motion)), rel_pos.shape
+        )
         allowed = np.isnan(given) | ((given >= 0.0) & (given <= LARGEST))
         self._require("deviation", given, np.asarray(allowed.all(axis=-1)), (rel_pos,))
         return given

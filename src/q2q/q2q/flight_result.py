@@ -16,6 +16,7 @@ from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.faults.faults import Fault
+from q2q_sim.loop.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
@@ -111,7 +112,7 @@ def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
     flown = flown_vehicle(Path(path), vehicle)
     if flown.note:
         warnings.warn(flown.note, stacklevel=2)
-    return FlightResult(flight, flown.vehicle, read_facts(path))
+    return FlightResult(flight, flown.vehicle, read_facts(path), flown_faults(Path(path)))
 
 
 def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", vehicle: str = "") -> Figure:
@@ -151,7 +152,7 @@ def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "")
         ValueError: no flight.
     """
     _check_labelled(flights)
-    runs = [replay_run(one.arrays, one.vehicle, label) for label, one in flights.items()]
+    runs = [replay_run(one.arrays, one.vehicle, label, one.verdict) for label, one in flights.items()]
     html, file = replay_html(runs, title or ", ".join(flights)), Path(path)
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(html, encoding="utf-8")

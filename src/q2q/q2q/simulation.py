@@ -47,7 +47,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
         chosen: scenario, or its name, file or document; see `q2q.scenario`.
         controller: "pid", "mpc", or an object of your own (q2q.Controller), which is guarded like these.
         aware: whether the predicted downwash is compensated.
-        limit: whether the scenario's thrust limit applies; without it only the vehicle's.
+        limit: whether the scenario's thrust limit applies; without it, for aware flights, only the vehicle's.
         model: interaction model of predictor and controller: an object, or a name or file as for
             `q2q.load_model`; None takes that of the scenario.
         correct: whether "pid" or "mpc" corrects the predicted downwash by positions and accelerometers.
@@ -64,6 +64,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
             something that cannot be flown with, or the air failed.
     """
     check_flags(aware=aware, limit=limit, correct=correct)
+    if not (aware or limit):
+        raise ValueError("limit=False with aware=False: a controller that ignores keeps the thrust limit")
     check_whole_number("seed", seed, 0)
     _check_controller(controller, correct=correct)
     flown = _in_air(scenario(chosen), air)
@@ -132,4 +134,5 @@ def _check_controller(given: object, *, correct: bool) -> None:
 def _with_controller(blocks: Blocks, own: Controller, flown: Scenario) -> Blocks:
     checked = CheckedController(own, flown.vehicle)
     guarded = Guard(checked, FallbackParams(), flown.vehicle.hover_thrust)
+    guarded.reset()  # what the user's object has learned in a flight before
     return replace(blocks, controller=guarded, sense=ignore_accelerometers)

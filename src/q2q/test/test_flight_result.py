@@ -124,3 +124,15 @@ def test_a_page_replays_the_flights_under_their_labels(flight: q2q.FlightResult,
     assert text.count('<script type="application/json">') == 2
     assert "<h1>Two</h1>" in text
     assert flight.page(tmp_path / "one.html").read_text().count('<script type="application/json">') == 1
+
+
+def test_bag_and_page_judge_a_flight_by_the_faults_of_its_scenario(tmp_path: Path):
+    at = [{"t": 0.0, "pos": [0.0, 0.0, 2.0]}, {"t": 4.0, "pos": [0.0, 0.0, 2.0]}]
+    jump = {"kind": "jump", "start": 0.5, "duration": 2.5, "vehicles": ["cf1"], "size": -1.6}
+    flown = q2q.fly({"vehicle": "crazyflie_2_0", "vehicles": {"cf1": at}, "faults": [jump], "duration": 4.0})
+    assert np.abs(flown.arrays.true_pos - flown.arrays.ref_pos).max() > 1.5  # it follows its markers
+    assert flown.verdict.ok
+    read = q2q.read_bag(flown.to_bag(tmp_path / "bag"))
+    assert read.faults == flown.faults
+    assert str(read.verdict) == str(flown.verdict)
+    assert "left its path" not in flown.page(tmp_path / "page.html").read_text()

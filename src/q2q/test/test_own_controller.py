@@ -92,3 +92,43 @@ def test_a_vehicle_without_a_state_may_get_no_number_and_no_other():
     np.testing.assert_array_equal(missing.update(state, setpoint, None).thrust, [HOVER, np.nan])
     with pytest.raises(ControllerAnswerError, match="thrust of cf2"):
         missing.update(replace(state, pos=level), setpoint, None)
+
+
+class Integrating:
+    """PI law of the height, which flies `higher` [m], asked for by changing the setpoint it is given."""
+
+    def __init__(self, higher: float = 0.0) -> None:
+        """Begin with an empty integral."""
+        self._higher, self._sum = higher, 0.0
+
+    def update(self, state: SwarmState, setpoint: SwarmSetpoint, _: Interference | None) -> SwarmCommand:
+        """Return the command."""
+        goal = setpoint.pos
+        goal[:, 2] += self._higher
+        error, level = goal[:, 2] - state.pos[:, 2], np.zeros(len(setpoint.names))
+        self._sum = self._sum + 0.01 * np.nan_to_num(error)
+        acc = 10.0 * error - 5.0 * state.vel[:, 2] + 5.0 * self._sum
+        thrust = CRAZYFLIE_2_0.mass * np.clip(9.81 + acc, 4.0, 14.0)
+        return SwarmCommand(setpoint.t, setpoint.names, thrust, level, level, level, level.astype(np.uint8))
+
+    def reset(self) -> None:
+        """Empty the integral."""
+        self._sum = 0.0
+
+
+def test_one_controller_flies_the_same_flight_twice() -> None:
+    own = Integrating()
+    first, again = (q2q.fly(STACK, controller=own).arrays.true_pos for _ in range(2))
+    np.testing.assert_array_equal(first, again)
+
+
+def test_arithmetic_in_place_changes_nothing_but_the_command() -> None:
+    higher, plain = (q2q.fly(STACK, controller=Integrating(up)).arrays for up in (0.1, 0.0))
+    np.testing.assert_array_equal(higher.ref_pos, plain.ref_pos)
+    np.testing.assert_array_equal(higher.safe_pos, plain.safe_pos)
+    assert (higher.true_pos[-1, :, 2] - plain.true_pos[-1, :, 2] > 1e-3).all()
+
+
+def test_a_controller_that_ignores_keeps_the_thrust_limit() -> None:
+    with pytest.raises(ValueError, match="limit=False with aware=False: a controller that ignores"):
+        q2q.fly(STACK, aware=False, limit=False)

@@ -7,8 +7,8 @@ import pytest
 from hovering_stack import STACK
 
 import q2q
-from q2q.checked_model import CheckedModel
-from q2q_model.downwash.interaction_model import ModelAnswerError, PairMotion, Reach
+from q2q.checked_model import PLACES, CheckedModel
+from q2q_model.downwash.interaction_model import ModelAnswerError, PairMotion, Reach, pairs_at_rest
 from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array
 
@@ -155,3 +155,23 @@ def test_an_answer_to_a_pair_whose_place_is_unknown_is_not_judged():
     lost = np.array([[np.nan, 0.0, 0.5]])
     motion = PairMotion(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3)))
     assert np.isnan(CheckedModel(Follows()).acceleration(lost, motion)[0, 0])
+
+
+class InPlace(Steady):
+    """Model that takes the magnitude of what it is given, in place."""
+
+    def acceleration(self, rel_pos: Array, motion: PairMotion) -> Array:
+        """Return the push."""
+        np.abs(rel_pos, out=rel_pos)
+        np.abs(motion.vel, out=motion.vel)
+        return super().acceleration(rel_pos, motion)
+
+
+def test_a_model_that_computes_in_place_changes_no_argument() -> None:
+    rel_pos, vel = np.array([[0.1, 0.0, -0.5]]), np.array([[0.0, -1.0, 0.0]])
+    model = CheckedModel(InPlace())
+    assert (CheckedModel(Steady()).acceleration(PLACES, pairs_at_rest(PLACES))[:, 2] == -1.0).all()
+    model.acceleration(rel_pos, PairMotion(source_vel=vel, source_axis=vel, vel=vel))
+    np.testing.assert_array_equal(rel_pos, [[0.1, 0.0, -0.5]])
+    np.testing.assert_array_equal(vel, [[0.0, -1.0, 0.0]])
+    assert (PLACES[:, 2] < 0.0).sum() == 6

@@ -20,11 +20,12 @@ from q2q_sim.experiments.explanation.explanation_words import explanation_senten
 from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.experiments.explanation.loss import LOST, Loss, largest_loss
-from q2q_sim.experiments.explanation.recorded_case import RecordedCase, flown_scenario, recorded_case
+from q2q_sim.experiments.explanation.recorded_case import RecordedCase, recorded_case
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
 from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares, standard_error
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.scenario_facts import flown_scenario
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_air

@@ -1,8 +1,23 @@
-"""Check of an array that a user's code answers with."""
+"""Copies of what a user's code is given, and a check of the arrays that it answers with."""
+
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from q2q_model.signals.values import Array
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Given = TypeVar("Given", bound="DataclassInstance")
+
+
+def own_copy(given: Given) -> Given:
+    """Return a dataclass with copies of its arrays, in which arithmetic in place changes nothing of ours."""
+    values = {field.name: getattr(given, field.name) for field in fields(given)}
+    arrays = {name: value.copy() for name, value in values.items() if isinstance(value, np.ndarray)}
+    return replace(given, **arrays)
 
 
 def array_answer(answer: object, shape: tuple[int, ...]) -> Array:

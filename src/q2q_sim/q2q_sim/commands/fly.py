@@ -41,6 +41,8 @@ def _prepare(args: Namespace) -> Work:
         check_air(args.air)
         if args.wake:
             raise ValueError(f"--wake {args.wake} and --air {args.air}: give one of them")
+    if not (args.aware or args.limit):
+        raise ValueError("--ignoring and --no-limit: a controller that ignores the downwash keeps the limit")
     if args.model:
         check_model_name(args.model)
     if args.bag and args.bag.exists():

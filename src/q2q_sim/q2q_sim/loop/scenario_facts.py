@@ -1,10 +1,16 @@
-"""Metadata of a scenario's flight, for its bag."""
+"""Metadata of a scenario's flight, for its bag, and the scenario that a bag's metadata give."""
 
-from q2q_model.bag import FlightFacts
+from dataclasses import replace
+from pathlib import Path
+
+from q2q_model.bag import FlightFacts, read_facts
 from q2q_model.vehicle.constants import firmware_of
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import Options
 from q2q_sim.loop.scenario_air import air_description
+from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
 
 
 def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = "") -> FlightFacts:
@@ -22,3 +28,25 @@ def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = 
         seed=str(seed),
         duration=f"{scenario.duration:g}",
     )
+
+
+def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
+    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it."""
+    files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
+    own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
+    if facts.wake and (own.air or own.wake != facts.wake):
+        own = with_choices(own, "", facts.wake)
+    if facts.air and facts.air != air_description(own):
+        air, *off = facts.air.split(" without ")
+        own = with_air(own, air, tuple(off))
+    if facts.vehicle and own.vehicle.name != facts.vehicle:
+        own = with_choices(own, facts.vehicle, "")
+    return replace(with_firmware(own, facts.firmware), model=facts.model)
+
+
+def flown_faults(bag: Path) -> tuple[Fault, ...]:
+    """Return the faults that a bag's scenario injected; none if the bag does not lead to its scenario."""
+    try:
+        return flown_scenario(read_facts(bag), bag).faults
+    except ValueError:
+        return ()

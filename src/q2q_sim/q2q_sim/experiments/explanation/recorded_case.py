@@ -16,11 +16,9 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.loop.assembly import TICK_S, Options
-from q2q_sim.loop.scenario_air import air_description
-from q2q_sim.scenarios import library
+from q2q_sim.loop.scenario_facts import flown_scenario
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
 
 NEEDED = ("scenario", "mode", "controller", "model", "seed")
 """Metadata without which a flight cannot be flown again."""
@@ -59,20 +57,6 @@ def recorded_case(bag: Path) -> RecordedCase:
         f"{bag}: flown again, a vehicle is {found:.3g} m off its recorded position, at most {SAME} m is"
         " allowed: only flights in lockstep, by one controller, without --plan avoid, can be explained"
     )
-
-
-def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
-    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it."""
-    files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
-    own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
-    if facts.wake and (own.air or own.wake != facts.wake):
-        own = with_choices(own, "", facts.wake)
-    if facts.air and facts.air != air_description(own):
-        air, *off = facts.air.split(" without ")
-        own = with_air(own, air, tuple(off))
-    if facts.vehicle and own.vehicle.name != facts.vehicle:
-        own = with_choices(own, facts.vehicle, "")
-    return replace(with_firmware(own, facts.firmware), model=facts.model)
 
 
 def _as_recorded(scenario: Scenario, recorded: Flight) -> Scenario:
