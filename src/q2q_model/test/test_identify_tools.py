@@ -5,6 +5,7 @@ import re
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -169,6 +170,44 @@ def test_identify_wants_bags_or_live_and_a_place_for_the_model(
         identify.main(words)
     assert end.value.code == 2
     assert "see --help" in capsys.readouterr().err
+
+
+INPUTS = ("bag.mcap", "m.q2q", "map.yaml")
+
+
+@pytest.fixture
+def inputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the working folder, which holds a file of each kind of input."""
+    monkeypatch.chdir(tmp_path)
+    for name in INPUTS:
+        Path(name).write_text(name)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("tool", "words", "says"),
+    [
+        (identify, ["--out", "x.json"], "--out and the report beside it are both x.json"),
+        (identify, ["--out", "x.q2q", "--json", "./x.q2q"], "--out and --json are both x.q2q: give each a"),
+        (identify, ["--out", "map.yaml", "--topics", "map.yaml"], "--topics and --out are both map.yaml"),
+        (identify, ["--out", "bag.mcap"], "a bag and --out are both bag.mcap"),
+        (identify, ["--out", "map.q2q", "--json", "bag.mcap"], "a bag and --json are both bag.mcap"),
+        (evaluate, ["--model", "m.q2q", "--json", "m.q2q"], "--model and --json are both m.q2q"),
+        (evaluate, ["--model", "none", "--json", "bag.mcap"], "a bag and --json are both bag.mcap"),
+    ],
+)
+def test_no_result_is_written_over_another_or_over_what_is_read(
+    tool: ModuleType,
+    words: list[str],
+    says: str,
+    inputs: Path,
+    capsys: pytest.CaptureFixture[str],
+):
+    with pytest.raises(SystemExit) as end:
+        tool.main(["bag.mcap", *words])
+    assert end.value.code == 2
+    assert says in capsys.readouterr().err
+    assert {path.name: path.read_text() for path in inputs.iterdir()} == {name: name for name in INPUTS}
 
 
 def test_evaluate_of_an_unknown_model_names_those_there_are(capsys: pytest.CaptureFixture[str]):

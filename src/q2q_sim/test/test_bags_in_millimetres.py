@@ -12,7 +12,7 @@ from q2q_model.signals.values import MocapFrame
 from q2q_sim.commands import learn_air, replay_page, report, validate
 
 TOOLS: dict[str, tuple[Callable[[Sequence[str]], int], tuple[str, ...]]] = {
-    "identify": (identify.main, ("--out", "{out}.json")),
+    "identify": (identify.main, ("--out", "{out}.q2q")),
     "learn_air": (learn_air.main, ("--out", "{out}.air")),
     "replay_page": (replay_page.main, ("--out", "{out}.html")),
     "report": (report.main, ("--out", "{out}")),

@@ -15,9 +15,16 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    output_file,
+    require_apart,
+    require_existing,
+    run_command,
+)
 from q2q_model.commands.recording_options import add_recording_options
-from q2q_model.files.model_names import check_model_name
+from q2q_model.files.model_names import model_path
 
 EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
 
@@ -28,8 +35,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
-    check_model_name(args.model)
+    model = model_path(args.model)
     require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
+    for bag in args.bags:
+        require_apart({"--model": model, "--topics": args.topics, "a bag": bag, "--json": args.json})
     from q2q_model.tools.score_model import run
 
     return run

@@ -11,6 +11,7 @@ from q2q_model.commands.command_line import (
     Work,
     output_file,
     positive_number,
+    require_apart,
     require_existing,
     run_command,
 )
@@ -34,9 +35,18 @@ def _prepare(args: Namespace) -> Work:
     if args.live:
         check_model_name(args.model)
     require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
+    _require_apart(args)
     from q2q_model.tools.identify_flights import run
 
     return run
+
+
+def _require_apart(args: Namespace) -> None:
+    """Raise UsageError if model or report would be written over each other, the topic map or a bag."""
+    report = "--json" if args.json else "the report beside it"
+    written = {"--out": args.out, report: args.json or args.out.with_suffix(".json")}
+    for bag in args.bags:
+        require_apart({"a bag": bag, "--topics": args.topics} | written)
 
 
 def parser() -> CommandLine:
