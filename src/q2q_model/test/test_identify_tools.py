@@ -210,6 +210,27 @@ def test_no_result_is_written_over_another_or_over_what_is_read(
     assert {path.name: path.read_text() for path in inputs.iterdir()} == {name: name for name in INPUTS}
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["bag.mcap", "--model", "m.q2q"], "--model needs --live, not bags of recorded flights"),
+        (["--live", "--topics", "map.yaml"], "--topics needs bags of recorded flights, not --live"),
+        (["--live", "--json=r.json"], "--json needs bags of recorded flights, not --live"),
+        (["--live", "--threshold", "0.1"], "--threshold needs bags of recorded flights, not --live"),
+        (["--live", "--model-type", "auto"], "--model-type needs bags of recorded flights, not --live"),
+        (["--live", "--no-plots"], "--no-plots needs bags of recorded flights, not --live"),
+    ],
+)
+def test_identify_refuses_options_without_effect_even_at_their_defaults(
+    words: list[str], says: str, inputs: Path, capsys: pytest.CaptureFixture[str]
+):
+    with pytest.raises(SystemExit) as end:
+        identify.main([*words, "--out", str(inputs / "new.q2q")])
+    assert end.value.code == 2
+    assert says in capsys.readouterr().err
+    assert not (inputs / "new.q2q").exists()
+
+
 def test_evaluate_of_an_unknown_model_names_those_there_are(capsys: pytest.CaptureFixture[str]):
     assert evaluate.main(["bag", "--model", "paper_low"]) == 1
     assert "paper_law" in capsys.readouterr().err

@@ -24,6 +24,11 @@ EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json 
   ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
 
 
+OF_LIVE = ("--model",)
+OF_BAGS = ("--topics", "--json", "--threshold", "--model-type", "--no-plots")
+"""Options without effect in the other mode."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `identify`; return the exit status."""
     return run_command(parser(), _prepare, argv)
@@ -32,6 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if bool(args.bags) == args.live:
         raise UsageError("give bags of recorded flights, or --live with --model, not both")
+    _refuse_other_mode(args)
     if args.live:
         check_model_name(args.model)
     require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
@@ -39,6 +45,16 @@ def _prepare(args: Namespace) -> Work:
     from q2q_model.tools.identify_flights import run
 
     return run
+
+
+def _refuse_other_mode(args: Namespace) -> None:
+    """Raise UsageError for an option that is given and has no effect in this mode."""
+    given = [word.partition("=")[0] for word in args.argv]
+    for option in (one for one in (OF_BAGS if args.live else OF_LIVE) if one in given):
+        needs = (
+            "bags of recorded flights, not --live" if args.live else "--live, not bags of recorded flights"
+        )
+        raise UsageError(f"{option} needs {needs}")
 
 
 def _require_apart(args: Namespace) -> None:
