@@ -19,6 +19,7 @@ from q2q_model.bag import (
     MappedBag,
     TopicMap,
     load_topic_map,
+    read_flight,
     read_mapped_flight,
 )
 from q2q_model.bag.foreign.pose_frames import Poses, nearest_rows, pose_frames
@@ -26,7 +27,7 @@ from q2q_model.bag.foreign.references import with_references
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
-from q2q_model.signals.values import Array, MocapFrame
+from q2q_model.signals.values import Array, MocapFrame, SwarmState
 
 NAMED_POSES = """std_msgs/Header header
 {extra}NamedPose[] poses
@@ -363,9 +364,36 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
         ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
         ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
         ("rename: {a: b}", "maps nothing"),
+        ("signals: {comand: /c}", "map.yaml: signals: q2q has no topic 'comand'; did you mean command"),
+        ("signals: {/mocap: /m}", "q2q has no topic '/mocap'; did you mean mocap"),
+        ("signals: {plan: /p}", "no topic 'plan'; known are mocap, truth, .*, command"),
         ("[1, 2]", "expected a mapping"),
         ("{", "is not valid YAML: line 1"),
     ):
         file.write_text(text)
         with pytest.raises(BagError, match=lines):
             load_topic_map(file)
+
+
+@pytest.mark.parametrize("topic", ["state", "imu", "reference"])
+def test_a_signal_of_another_type_than_its_topics_is_refused(tmp_path: Path, topic: str):
+    """A frame has the positions and attitudes of a state, and no velocities."""
+    frame = MocapFrame(0.0, ("a",), np.ones((1, 3)), np.array([[0.0, 0, 0, 1]]))
+    with BagWriter(tmp_path / "room") as bag:
+        bag.write_signal("/room/frames", 0, frame)
+    kinds = {"state": "SwarmState", "imu": "SwarmImu", "reference": "SwarmSetpoint"}
+    message = f"/room/frames holds q2q_msgs/msg/MocapFrame; {topic} under signals needs .*{kinds[topic]}$"
+    for read in (read_mapped_flight, MappedBag):
+        with pytest.raises(BagError, match=message):
+            read(tmp_path / "room", TopicMap(signals={topic: "/room/frames"}))
+
+
+def test_a_state_is_no_frame_under_any_map(tmp_path: Path):
+    one, none = np.zeros((1, 3)), np.zeros(1)
+    level, status = np.array([[0.0, 0, 0, 1]]), np.zeros(1, dtype=np.uint8)
+    with BagWriter(tmp_path / "room") as bag:
+        bag.write_signal("/mocap", 0, SwarmState(0.0, ("a",), one, one, level, one, none, status))
+    with pytest.raises(BagError, match="mocap under signals needs q2q_msgs/msg/MocapFrame"):
+        read_mapped_flight(tmp_path / "room", TopicMap(signals={"mocap": "/mocap"}))
+    with pytest.raises(BagError, match="has no message on mocap"):
+        read_flight(tmp_path / "room")

@@ -7,6 +7,7 @@ from q2q_model.bag.reader import SIGNALS, BagReader
 from q2q_model.bag.storage.fault import BagError, warn_of_repairs
 from q2q_model.bag.storage.source import flight_name
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, flight_from_rows
+from q2q_model.signals.layout import TICK_TOPICS
 
 
 def read_flight(path: Path | str, required: Collection[str] = ("mocap",)) -> Flight:
@@ -43,7 +44,7 @@ def topics_by_name(bag: BagReader) -> dict[str, str]:
     found: dict[str, str] = {}
     for topic, type_name in bag.topics.items():
         name = topic.rsplit("/", 1)[-1]
-        if name not in FLIGHT_FIELDS or type_name not in SIGNALS:
+        if name not in FLIGHT_FIELDS or SIGNALS.get(type_name) is not TICK_TOPICS[name]:
             continue
         if name in found.values():
             raise BagError(

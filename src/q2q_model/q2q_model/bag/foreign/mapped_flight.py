@@ -21,7 +21,7 @@ from q2q_model.bag.storage.fault import BagError, warn_of_repairs
 from q2q_model.bag.storage.source import Channel, RawMessage, Source, flight_name, open_source
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader
-from q2q_model.signals.layout import Signal
+from q2q_model.signals.layout import LAYOUTS, TICK_TOPICS, Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.values import MocapFrame
 
@@ -66,7 +66,7 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
 
 
 def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict[str, Channel]]:
-    """Return a bag and its channels by topic; raise BagError if a mapped one is missing or not a signal."""
+    """Return a bag and its channels by topic; raise BagError if one is missing or of another type."""
     source = open_source(path)
     channels = {channel.topic: channel for channel in source.channels}
     mapped = (topic_map.vehicles, topic_map.references, topic_map.signals)
@@ -76,11 +76,10 @@ def mapped_channels(path: Path | str, topic_map: TopicMap) -> tuple[Source, dict
     missing = sorted(mapped_topics - channels.keys())
     if missing:
         raise BagError(f"bag {path} has no topic {', '.join(missing)}; it has {', '.join(sorted(channels))}")
-    for channel in (channels[topic] for topic in topic_map.signals.values()):
-        if channel.type_name not in SIGNALS:
-            raise BagError(
-                f"topic {channel.topic} holds {channel.type_name}; signals are {', '.join(SIGNALS)}"
-            )
+    for name, topic in topic_map.signals.items():
+        if SIGNALS.get(holds := channels[topic].type_name) is not TICK_TOPICS[name]:
+            expected = f"q2q_msgs/msg/{LAYOUTS[TICK_TOPICS[name]].message}"
+            raise BagError(f"topic {topic} holds {holds}; {name} under signals needs {expected}")
     return source, channels
 
 

@@ -21,6 +21,8 @@ from typing import Literal
 from q2q_model.bag.storage.fault import BagError
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
+from q2q_model.nearest_name import name_hint
+from q2q_model.signals.layout import TICK_TOPICS
 
 TOLERANCE_S = 0.005
 """Half a period of VICON at 100 Hz [s]."""
@@ -45,9 +47,12 @@ class TopicMap:
     tolerance_s: float = TOLERANCE_S
 
     def __post_init__(self) -> None:
-        """Check that something is mapped; raise ValueError with what is allowed."""
+        """Raise ValueError, with what is allowed, if nothing is mapped or a topic is none of q2q."""
         if not 0.0 <= self.tolerance_s <= 1.0:
             raise ValueError(f"tolerance_s = {self.tolerance_s}: allowed is 0 to 1 s")
+        for topic in self.signals:
+            if topic not in TICK_TOPICS:
+                raise ValueError(f"signals: q2q has no topic {topic!r}; {name_hint(topic, TICK_TOPICS)}")
         if not (self.vehicles or self.poses or self.signals):
             raise ValueError("it maps nothing; give vehicles, poses or signals")
 
