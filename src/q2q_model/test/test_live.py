@@ -11,7 +11,13 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.live import LiveParams, LiveRefinement, scale_downwash
+from q2q_model.identification.live import (
+    LiveEstimate,
+    LiveParams,
+    LiveRefinement,
+    PublishedGain,
+    scale_downwash,
+)
 from q2q_model.identification.networks.gradient import unpack
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -77,6 +83,56 @@ def test_before_any_downwash_the_gain_is_one_and_repeated_stamps_change_nothing(
     again = live.update(*first)
     assert once.gain == again.gain == 1.0
     np.testing.assert_array_equal(once.offset, again.offset)
+
+
+def earlier(tick: Tick, by: float) -> Tick:
+    """Return a tick of a clock that was set back."""
+    state, command, imu = (replace(one, t=one.t - by) for one in tick)
+    return state, command, imu
+
+
+def test_a_clock_that_restarts_continues_the_refinement_as_if_flown_on():
+    """Sums go on; only the thrust before a long pause, of which 24 % are left for a tick, is another."""
+    law = scale_downwash(replace(PAPER_LAW, travel_speed=3.0), 0.75)
+    flown = list(ticks(made_flight(FLOWN)))
+    duration = flown[-1][0].t - flown[0][0].t
+    onward, restarted = (LiveRefinement(law, VEHICLE, LiveParams(prior=100.0)) for _ in range(2))
+    for tick in flown:
+        onward.update(*tick)
+        half = restarted.update(*tick)
+    for tick in flown:
+        whole = onward.update(*earlier(tick, -duration - 60.0))  # the air is settled again, too
+        again = restarted.update(*tick)
+    assert again.t == flown[-1][0].t
+    assert again.information == pytest.approx(whole.information, rel=1e-9)
+    assert again.gain == pytest.approx(whole.gain, rel=1e-4)
+    assert again.information > 1.2 * half.information
+
+
+def test_a_late_tick_is_no_clock_that_was_set_back():
+    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    flown = list(ticks(made_flight(FLOWN)))
+    for tick in flown[:200]:
+        before = live.update(*tick)
+    assert live.update(*flown[101]).t == before.t  # 0.98 s late
+    assert live.update(*flown[98]).t == flown[98][0].t
+
+
+def test_a_model_is_published_once_it_has_changed_and_at_once_after_the_clock_was_set_back():
+    published = PublishedGain(LiveParams(publish_every=1.0, change_min=0.01))
+    due = [
+        published.update(LiveEstimate(t, gain, ("a",), np.zeros(1), 1.0))
+        for t, gain in (
+            (0.0, 1.005),
+            (0.1, 1.02),
+            (1.0, 1.5),
+            (1.1, 1.5),
+            (9.0, 1.505),
+            (9.1, 1.6),
+            (0.0, 1.7),
+        )
+    ]
+    assert due == [False, True, False, True, False, True, True]
 
 
 def test_missing_sensors_and_nan_leave_a_vehicle_out():

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from q2q_model.estimation.attitude.attitude_steps import AttitudeGateParams
+from q2q_model.estimation.clock_resets import SET_BACK_S
 from q2q_model.estimation.position.track_columns import TrackParams
 from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.tunable import check_bounds, tunable
@@ -72,7 +73,7 @@ class MocapFilterParams:
         high=60.0,
     )
     clock_jump_s: float = tunable(
-        1.0, "a stamp older by more than this resets the filter", unit="s", low=0.0, high=1e6
+        SET_BACK_S, "a stamp older by more than this resets the filter", unit="s", low=0.0, high=1e6
     )
 
     def __post_init__(self) -> None:

@@ -26,6 +26,7 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
+from q2q_model.estimation.clock_resets import SET_BACK_S
 from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.tunable import check_bounds, tunable
@@ -75,14 +76,24 @@ class LiveRefinement:
 
     def reset(self) -> None:
         """Clear the sums."""
-        self._predictor.reset()
         self._names: Names = ()
         self._sums = np.zeros((0, 5))
+        self._forget_motion()
+
+    def _forget_motion(self) -> None:
+        """Begin anew with prediction and push, as with the first tick; the sums stay."""
+        self._predictor.reset()
         self._push.reset()
         self._t = -np.inf
 
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> LiveEstimate:
-        """Return the estimate after one tick; a stamp not later than the last is ignored."""
+        """Return the estimate after one tick; a stamp not later than the last is ignored.
+
+        One that is SET_BACK_S earlier is of a clock that was set back, as by another flight: what was learned
+        stays, and the tick is the first.
+        """
+        if state.t <= self._t - SET_BACK_S:
+            self._forget_motion()
         if state.t <= self._t:
             return self._estimate()
         self._follow(state.names)
@@ -116,6 +127,29 @@ class LiveRefinement:
         gain = float(np.clip(gain, p.gain_min, p.gain_max))
         offset = np.clip(y - gain * e, -p.offset_max, p.offset_max)
         return LiveEstimate(self._t, gain, self._names, offset, square)
+
+
+class PublishedGain:
+    """Gain of the model that was published last."""
+
+    def __init__(self, params: LiveParams) -> None:
+        self._params = params
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin without a published model, whose gain is 1."""
+        self._t, self._gain = -np.inf, 1.0
+
+    def update(self, estimate: LiveEstimate) -> bool:
+        """Return whether the model is published: changed, and not within `publish_every` of the last one.
+
+        If the clock was set back, the last one is of another time and does not count.
+        """
+        too_soon = 0.0 <= estimate.t - self._t < self._params.publish_every
+        if too_soon or abs(estimate.gain - self._gain) < self._params.change_min:
+            return False
+        self._t, self._gain = estimate.t, estimate.gain
+        return True
 
 
 def scale_downwash(model: InteractionModel, gain: float) -> InteractionModel:

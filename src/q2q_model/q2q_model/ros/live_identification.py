@@ -7,7 +7,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from q2q_model.files.model_file import ModelFile, encode, save
-from q2q_model.identification.live import LiveEstimate, LiveParams, LiveRefinement
+from q2q_model.identification.live import LiveEstimate, LiveParams, LiveRefinement, PublishedGain
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
@@ -24,10 +24,10 @@ class LiveIdentification:
 
     def __init__(self, node: Node, base: ModelFile, vehicle: Vehicle) -> None:
         self._base, self._node = base, node
-        self._params = declare(node, LiveParams())
-        self._refinement = LiveRefinement(base.interaction, vehicle, self._params)
+        params = declare(node, LiveParams())
+        self._refinement = LiveRefinement(base.interaction, vehicle, params)
         self._publisher = node.create_publisher(String, "model", LATCHED)
-        self._sent_t, self._sent_gain = float("-inf"), 1.0
+        self._published = PublishedGain(params)
         receive_measured_ticks(node, self._take, self._refuse)
 
     @property
@@ -42,10 +42,8 @@ class LiveIdentification:
         self._node.get_logger().warning(f"refused: {reason}", throttle_duration_sec=REFUSALS_S)
 
     def _follow(self, estimate: LiveEstimate) -> None:
-        """Publish the model if it has changed and `publish_every` has passed."""
-        due = estimate.t - self._sent_t >= self._params.publish_every
-        if due and abs(estimate.gain - self._sent_gain) >= self._params.change_min:
-            self._sent_t, self._sent_gain = estimate.t, estimate.gain
+        """Publish the model if it is due."""
+        if self._published.update(estimate):
             self._publisher.publish(String(data=encode(self.refined)))
             self._node.get_logger().info(f"gain {estimate.gain:.3f} at t = {estimate.t:.1f} s")
 

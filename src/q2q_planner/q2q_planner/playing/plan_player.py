@@ -14,6 +14,7 @@ from math import isfinite
 
 import numpy as np
 
+from q2q_model.estimation.clock_resets import SET_BACK_S
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
@@ -27,8 +28,6 @@ AT_REST = 1e-3
 """Speed [m/s] and yaw rate [rad/s] below which the reference is at rest."""
 SEEN_AT_REST = 2.0
 """Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
-SET_BACK_S = 1.0
-"""Least step back of the clock that sets it back, and is no late frame [s]."""
 
 
 @dataclass(frozen=True, slots=True)
