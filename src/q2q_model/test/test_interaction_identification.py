@@ -5,16 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from identification_passes import FLOWN, REACH, eta_error, evidence, pushes, random_model, records, terms
-from made_flights import LOOP
+from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.flight_and_log import Recording
+from q2q_model.identification import identification as identification_module
 from q2q_model.identification.flight_evidence import FlightEvidence
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
+from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
 from q2q_model.identification.networks.fit import (
     NetworkFitParams,
@@ -129,6 +132,20 @@ def test_a_candidate_that_cannot_be_fitted_is_left_out_with_a_remark():
     assert more == ["late: dropped, too many samples"]
     with pytest.raises(ValueError, match="no model can be fitted to these flights: late: dropped"):
         fit_best([late], flights)
+
+
+def test_where_every_candidate_fails_identify_gives_the_reason_of_each(monkeypatch: pytest.MonkeyPatch):
+    def fails(_: object) -> NoInteraction:
+        raise ValueError("too few samples")
+
+    def all_fail(*_: object) -> list[Candidate]:
+        return [Candidate(name, "jet", 4, fails) for name in ("short", "long")]
+
+    monkeypatch.setattr(identification_module, "candidates", all_fail)
+    flown = [Recording(made_flight(Pass(name=f"{gap} m", gap=gap, noise=1e-4))) for gap in (0.4, 0.5)]
+    reasons = "short: dropped, too few samples; long: dropped, too few samples"
+    with pytest.raises(ValueError, match=f"no model can be fitted to these flights: {reasons}$"):
+        identify(flown, ProcedureParams(model_type="jet"), lambda _: None)
 
 
 def test_ridge_regression_and_l_bfgs_lower_the_loss_and_find_the_downwash():

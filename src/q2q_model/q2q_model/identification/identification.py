@@ -105,7 +105,7 @@ def identify(
     tried = candidates(params.model_type, evidence, loop)
     trials, failed = score_candidates(tried, evidence, loop, on_step)
     on_step("final fit")
-    best, model, unfit = fit_best(trials, evidence)
+    best, model, unfit = fit_best(trials, evidence, failed)
     model = with_deviation(best.candidate, model, evidence)
     zone, on_zone = _learned_zone(model, params.threshold, records)
     doubted = model_doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []

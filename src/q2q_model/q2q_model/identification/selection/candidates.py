@@ -124,12 +124,14 @@ def score_candidates(
 
 
 def fit_best(
-    trials: Sequence[Trial], flights: Sequence[FlightEvidence]
+    trials: Sequence[Trial], flights: Sequence[FlightEvidence], failed: Sequence[str] = ()
 ) -> tuple[Trial, InteractionModel, list[str]]:
     """Return the best trial, its model fitted to all flights, and remarks on better ones that fail to fit.
 
+    `failed` are the remarks on candidates without a trial.
+
     Raises:
-        ValueError: no candidate can be fitted.
+        ValueError: no candidate can be fitted; the message has the reason of each.
     """
     left = list(trials)
     remarks: list[str] = []
@@ -140,7 +142,7 @@ def fit_best(
         except FAILURES as failure:
             remarks.append(f"{best.candidate.name}: dropped, {failure}")
             left.remove(best)
-    raise ValueError(f"no model can be fitted to these flights: {'; '.join(remarks)}")
+    raise ValueError(f"no model can be fitted to these flights: {'; '.join([*failed, *remarks])}")
 
 
 def best_trial(trials: Sequence[Trial]) -> Trial:
