@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from q2q_model.downwash.jet import PAPER_LAW
+from q2q_model.signals.values import Array
 from q2q_model.trajectory.plan_file import load, load_with_facts
+from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.commands.plan import main
 from q2q_planner.offline import certificate
+from q2q_planner.offline.altitude_response import altitude_rms
 from q2q_planner.offline.certified_file import load_plan
+from q2q_planner.offline.downwash_zone import STEP
 
 SECTION_4_1 = """
 vehicles:
@@ -208,6 +214,30 @@ def test_a_warm_start_reads_a_plan(crossing: Path, tmp_path: Path) -> None:
     assert load_plan(warm).certified
 
 
+def test_the_reduction_that_is_told_is_that_of_the_plan_that_is_written_also_from_a_warm_start(
+    crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other, out = tmp_path / "other.json", tmp_path / "plan.json"
+    assert main([str(crossing), "--eps", "0.5", "--d", "1.5", "--out", str(other)]) == 0
+    asked = ["--model", "paper_law", "--cut", "0.5", "--starts", "1", "--warm", str(other)]
+    assert main([str(crossing), *asked, "--out", str(out)]) == 0
+    free, avoiding = (_predicted_rms(plan) for plan in (_free_plan(crossing, tmp_path), load(out)))
+    told = 100.0 * float((1.0 - avoiding / free).min())
+    for words in (capsys.readouterr().out, load_with_facts(out)[1].zone):
+        assert f"avoids {told:.1f} % of the predicted height error" in words
+
+
+def _free_plan(crossing: Path, folder: Path) -> SwarmPlan:
+    assert main([str(crossing), "--no-avoid", "--out", str(folder / "free.json")]) == 0
+    return load(folder / "free.json")
+
+
+def _predicted_rms(plan: SwarmPlan) -> Array:
+    t = np.arange(0.0, plan.duration, STEP)
+    pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories], axis=1)
+    return altitude_rms(pos, STEP, PAPER_LAW, PAPER_LOOP)
+
+
 def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
     path, out = tmp_path / "untimed.yaml", tmp_path / "plan.json"
     path.write_text("vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [3, 0, 1]}]}")
@@ -306,6 +336,15 @@ def refusal(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         main(arguments)
     assert ended.value.code == 2
     return capsys.readouterr().err
+
+
+def test_a_warm_start_without_a_search_is_refused(
+    crossing: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    out = tmp_path / "plan.json"
+    words = refusal([str(crossing), "--no-avoid", "--warm", str(crossing), "--out", str(out)], capsys)
+    assert "--warm starts the search for a way around, which --no-avoid omits: give one of them" in words
+    assert not out.exists()
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from q2q_model.commands.command_line import (
     CommandLine,
+    UsageError,
     Work,
     finite_number,
     output_file,
@@ -41,6 +42,10 @@ def _prepare(args: Namespace) -> Work:
         vehicle_by_name(args.vehicle)
     if args.model:
         check_model_name(args.model)
+    if args.warm and not args.avoid:
+        raise UsageError(
+            "--warm starts the search for a way around, which --no-avoid omits: give one of them"
+        )
     require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
     written = {"--out": args.out, "--json": args.json, "--csv": args.csv}
     folders = {"--upload": args.upload, "--figures": args.figures}

@@ -80,10 +80,12 @@ def avoid_downwash(
     downwash: LearnedDownwash,
     reading: Reading = "stop_and_go",
     params: AvoidanceParams | None = None,
+    warm: SwarmPlan | None = None,
 ) -> DownwashPlan:
     """Return the cheapest plan that reduces every vehicle's height error by the given share.
 
-    If no plan does, the certified one with the largest reduction is returned; check `cut`.
+    Around each zone the search starts from `warm`, or as `avoid_zones` says without one. If no plan does, the
+    certified one with the largest reduction is returned; check `cut`.
 
     Raises:
         InfeasibleError: no plan was found around any zone tried.
@@ -97,7 +99,7 @@ def avoid_downwash(
         middle = 0.5 * (strong + faint)
         zone = level_set(downwash.model, float(np.exp(middle)))
         try:
-            found = avoid_zones(swarm, zone, reading, params)
+            found = avoid_zones(swarm, zone, reading, params, warm)
         except InfeasibleError as refusal:
             refusals.append(refusal)
             faint = middle  # too large

@@ -43,12 +43,13 @@ class Planned:
     cpu_ms: float
 
 
-def make_plan(asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, before: float) -> Planned:
+def make_plan(
+    asked: Namespace, swarm: Sequence[VehicleWaypoints], zone: Zone, warm: SwarmPlan | None, before: float
+) -> Planned:
     """Return the plan for the command line; raise ValueError if there is none.
 
-    `before` is the processor time at its start [s].
+    `warm` is the plan to start from, `before` the processor time at the start [s].
     """
-    warm = plan_file.load(asked.warm) if asked.warm else None
     params = _params_of(asked)
     if asked.avoid:
         found = avoid_zones(swarm, zone, asked.reading, params, warm)
@@ -93,8 +94,9 @@ def run(asked: Namespace) -> int:
     if asked.upload:
         check_upload_of(swarm, asked.upload, (asked.out, asked.json, asked.csv))
     before = process_time()
-    zone, words = zone_of(asked, swarm, _params_of(asked))
-    made = make_plan(asked, swarm, zone, before)
+    warm = plan_file.load(asked.warm) if asked.warm else None
+    zone, words = zone_of(asked, swarm, _params_of(asked), warm)
+    made = make_plan(asked, swarm, zone, warm, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold
     check_feasible(made.plan, swarm, asked.vehicle, reserve)
     uploads = upload_rows(made.plan) if asked.upload else {}

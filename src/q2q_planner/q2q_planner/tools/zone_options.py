@@ -7,6 +7,7 @@ from q2q_model.downwash.level_set import level_set
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_names import NONE
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams
 from q2q_planner.offline.convex_zone import LARGEST
@@ -19,8 +20,10 @@ EPS, D = 0.1, 1.1
 SIZE = ("shape", "eps", "d")
 
 
-def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints], params: AvoidanceParams) -> tuple[Zone, str]:
-    """Return the zone of the command line, and its description; `params` are those of the search.
+def zone_of(
+    asked: Namespace, swarm: Sequence[VehicleWaypoints], params: AvoidanceParams, warm: SwarmPlan | None
+) -> tuple[Zone, str]:
+    """Return the zone of the command line, and its description; the search has `params` and starts at `warm`.
 
     Raises:
         ValueError: naming the options that do not fit each other, or are out of bounds.
@@ -29,7 +32,7 @@ def zone_of(asked: Namespace, swarm: Sequence[VehicleWaypoints], params: Avoidan
     if asked.risk is not None:
         return zone_by_risk(asked)
     if asked.cut is not None:
-        return _zone_by_cut(asked, swarm, params)
+        return _zone_by_cut(asked, swarm, params, warm)
     return _zone_of_model(asked) if asked.model else _zone_of_size(asked)
 
 
@@ -76,11 +79,11 @@ def _zone_of_size(asked: Namespace) -> tuple[Zone, str]:
 
 
 def _zone_by_cut(
-    asked: Namespace, swarm: Sequence[VehicleWaypoints], params: AvoidanceParams
+    asked: Namespace, swarm: Sequence[VehicleWaypoints], params: AvoidanceParams, warm: SwarmPlan | None
 ) -> tuple[Zone, str]:
     file = find_model(asked.model)
     downwash = LearnedDownwash(file.interaction, file.gains or PAPER_LOOP, asked.cut)
-    made = avoid_downwash(swarm, downwash, asked.reading, params)
+    made = avoid_downwash(swarm, downwash, asked.reading, params, warm)
     if made.cut < asked.cut:
         raise ValueError(
             f"--cut {asked.cut}: at most {made.cut:.3f} was found; reduce --cut, or allow more time"
