@@ -5,7 +5,7 @@ import pytest
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
-from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -183,6 +183,41 @@ def test_a_clock_that_is_set_back_starts_the_plan_of_the_first_tick_anew_and_let
     room.t = 0.0
     assert room.player.played is not None
     np.testing.assert_allclose(room.tick().pos, before.pos, atol=1e-9)
+
+
+def test_a_late_frame_lets_no_hold_and_no_glide_jump_back() -> None:
+    player = PlanPlayer(PLAN, 0.0, GlideParams(), wait=False)
+    for k in range(301):
+        before = player.update(frame(STEP * k, GROUND))
+    late = player.update(frame(2.5, GROUND))
+    np.testing.assert_array_equal(late.pos, setpoint_at(PLAN, 2.5).pos)
+    assert player.hold().granted
+    after = player.update(frame(3.0 + STEP, GROUND))
+    np.testing.assert_allclose(
+        after.pos - before.pos, STEP * before.vel, atol=1e-4
+    )  # a / 2 STEP^2, < 2 m/s^2
+    np.testing.assert_allclose(after.vel, before.vel, atol=2.0 * STEP)
+    player.update(frame(4.5, GROUND))
+    player.update(frame(3.8, GROUND))  # while it still braked
+    assert player.glide().granted
+
+
+def test_a_clock_that_is_set_back_by_less_than_a_late_frame_is_followed_once_it_goes_on() -> None:
+    player = PlanPlayer(PLAN, 0.0, GlideParams(), wait=False)
+    for t in (*(STEP * k for k in range(301)), *(2.5 + STEP * k for k in range(20))):
+        before = player.update(frame(t, GROUND))
+    assert player.hold().granted
+    after = player.update(frame(before.t + STEP, GROUND))
+    np.testing.assert_allclose(after.pos - before.pos, STEP * before.vel, atol=1e-4)
+
+
+def test_a_late_frame_hides_no_outlier() -> None:
+    room = _Room(ABOVE)
+    room.tick(0.1)
+    room.pos = ABOVE + np.array([[0.5, 0.5, 1.0], [0.0, 0.0, 0.0]])
+    room.tick()
+    room.player.update(frame(room.t - 0.5 * STEP, room.pos))
+    assert "keep the vehicles at rest" in room.player.glide().reason
 
 
 def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:

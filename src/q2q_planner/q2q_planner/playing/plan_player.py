@@ -5,8 +5,9 @@
                               +------------ hold: braking, rest <------+
 
 While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion. Calls never
-make the reference jump: a glide starts where it rests, the plan starts where the glide has ended. If the
-clock is set back, a plan that began with the first tick begins anew, and one that was called goes on.
+make the reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at
+the newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the
+first tick begins anew, and one that was called goes on.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from math import isfinite
 
 import numpy as np
 
-from q2q_model.estimation.clock_resets import SET_BACK_S
+from q2q_model.estimation.clock_resets import SET_BACK_S, ClockResetDetector
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
@@ -55,7 +56,8 @@ class PlanPlayer:
         """None while waiting."""
         self._seen = np.full((len(plan.names), 4), np.nan)
         self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
-        self._last: SwarmSetpoint | None = None
+        self._last: SwarmSetpoint | None = None  # at the newest stamp
+        self._old = ClockResetDetector()
         self._apart = 0.0  # speed of the waiting reference since the tick before [m/s]
 
     def update(self, frame: MocapFrame) -> SwarmSetpoint:
@@ -65,12 +67,14 @@ class PlanPlayer:
             ValueError: while waiting, a vehicle has not been measured yet.
         """
         self._see(frame)
+        is_late = self._is_late(frame.t)
         self._follow_clock(frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
         setpoint = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
-        self._apart = _speed(self._last, setpoint) if self.played is None else 0.0
-        self._last = setpoint
+        if not is_late:
+            self._apart = _speed(self._last, setpoint) if self.played is None else 0.0
+            self._last = setpoint
         return setpoint
 
     def wait(self) -> Reply:
@@ -113,6 +117,13 @@ class PlanPlayer:
         stopping = brake_plan(self.played.plan, self._now() - self.played.start)
         self.played = Played(stopping, self._now())
         return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
+
+    def _is_late(self, t: float) -> bool:
+        """Return whether a frame at t [s] is older than the last one, and the clock was not set back."""
+        if self._last is None or not self._last.t - SET_BACK_S < t < self._last.t:
+            self._old.reset()
+            return False
+        return not self._old.rise(t)
 
     def _follow_clock(self, t: float) -> None:
         """Follow a clock that was set back to t [s]."""
