@@ -24,7 +24,7 @@ a vehicle returns to the height of its setpoint before it follows that (q2q_cont
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
-the controller is reset, ages continue. A jump back by more than NEW_FLIGHT_S is a new flight: everything is
+the controller is reset, ages continue. A jump back by more than SET_BACK_S is a new flight: everything is
 reset but an emergency. The same tick again gets the same command, and if it comes for level_s
 (standing_clock) that of a missing tick, short of landing: a simulator that is halted lets nobody fall.
 """
@@ -43,7 +43,7 @@ from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_comm
 from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
 from q2q_control.failsafe.standing_clock import StandingClock
 from q2q_control.inputs.controller import Controller
-from q2q_model.estimation.clock_resets import ROUNDING, ClockResetDetector
+from q2q_model.estimation.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -56,9 +56,6 @@ from q2q_model.signals.values import (
     TrackStatus,
     rows_by_name,
 )
-
-NEW_FLIGHT_S = 1.0
-"""Jump back of the clock that starts a new flight [s]: the mocap filter's clock_jump_s."""
 
 
 def on_time(_: float) -> float:
@@ -170,7 +167,7 @@ class Guard:
         """Return the command of a tick t [s] that is not newer; None to compute it."""
         stood, late = self._clock.stand(last.t), t < last.t
         self._braking.wait()
-        if late and (last.t - t > NEW_FLIGHT_S or self._clock_reset.rise(t)):
+        if late and (last.t - t > SET_BACK_S or self._clock_reset.rise(t)):
             self._set_back(last, t)
             return None
         if stood > self._params.level_s + ROUNDING:
@@ -180,7 +177,7 @@ class Guard:
 
     def _set_back(self, last: SwarmCommand, t: float) -> None:
         """Shift stored stamps to the new clock, whose first is t [s], or reset."""
-        if last.t - t > NEW_FLIGHT_S:
+        if last.t - t > SET_BACK_S:
             self.reset()
             return
         self._controller.reset()

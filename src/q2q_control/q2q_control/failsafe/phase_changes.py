@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.failsafe.guard import NEW_FLIGHT_S
+from q2q_model.estimation.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCommand, rows_by_name
 
 EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
@@ -72,7 +72,7 @@ class PhaseChanges:
         """Return the changes that come with a command and are to be told."""
         phases = _PHASE_OF[command.status]
         if phases.any():
-            if not -NEW_FLIGHT_S <= command.t - self._t <= SETTLED_S:
+            if not -SET_BACK_S <= command.t - self._t <= SETTLED_S:
                 self._names, self._phases = (), phases[:0]
                 self._told.clear()
             self._t = command.t

@@ -14,8 +14,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_control.failsafe.guard import NEW_FLIGHT_S, Guard
+from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
+from q2q_model.estimation.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 
 
@@ -32,7 +33,7 @@ class TickWatch:
     def answered(self, setpoint: SwarmSetpoint, now: float) -> None:
         """Record that the tick of a setpoint was computed at wall time now [s], unless it was an old one."""
         behind = self._stamp - setpoint.t
-        if behind == 0.0 or (0.0 < behind <= NEW_FLIGHT_S and self._guard.newest != setpoint.t):
+        if behind == 0.0 or (0.0 < behind <= SET_BACK_S and self._guard.newest != setpoint.t):
             return
         self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
 
