@@ -14,7 +14,7 @@ from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import RoleScores
 from q2q_model.flights.flight import of_vehicle
 from q2q_model.flights.flight_and_log import Recording
-from q2q_model.identification.flight_evidence import FlightEvidence, is_lower
+from q2q_model.identification.flight_evidence import FlightEvidence, has_exposure, is_lower, largest_gap
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.identification import ProcedureParams, identify
@@ -112,6 +112,18 @@ def test_identify_goes_from_flights_to_a_model_that_holds():
     assert f"d = {found.zone.d:.2f} m lies beyond the largest gap flown, 0.8" in extent  # 0.7 m, and the push
     assert steps[0] == "records"
     assert steps[-1] == "final fit"
+
+
+def test_the_largest_gap_flown_is_one_beyond_the_scoring_rule_too():
+    low, high = (
+        altitude_record(made_flight(Pass(gap=gap, law=NoInteraction(), seconds=20.0)), CRAZYFLIE_2_0)
+        for gap in (0.6, 1.9)
+    )
+    assert largest_gap([low]) == pytest.approx(0.6, abs=1e-6)
+    assert largest_gap([low, high]) == pytest.approx(1.9, abs=1e-6)
+    assert [has_exposure(one) for one in (low, high)] == [True, False]
+    aside = replace(high, pos=high.pos + np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]]))
+    assert largest_gap([aside]) == 0.0
 
 
 def test_commands_that_answer_gusts_do_not_move_the_thrust_lag():

@@ -44,20 +44,23 @@ def every_record(flights: Sequence[FlightEvidence]) -> list[AltitudeRecord]:
 
 
 def has_exposure(record: AltitudeRecord) -> bool:
-    """Return whether any vehicle flies under another."""
-    return bool(_gaps(record).size)
+    """Return whether any vehicle flies under another, by the scoring rule."""
+    return bool((_gaps(record) < GAPS[1]).any())
 
 
 def largest_gap(records: Sequence[AltitudeRecord]) -> float:
-    """Return the largest height difference of a vehicle under another [m]; 0 if none flies so."""
+    """Return the largest height difference of a vehicle under another [m]; 0 if none flies so.
+
+    Gaps beyond those of the scoring rule count: they are flown.
+    """
     return max((float(_gaps(record).max(initial=0.0)) for record in records), default=0.0)
 
 
 def _gaps(record: AltitudeRecord) -> Array:
-    """Return the height differences of exposed rows [m]."""
+    """Return the height differences at which a vehicle is under another [m]."""
     rel = record.pos[:, None] - record.pos[:, :, None]  # (T, n, n, 3)
     gap = np.abs(rel[..., 2])
-    return gap[(np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0]) & (gap < GAPS[1])]
+    return gap[(np.hypot(rel[..., 0], rel[..., 1]) < UNDER) & (gap > GAPS[0])]
 
 
 def is_lower(record: AltitudeRecord) -> list[bool]:
