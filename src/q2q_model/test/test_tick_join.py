@@ -30,6 +30,25 @@ def test_a_repeated_tick_is_answered_again() -> None:
     assert join.missed == 0
 
 
+def test_an_input_of_a_complete_tick_that_comes_again_is_no_missed_tick() -> None:
+    join: TickJoin[int] = TickJoin(("a", "b"))
+    for stamp in (1, 2, 3):
+        join.put("a", stamp, 0)
+        assert join.put("b", stamp, 0) is not None
+        join.put("a", stamp, 0)
+    assert join.missed == 0
+
+
+def test_a_missed_tick_is_counted_once_though_its_other_input_comes_late() -> None:
+    join: TickJoin[int] = TickJoin(("a", "b"))
+    join.put("a", 1, 0)
+    for stamp in (2, 3):
+        join.put("a", stamp, 0)
+        assert join.put("b", stamp, 0) is not None
+        join.put("b", 1, 0)
+    assert join.missed == 1
+
+
 def test_memory_is_bounded_when_one_topic_never_comes() -> None:
     join: TickJoin[int] = TickJoin(("a", "b"))
     for stamp in range(100):

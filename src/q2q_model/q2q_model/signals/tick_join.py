@@ -1,16 +1,18 @@
 """Join of a tick's inputs by stamp.
 
 A tick is complete when every topic has delivered a value with its stamp. Completing a tick drops all older
-incomplete ones and counts them as missed.
+incomplete ones and counts them as missed, each once: an input that comes again, or late, of a tick that was
+complete or is counted makes no other tick.
 """
 
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from typing import Generic, TypeVar
 
 V = TypeVar("V")
 
 WAITING_TICKS = 16
-"""Incomplete ticks kept; older ones are dropped (0.16 s at 100 Hz, longer than any useful delay)."""
+"""Incomplete ticks kept, and settled ones remembered (0.16 s at 100 Hz, longer than any useful delay); older
+ones are dropped."""
 
 
 class TickJoin(Generic[V]):
@@ -25,6 +27,7 @@ class TickJoin(Generic[V]):
         """
         self._topics, self._keep = topics, waiting
         self._waiting: OrderedDict[int, dict[str, V]] = OrderedDict()
+        self._settled: deque[int] = deque(maxlen=WAITING_TICKS)  # complete, or counted as missed
         self.missed = 0
         """Ticks dropped incomplete."""
 
@@ -36,6 +39,7 @@ class TickJoin(Generic[V]):
             self._give_up()
             return None
         del self._waiting[stamp_ns]
+        self._settled.append(stamp_ns)
         if self._waiting:
             self._drop_older_than(stamp_ns)
         return tuple(map(tick.__getitem__, self._topics))
@@ -51,13 +55,19 @@ class TickJoin(Generic[V]):
     def reset(self) -> None:
         """Drop every incomplete tick."""
         self._waiting.clear()
+        self._settled.clear()
 
     def _drop_older_than(self, stamp_ns: int) -> None:
         for old in [stamp for stamp in self._waiting if stamp < stamp_ns]:
             del self._waiting[old]
-            self.missed += 1
+            self._count(old)
 
     def _give_up(self) -> None:
         while len(self._waiting) > self._keep:
-            self._waiting.popitem(last=False)
+            self._count(self._waiting.popitem(last=False)[0])
+
+    def _count(self, stamp_ns: int) -> None:
+        """Count a dropped tick, unless it is settled."""
+        if stamp_ns not in self._settled:
+            self._settled.append(stamp_ns)
             self.missed += 1
