@@ -16,13 +16,13 @@ from scipy.optimize import least_squares
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.learning.statistics.autocovariance import lag_ticks, lagged_pairs
+from q2q_sim.air.learning.statistics.autocovariance import Lags, flight_lags, lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import WindTerm
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
-"""Lags of the autocovariance [s]; noise of accelerometer and rotors is correlated for 0.03 s."""
+"""Lags of the autocovariance [s], or those of a flight nearest to them; noise is correlated for 0.03 s."""
 FEWEST = 500
 """Fewest rows of a vehicle in clear air: 5 s at 100 Hz."""
 START = np.array([0.1, 0.2])
@@ -36,7 +36,7 @@ def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
     parts = [(r, one) for r in records for one in r.samples if r.clear[:, one.vehicle].sum() >= FEWEST]
     if not parts:
         return None
-    each = np.array([_fit(_sums(record, one)) for record, one in parts])  # (parts, 2)
+    each = np.array([_gusts(record, one) for record, one in parts])  # (parts, 2)
     found = estimate_spread(
         lambda weight: np.median(np.repeat(each, weight.astype(np.intp), axis=0), axis=0), len(each)
     )
@@ -46,23 +46,29 @@ def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
     return LearnedTerm(WindTerm((0.0, 0.0, 0.0), std, time), values)
 
 
-def _sums(record: AirRecord, one: ForceSamples) -> Array:
+def _gusts(record: AirRecord, one: ForceSamples) -> Array:
+    """Return standard deviation and time of the gusts on one vehicle, (2,)."""
+    lags = flight_lags(record.motion.t, LAGS)
+    return _fit(_sums(record, one, lags), lags.times)
+
+
+def _sums(record: AirRecord, one: ForceSamples, lags: Lags) -> Array:
     """Return the count and the sum of products at each lag, (L, 2)."""
-    known, t = record.clear[:, one.vehicle], record.motion.t
+    known = record.clear[:, one.vehicle]
     y = one.y - one.y[known].mean()
     found = []
-    for lag in lag_ticks(t, LAGS):
+    for lag in lags.ticks:
         first, second = lagged_pairs(known, int(lag))
         found.append([float(first.size), float(y[first] @ y[second])])
     return np.array(found)
 
 
-def _fit(sums: Array) -> Array:
-    """Return standard deviation and time of the counts and sums of products, (L, 2)."""
+def _fit(sums: Array, lags: Array) -> Array:
+    """Return standard deviation and time of the counts and sums of products (L, 2) at lags [s], (L,)."""
     weight = np.sqrt(sums[:, 0])
     mean = sums[:, 1] / np.maximum(sums[:, 0], 1.0)
 
     def missed(x: Array) -> Array:
-        return np.asarray(weight * (mean - x[0] ** 2 * np.exp(-LAGS / x[1])))
+        return np.asarray(weight * (mean - x[0] ** 2 * np.exp(-lags / x[1])))
 
     return np.asarray(least_squares(missed, START, bounds=(LOWEST, LARGEST), x_scale=SCALE).x)

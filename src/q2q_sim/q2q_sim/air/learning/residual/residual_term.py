@@ -17,8 +17,8 @@ from scipy.optimize import least_squares
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.other_flights import LeftOut
 from q2q_sim.air.learning.residual.gain_spread import gain_spread
-from q2q_sim.air.learning.residual.wake_misses import LAGS, WakeMisses, wake_misses, with_vehicle_gain
-from q2q_sim.air.learning.statistics.autocovariance import lag_ticks, lagged_pairs
+from q2q_sim.air.learning.residual.wake_misses import WakeMisses, wake_misses, with_vehicle_gain
+from q2q_sim.air.learning.statistics.autocovariance import lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, cell_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, ResidualTerm
@@ -41,16 +41,17 @@ def residual_term(
     rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
     if rows < FEWEST:
         return None
-    sums = _sums([with_vehicle_gain(wake) for wake in wakes])
-    found = estimate_spread(lambda weight: _fit(np.tensordot(weight, sums, 1)), len(sums))
+    lags = np.unique(np.concatenate([wake.lags.times for wake in wakes]))
+    sums = _sums([with_vehicle_gain(wake) for wake in wakes], lags)
+    found = estimate_spread(lambda weight: _fit(np.tensordot(weight, sums, 1), lags), len(sums))
     values = tuple(fitted_value(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
     gain = gain_spread(wakes)
     floor, slope, time = map(float, found.value)
     return LearnedTerm(ResidualTerm(floor, slope, time, gain.value), (*values, gain))
 
 
-def _sums(wakes: Sequence[WakeMisses]) -> Array:
-    """Return the sums over blocks, levels of |eta| and lags of 1, e e' - C, a a', a b' + a' b and b b'.
+def _sums(wakes: Sequence[WakeMisses], lags: Array) -> Array:
+    """Return the sums over blocks, levels of |eta| and `lags` [s] of 1, e e' - C, a a', a b' + a' b, b b'.
 
     a = min(|eta| / e_0, 1), b = |eta|; (B, K, L, 5).
     """
@@ -58,31 +59,31 @@ def _sums(wakes: Sequence[WakeMisses]) -> Array:
     for one in wakes:
         t = one.record.motion.t
         inside = np.minimum(one.eta / INSIDE, 1.0)
-        for k, step in enumerate(lag_ticks(t, LAGS)):
+        column = np.searchsorted(lags, one.lags.times)
+        for k, step in enumerate(one.lags.ticks):
             first, second = lagged_pairs(one.one.exposed, int(step))
             a, b, a2, b2 = inside[first], one.eta[first], inside[second], one.eta[second]
             product = one.missed[first] * one.missed[second] - one.clear[k]
             columns.append(np.stack([np.ones(first.size), product, a * a2, a * b2 + a2 * b, b * b2], axis=1))
             level.append(np.searchsorted(LEVELS, 0.5 * (b + b2), side="right") - 1)
-            lag.append(np.full(first.size, k))
+            lag.append(np.full(first.size, column[k]))
             places.append(Row(one.record.name, t[first]))
-    cells = np.concatenate(level) * LAGS.size + np.concatenate(lag)
-    sums = cell_sums(np.concatenate(columns), block_of_rows(places), cells, (LEVELS.size - 1) * LAGS.size)
-    return np.asarray(sums.reshape(-1, LEVELS.size - 1, LAGS.size, 5))
+    cells = np.concatenate(level) * lags.size + np.concatenate(lag)
+    sums = cell_sums(np.concatenate(columns), block_of_rows(places), cells, (LEVELS.size - 1) * lags.size)
+    return np.asarray(sums.reshape(-1, LEVELS.size - 1, lags.size, 5))
 
 
-def _fit(sums: Array) -> Array:
-    """Return floor, slope and time of sums (K, L, 5)."""
+def _fit(sums: Array, lags: Array) -> Array:
+    """Return floor, slope and time of sums (K, L, 5) at lags [s], (L,)."""
     seen = sums[..., 0] > 0.0
     count = np.maximum(sums[..., 0], 1.0)
     mean = sums[..., 1:] / count[..., None]
     level = np.maximum(mean[:, :1, 0], 0.01)  # variance of each level; the least is that of 0.1 m/s^2
     weight = np.where(seen, np.sqrt(count) / level, 0.0)
-    apart = LAGS[None]
 
     def missed(x: Array) -> Array:
         floor, slope, time = x
         size = floor**2 * mean[..., 1] + floor * slope * mean[..., 2] + slope**2 * mean[..., 3]
-        return np.asarray((weight * (mean[..., 0] - size * np.exp(-apart / time))).ravel())
+        return np.asarray((weight * (mean[..., 0] - size * np.exp(-lags / time))).ravel())
 
     return np.asarray(least_squares(missed, START, bounds=(LOWEST, LARGEST), x_scale=START).x)

@@ -9,11 +9,11 @@ from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.wake_push import wake_push
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.learning.statistics.autocovariance import autocovariance, lag_ticks
+from q2q_sim.air.learning.statistics.autocovariance import Lags, autocovariance, flight_lags
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
-"""Lags of the autocovariance [s]: from none to twice the correlation time found."""
+"""Lags of the autocovariance [s], or those of a flight nearest to them; up to twice the time found."""
 FEWEST_CLEAR = 200
 """Fewest rows for a flight's own clear air: 2 s at 100 Hz."""
 
@@ -28,6 +28,8 @@ class WakeMisses:
     """|eta| [m/s^2], (T,); 0 where not exposed."""
     missed: Array
     """[m/s^2], (T,)"""
+    lags: Lags
+    """Those of its flight, (L,)."""
     clear: Array
     """Its autocovariance in clear air at each lag, (L,)."""
 
@@ -52,20 +54,24 @@ def _wake(
     eta = np.zeros(one.y.size)
     eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
     clear = record.clear[:, one.vehicle]
-    own = np.zeros(LAGS.size)
+    lags = flight_lags(record.motion.t, LAGS)
+    own = np.zeros(lags.ticks.size)
     if clear.sum() >= FEWEST_CLEAR:
-        own = autocovariance(one.y - one.y[clear].mean(), clear, lag_ticks(record.motion.t, LAGS))
-    return WakeMisses(record, one, eta, one.y + eta, own)
+        own = autocovariance(one.y - one.y[clear].mean(), clear, lags.ticks)
+    return WakeMisses(record, one, eta, one.y + eta, lags, own)
 
 
 def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
     """Return the wakes with the mean autocovariance of clear air where a flight has none."""
-    known = [one.clear for one in wakes if one.clear.any()]
-    usual = np.mean(known, axis=0) if known else np.zeros(LAGS.size)
-    return [
-        one if one.clear.any() else WakeMisses(one.record, one.one, one.eta, one.missed, usual)
-        for one in wakes
-    ]
+    known = [one for one in wakes if one.clear.any()]
+    if not known:
+        return list(wakes)
+    return [one if one.clear.any() else replace(one, clear=_usual(known, one.lags.times)) for one in wakes]
+
+
+def _usual(known: Sequence[WakeMisses], lags: Array) -> Array:
+    """Return the mean autocovariance of clear air at lags [s], (L,)."""
+    return np.asarray(np.mean([np.interp(lags, one.lags.times, one.clear) for one in known], axis=0))
 
 
 def vehicle_gain(wake: WakeMisses) -> float:

@@ -16,6 +16,15 @@ class Products(NamedTuple):
     second: NDArray[np.intp]
 
 
+class Lags(NamedTuple):
+    """Lags of a flight, none of which is there twice."""
+
+    ticks: NDArray[np.intp]
+    """(L,), ascending."""
+    times: Array
+    """The same [s], in whole milliseconds: flights of one rate share their lags, (L,)."""
+
+
 def lagged_pairs(known: Mask, lag: int) -> Products:
     """Return the pairs of known rows `lag` ticks apart."""
     first = np.flatnonzero(known[: known.size - lag] & known[lag:])
@@ -32,6 +41,12 @@ def autocovariance(values: Array, known: Mask, lags: NDArray[np.intp]) -> Array:
     return found
 
 
-def lag_ticks(t: Array, times: Array) -> NDArray[np.intp]:
-    """Return lags [s] in ticks of t, at least one apart."""
-    return np.unique(np.rint(times / float(np.median(np.diff(t)))).astype(np.intp))
+def flight_lags(t: Array, times: Array) -> Lags:
+    """Return the lags of a flight with stamps t [s] that are nearest to `times` [s], (K,).
+
+    A slow flight has fewer than K, at other times. Only a lag of 0 is shorter than a tick.
+    """
+    tick = float(np.median(np.diff(t)))
+    nearest = np.rint(times / tick).astype(np.intp)
+    ticks = np.unique(np.maximum(nearest, (times > 0.0).astype(np.intp)))
+    return Lags(ticks, np.round(ticks * tick, 3))
