@@ -8,8 +8,9 @@ import pytest
 
 import q2q
 from q2q_model.bag import BagError, FlightFacts
+from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.flights.flight import Flight
-from q2q_sim.experiments.explanation.recorded_case import recorded_case
+from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
 from q2q_sim.monitors.metrics import measure
 
 SHORT = replace(q2q.scenario("table6_room", air="room"), duration=0.5)
@@ -51,6 +52,17 @@ def test_a_flight_of_a_changed_scenario_is_flown_again_by_its_bag_alone(tmp_path
     found = recorded_case(bag)
     assert found.difference < 1e-9
     assert found.case.scenario.radio.latency == 0.05
+
+
+def test_a_flight_corrected_with_a_models_own_residual_is_flown_again_with_it(tmp_path: Path):
+    """With that of the real flights a vehicle was 9 mm elsewhere, and the flight refused."""
+    loud = replace(ResidualProcess(), noise=8.0 * ResidualProcess().noise)
+    model = q2q.save_model(replace(q2q.load_model("measured_law"), residual=loud), tmp_path / "own.q2q")
+    flight = q2q.fly(SHORT, model=model, correct=True)
+    found = recorded_case(flight.to_bag(tmp_path / "bag"))
+    assert found.difference < 1e-9
+    usual = q2q.fly(SHORT, model="measured_law", correct=True)
+    assert np.abs(usual.arrays.true_pos - flight.arrays.true_pos).max() > SAME  # the residual matters
 
 
 @pytest.mark.parametrize(

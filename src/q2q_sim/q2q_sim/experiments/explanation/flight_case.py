@@ -37,7 +37,7 @@ def flight_case(scenario: Scenario, options: Options, seed: int) -> FlightCase:
 
 def fly_case(case: FlightCase) -> Flight:
     """Fly a case without ROS and return the recording."""
-    options = case.options
+    options, known = case.options, find_model(case.scenario.model)
     return fly(
         case.scenario,
         FlightOptions(
@@ -45,9 +45,9 @@ def fly_case(case: FlightCase) -> Flight:
             controller=options.controller,
             replan=options.replan,
             seed=case.seed,
-            model=find_model(case.scenario.model).interaction,
+            model=known.interaction,
             air=case.air,
             plan=case.plan,
-            correct=REAL_FLIGHTS if options.correct else None,
+            correct=(known.residual or REAL_FLIGHTS) if options.correct else None,
         ),
     )
