@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import q2q
 from q2q_model.bag import BagError, FlightFacts
@@ -12,6 +13,7 @@ from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
 from q2q_sim.monitors.metrics import measure
+from q2q_sim.scenarios.written_scenario import document_of
 
 SHORT = replace(q2q.scenario("table6_room", air="room"), duration=0.5)
 
@@ -52,6 +54,17 @@ def test_a_flight_of_a_changed_scenario_is_flown_again_by_its_bag_alone(tmp_path
     found = recorded_case(bag)
     assert found.difference < 1e-9
     assert found.case.scenario.radio.latency == 0.05
+
+
+def test_a_flight_longer_than_its_named_scenario_is_flown_again_to_its_end(tmp_path: Path):
+    file = tmp_path / "short.yaml"
+    file.write_text(yaml.safe_dump(document_of(replace(SHORT, duration=0.3))), encoding="utf-8")
+    flight = q2q.fly(replace(q2q.scenario(file), duration=0.5))
+    named = replace(flight, facts=replace(flight.facts, scenario=str(file)))
+    found = recorded_case(named.to_bag(tmp_path / "bag"))
+    assert not (tmp_path / "bag" / "scenario.yaml").exists()
+    np.testing.assert_array_equal(found.flight.t, flight.arrays.t)
+    assert found.difference < 1e-9
 
 
 def test_a_flight_corrected_with_a_models_own_residual_is_flown_again_with_it(tmp_path: Path):

@@ -208,6 +208,11 @@ def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.Ca
     metadata.write_text(text.replace("seed: '0'", "sea: '0'"))
     assert main([str(kept)]) == 1
     assert "its metadata lack seed" in capsys.readouterr().err
+    for wrong in ("0", "nan", "inf", "long"):
+        metadata.write_text(text.replace("duration: '1.5'", f"duration: '{wrong}'"))
+        assert main([str(kept)]) == 1
+        told = capsys.readouterr().err
+        assert told == f"explain: {kept}: duration '{wrong}' in its metadata: seconds, above 0, are allowed\n"
     metadata.write_text(text)
 
 
@@ -253,6 +258,8 @@ def test_a_scenario_is_that_of_the_metadata() -> None:
     assert (in_wake.air, in_wake.wake) == ("", "paper")
     without = flown_scenario(replace(facts, air="room without residual without wind"), Path())
     assert (without.air, without.air_without) == ("room", ("residual", "wind"))
+    for told, length in (("", 40.0), ("47.5", 47.5), ("0.5", 0.5)):  # without one, that of the scenario
+        assert flown_scenario(replace(facts, duration=told), Path()).duration == length
 
 
 @pytest.mark.parametrize(("left", "faults", "gusts", "first"), [

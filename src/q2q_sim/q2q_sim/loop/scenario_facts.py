@@ -31,7 +31,10 @@ def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = 
 
 
 def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
-    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it."""
+    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it.
+
+    It is as long as the flight was to last, where the metadata say so.
+    """
     files = (folder / facts.scenario for folder in (bag, Path(), bag.parent))
     own = library.load(next((str(file) for file in files if file.is_file()), facts.scenario))
     if facts.wake and (own.air or own.wake != facts.wake):
@@ -41,7 +44,8 @@ def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
         own = with_air(own, air, tuple(off))
     if facts.vehicle and own.vehicle.name != facts.vehicle:
         own = with_choices(own, facts.vehicle, "")
-    return replace(with_firmware(own, facts.firmware), model=facts.model)
+    length = float(facts.duration) if facts.duration else own.duration
+    return replace(with_firmware(own, facts.firmware), model=facts.model, duration=length)
 
 
 def flown_faults(bag: Path) -> tuple[Fault, ...]:

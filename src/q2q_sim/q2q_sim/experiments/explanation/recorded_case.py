@@ -97,6 +97,7 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
         raise ValueError(
             f"{bag}: seed {facts.seed!r} in its metadata: a whole number, 0 or above, is allowed"
         )
+    _check_duration(facts.duration, bag)
     try:
         check_model_name(facts.model)
         check_air(facts.air.partition(" without ")[0] or "none")
@@ -104,3 +105,13 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
     except ValueError as unknown:
         raise ValueError(f"{bag}: {unknown}; an object of Python cannot be flown again by a bag") from unknown
     return facts
+
+
+def _check_duration(told: str, bag: Path) -> None:
+    """Raise ValueError for a duration that is no time; a bag of older software has none."""
+    try:
+        known = not told or 0.0 < float(told) < np.inf
+    except ValueError:
+        known = False
+    if not known:
+        raise ValueError(f"{bag}: duration {told!r} in its metadata: seconds, above 0, are allowed")
