@@ -14,8 +14,10 @@ from q2q_model.vehicle.constants import (
     vehicle_by_name,
 )
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
+from q2q_sim.loop.scenario_air import air_of
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.block_overrides import BLOCKS
 from q2q_sim.scenarios.scenario_document import scenario_from_document
@@ -91,6 +93,17 @@ def test_table6_is_section_5_2() -> None:
     ]
     assert scenario.vehicle.mass == 0.65
     assert assembly.pid_params(scenario, limited=True).thrust_max == 6.6
+
+
+def test_terms_that_are_off_in_the_scenarios_own_air_are_on_in_another() -> None:
+    own = with_air(library.load("stack3"), "room", ("residual",))
+    for same in ("", "room"):
+        assert with_air(own, same, ()).air_without == ("residual",)
+    assert with_air(own, "room", ("wind",)).air_without == ("wind",)
+    for other in ("none", "paper", "ring"):
+        moved = with_air(own, other, ())
+        assert (moved.air, moved.air_without) == (other, ())
+        assert isinstance(air_of(moved), FlownAir)  # they have no residual to switch off
 
 
 def test_table6_room_is_flown_by_crazyflies_in_an_air_that_is_not_its_own() -> None:

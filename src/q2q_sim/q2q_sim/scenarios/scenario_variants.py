@@ -22,6 +22,7 @@ def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
     """Return the scenario in another air, and with terms of its air switched off; empty keeps its own.
 
     In an air that is neither `none` nor the scenario's own wake, its `in_air` is flown if there is one.
+    Terms that its own air is flown without are those of that air alone.
 
     Raises:
         ValueError: an unknown air, or terms without an air.
@@ -30,7 +31,8 @@ def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
         return scenario
     other = air not in ("", "none", scenario.wake)
     flown = scenario.in_air if other and scenario.in_air is not None else scenario
-    return replace(flown, air=air or flown.air, air_without=off or flown.air_without)
+    own = flown.air_without if air in ("", flown.air) else ()
+    return replace(flown, air=air or flown.air, air_without=off or own)
 
 
 def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
