@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -267,6 +268,23 @@ def test_a_collision_with_a_vehicle_that_lost_its_link_is_a_remark():
     (elsewhere,) = broken_rules(replace(log, trial=LicenceTrial(TrialKind.LOST, 2, 4.0)), LIMITS)
     assert not elsewhere.remark
     assert not FlownTrial(lost.trial, (remark, elsewhere), lost, 1.0).passed
+
+
+def test_junit_xml_is_valid_whatever_characters_a_program_ends_with():
+    """A message in a terminal's colours, half a pair of UTF-16 (of bytes that are not UTF-8), a bell."""
+    error = 'RuntimeError: \x1b[31mno "vehicle" < 2\x1b[0m \udcff\ufffe\x07 \U0001f681'
+    log = replace(hover(), end=ProgramEnd(10.0, 1, error, 3), output=error)
+    (broken,) = broken_rules(log, LIMITS)
+    assert error in broken.sentence
+    found = Licence(Program(Path("p\x1b.py")), (FlownTrial(log.trial, (broken,), log, 1.0),), (), 1.0)
+    case = ET.fromstring(junit_xml(found).encode()).find("testsuite/testcase")  # noqa: S314  our own
+    assert case is not None
+    failure, output = case.find("failure"), case.find("system-out")
+    assert failure is not None
+    assert output is not None
+    assert output.text == 'RuntimeError: [31mno "vehicle" < 2[0m  \U0001f681'
+    assert output.text in failure.get("message", "")
+    assert output.text in (failure.text or "")
 
 
 def test_faults_strike_the_fastest_vehicle_at_its_fastest_and_the_nearest_pair_at_its_nearest():

@@ -1,5 +1,6 @@
 """Reports of a licence: text, JSON, JUnit XML (as pytest writes it), and a page with replay."""
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -13,6 +14,8 @@ from q2q_sim.flight.run_json import Json
 from q2q_sim.replay_page import ReplayRun, replay_element
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, ProgramOutput, page
 
+FORBIDDEN = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What is no character of XML 1.0 (section 2.2)."""
 HEAD = ("flight", "verdict", "what falls, when, and why")
 
 
@@ -93,11 +96,11 @@ def junit_xml(found: Licence) -> str:
         remarks = [each.sentence for each in one.findings if each.remark]
         output = "\n".join([*remarks, one.log.output if one.log is not None else ""]).strip()
         if output:
-            ET.SubElement(case, "system-out").text = _printable(output)
+            ET.SubElement(case, "system-out").text = output
     for trial in found.left_out:
         ET.SubElement(_case(suite, found, trial.words, 0.0), "skipped", message="no time left")
     ET.indent(suites)
-    return ET.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+    return _valid(ET.tostring(suites, encoding="unicode", xml_declaration=True)) + "\n"
 
 
 def _case(suite: ET.Element, found: Licence, name: str, seconds: float) -> ET.Element:
@@ -109,17 +112,17 @@ def _case(suite: ET.Element, found: Licence, name: str, seconds: float) -> ET.El
 def _add_outcome(case: ET.Element, flight: FlownTrial) -> None:
     """Add to a test case which rules were broken, or how the simulator failed."""
     if flight.error is not None:
-        message = _printable(flight.error.sentence)
-        ET.SubElement(case, "error", type="simulator", message=message).text = _printable(flight.error.told)
+        error = ET.SubElement(case, "error", type="simulator", message=flight.error.sentence)
+        error.text = flight.error.told
     elif flight.failures:
         first = flight.failures[0]
         failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)
         failure.text = "\n".join(each.sentence for each in flight.failures)
 
 
-def _printable(text: str) -> str:
-    """Return a text without the characters that XML 1.0 forbids."""
-    return "".join(one for one in text if one in "\n\t" or one >= " ")
+def _valid(text: str) -> str:
+    """Return a document without the characters that XML 1.0 forbids, as terminals' colours begin with."""
+    return FORBIDDEN.sub("", text)
 
 
 def write_licence_page(found: Licence, folder: Path) -> Path:
