@@ -87,6 +87,19 @@ def test_the_thrust_limit_is_that_of_saturated_ticks_else_that_of_the_vehicle(fl
     assert axes.get_ylim()[1] > 0.33
 
 
+def test_commands_cut_in_tilt_alone_show_no_limit_of_thrust(flight: Flight) -> None:
+    status = np.zeros((TICKS, 2))
+    status[10:40] = CommandStatus.SATURATED
+    tilted = replace(flight, command_status=status)  # both vehicles alike, as in a symmetric flight
+    assert thrust_limits([PlotCurve(tilted, "", 0.6)]) == {0.6: "limit 0.6 N"}
+    assert thrust_limits([PlotCurve(tilted, "")]) == {}
+    thrust = flight.thrust.copy()
+    thrust[12:14, 0] = 0.35  # cut in thrust too
+    assert list(thrust_limits([PlotCurve(replace(tilted, thrust=thrust), "", 0.6)])) == [0.35]
+    thrust[12:14, 0] = 0.02  # cut at the least thrust, which other commands exceed
+    assert list(thrust_limits([PlotCurve(replace(tilted, thrust=thrust), "", 0.6)])) == [0.6]
+
+
 def test_a_limit_far_from_the_curves_is_told_and_does_not_flatten_them(flight: Flight) -> None:
     axes = draw(KINDS["thrust"], [PlotCurve(flight, "flown", 2.0)], "cf1").axes[0]
     assert axes.get_ylim()[1] < 0.4

@@ -30,7 +30,7 @@ class PlotCurve:
     flight: Flight
     label: str
     thrust_max: float = np.nan
-    """Largest thrust of its vehicles [N], where no tick shows the controller's limit."""
+    """Largest thrust of its vehicles [N], where no two ticks show the controller's limit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,15 +98,22 @@ def draw(quantity: Quantity, curves: Sequence[PlotCurve], name: str) -> Figure:
 
 
 def thrust_limits(curves: Sequence[PlotCurve]) -> Mapping[float, str]:
-    """Return the thrusts at which the flights saturated [N], else those of their vehicles."""
+    """Return the thrusts at which commands were cut [N], else the largest of the vehicles."""
     seen = {float(limit) for one in curves if np.isfinite(limit := _saturated_at(one.flight))}
     known = seen or {one.thrust_max for one in curves if np.isfinite(one.thrust_max)}
     return {limit: f"limit {limit:.3g} N" for limit in sorted(known)}
 
 
 def _saturated_at(flight: Flight) -> float:
-    saturated = flight.thrust[(flight.command_status == CommandStatus.SATURATED) & np.isfinite(flight.thrust)]
-    return float(saturated.max()) if saturated.size else float("nan")
+    """Return the thrust at which commands were cut [N]; nan if none was.
+
+    Commands cut in thrust have the largest one, to the last bit; a vehicle's commands cut in tilt alone
+    differ from each other.
+    """
+    computed = flight.thrust[flight.command_status <= CommandStatus.SATURATED]
+    most = float(np.nanmax(computed, initial=-np.inf))
+    cut = (flight.command_status == CommandStatus.SATURATED) & (flight.thrust == most)
+    return most if cut.sum(axis=0).max(initial=0) > 1 else float("nan")
 
 
 def _horizontal_error(flight: Flight) -> Array:
