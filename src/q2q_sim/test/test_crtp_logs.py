@@ -53,6 +53,27 @@ def test_blocks_come_at_their_periods_and_carry_the_state_in_the_types_asked_for
     assert volt == pytest.approx(4200, abs=1)
 
 
+@pytest.mark.parametrize("start", [b"\x03\x01\0", b"\x08\x01\0\0"])
+def test_a_start_with_period_0_sends_a_block_once(grounded: Pilot, start: bytes) -> None:
+    """As logStartBlock of the firmware's log.c, which then leaves the block's timer alone."""
+    block(grounded, 1, [("acc.z", 7)], 0)
+    begin = grounded.firmware().now_ms
+    grounded.fly(0.1)
+    assert [t - begin for t, _ in logged(grounded, 1)] == [10]
+    assert struct.unpack("<f", logged(grounded, 1)[0][1]) == (pytest.approx(1.0),)  # gravity, at rest
+    assert ask(grounded, LOG_CONTROL + b"\x03\x01\x05")[-1] == 0  # every 50 ms
+    grounded.out.clear()
+    assert ask(grounded, LOG_CONTROL + start)[-1] == 0
+    begin = grounded.firmware().now_ms
+    grounded.fly(0.1)
+    assert [t - begin for t, _ in logged(grounded, 1)] == [10, 50, 100]
+    assert ask(grounded, LOG_CONTROL + b"\x04\x01")[-1] == 0
+    grounded.out.clear()
+    assert ask(grounded, LOG_CONTROL + start)[-1] == 0
+    grounded.fly(0.1)
+    assert len(logged(grounded, 1)) == 1
+
+
 def test_stopped_and_deleted_blocks_are_silent_and_their_numbers_are_free(grounded: Pilot) -> None:
     block(grounded, 1, [("acc.x", 7)], 1)
     assert ask(grounded, LOG_CONTROL + b"\x04\x01") == b"\x04\x01\x00"

@@ -8,12 +8,13 @@ end the first one's logs. Answers on channel 1 are command, block, error.
 | 6 create | block, then type byte and variable uint16, repeated | EEXIST, ENOMEM, as append |
 | 7 append | the same | ENOENT, E2BIG (26 bytes a block), ENOMEM (128 variables) |
 | 2 delete, 4 stop | block | ENOENT |
-| 3 start | block, period [10 ms]; 0 sends once | ENOENT |
+| 3 start | block, period [10 ms] | ENOENT |
 | 8 start | block, period uint16 [ms] | ENOENT |
 | 5 reset | | |
 
 A block is sent at whole multiples of its period after its start, at the room's ticks (10 ms): block, then 24
-bits of milliseconds, then its values.
+bits of milliseconds, then its values. A start with period 0 sends it once, at the next tick; a period that
+runs goes on.
 """
 
 import struct
@@ -42,10 +43,30 @@ class _Block:
     period_ms: int = 0
     """0 while stopped."""
     next_ms: int = 0
+    once: bool = False
+    """Started with period 0 since the last tick."""
 
     @property
     def size(self) -> int:
         return sum(kind.layout.size for _, kind in self.variables)
+
+    def start(self, period_ms: int, now_ms: int) -> None:
+        """Send from now on at a period [ms], or once if it is 0."""
+        if period_ms == 0:
+            self.once = True
+            return
+        self.period_ms = max(period_ms, TICK_MS)
+        self.next_ms = now_ms + self.period_ms
+
+    def packets_due(self, now_ms: int) -> int:
+        """Return how many packets are due now [ms]; they are then sent."""
+        count, self.once = int(self.once), False
+        if self.period_ms == 0 or now_ms < self.next_ms:
+            return count
+        self.next_ms += self.period_ms
+        if self.next_ms <= now_ms:  # time has jumped ahead: no burst
+            self.next_ms = now_ms + self.period_ms
+        return count + 1
 
 
 class LogBlocks:
@@ -72,12 +93,7 @@ class LogBlocks:
         """Return the packets of blocks that are due at the firmware's time."""
         sent = []
         for number, block in self._blocks.items():
-            if block.period_ms == 0 or firmware.now_ms < block.next_ms:
-                continue
-            block.next_ms += block.period_ms
-            if block.next_ms <= firmware.now_ms:  # time has jumped ahead: no burst
-                block.next_ms = firmware.now_ms + block.period_ms
-            sent.append(_data(number, block, firmware))
+            sent += [_data(number, block, firmware) for _ in range(block.packets_due(firmware.now_ms))]
         return sent
 
     def _control(self, data: bytes, now_ms: int) -> int:
@@ -93,10 +109,10 @@ class LogBlocks:
             return self._append(block, data[2:])
         if command == DELETE:
             del self._blocks[number]
-            return 0
-        period = {START: _tens, START_MS: _milliseconds, STOP: _never}[command](data)
-        block.period_ms = max(period, TICK_MS) if period else 0
-        block.next_ms = now_ms + block.period_ms
+        elif command == STOP:
+            block.period_ms = 0
+        else:
+            block.start(_tens(data) if command == START else _milliseconds(data), now_ms)
         return 0
 
     def _create(self, number: int, operations: bytes) -> int:
@@ -127,10 +143,6 @@ def _tens(data: bytes) -> int:
 
 def _milliseconds(data: bytes) -> int:
     return int(read_fields(_PERIOD, data, 2)[0])
-
-
-def _never(_: bytes) -> int:
-    return 0
 
 
 def _data(number: int, block: _Block, firmware: Firmware) -> Packet:
