@@ -1,8 +1,8 @@
 """Join of a tick's inputs by stamp.
 
 A tick is complete when every topic has delivered a value with its stamp. Completing a tick drops all older
-incomplete ones and counts them as missed, each once: an input that comes again, or late, of a tick that was
-complete or is counted makes no other tick.
+incomplete ones and counts them as missed, each once: a part of a tick that was complete, or is counted, may
+come again and is not counted.
 """
 
 from collections import OrderedDict, deque

@@ -29,7 +29,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import with_air, with_choices
 
-MEASURED = ("mocap", "truth", "reference", "reference_safe", "command")
+MEASURED = ("mocap", "truth", "truth_interference", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""
 
 
