@@ -7,17 +7,22 @@ flight without faults if that breaks one.
 
 import math
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.nearest_name import name_hint
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
 from q2q_sim.experiments.licence.licence_reports import verdict_words
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.program_flight import Program
 from q2q_sim.flight.run_json import Json
+
+SOUND, BUGGY = "sound", "buggy"
+KINDS = (SOUND, BUGGY)
+"""Folders of the programs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +81,31 @@ class LicenceScore:
         return "right" if self.right else "WRONG"
 
 
-def scored_programs(folder: Path, only: Sequence[str] = ()) -> Iterator[ScoredProgram]:
-    """Yield the programs of a folder, all or those named."""
+def scored_programs(folder: Path, only: Sequence[str] = ()) -> list[ScoredProgram]:
+    """Return the programs of a folder, all or those named.
+
+    Raises:
+        ValueError: there is no program, or none of a name; or a setting is not allowed.
+        OSError: `programs.toml` cannot be read.
+    """
+    files = [file for kind in KINDS for file in sorted((folder / kind).glob("*.py"))]
+    _check_names(folder, [file.stem for file in files], only)
     text = (folder / "programs.toml").read_text(encoding="utf-8")
     entries = from_plain(Mapping[str, ProgramSettings], tomllib.loads(text), "")  # type: ignore[type-abstract]
-    for kind in ("sound", "buggy"):
-        for file in sorted((folder / kind).glob("*.py")):
-            if not only or file.stem in only:
-                settings = entries.get(file.stem, ProgramSettings())
-                yield ScoredProgram(file.resolve(), kind == "sound", settings)
+    return [
+        ScoredProgram(file.resolve(), file.parent.name == SOUND, entries.get(file.stem, ProgramSettings()))
+        for file in files
+        if not only or file.stem in only
+    ]
+
+
+def _check_names(folder: Path, known: Sequence[str], only: Sequence[str]) -> None:
+    """Raise ValueError if there is no program, or none of a name in `only`."""
+    if not known:
+        raise ValueError(f"--score {folder}: no program in it; needed are .py files in {' or '.join(KINDS)}")
+    unknown = [f"{name} ({name_hint(name, known)})" for name in only if name not in known]
+    if unknown:
+        raise ValueError(f"--only: {folder} has no program {', '.join(unknown)}")
 
 
 def score_program(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
