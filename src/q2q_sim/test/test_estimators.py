@@ -1,5 +1,6 @@
 """Recorded flights replayed through estimators: motion, cuts, held-out errors, divergence."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -132,6 +133,15 @@ def test_poses_moved_on_by_their_delay_are_better_than_stock_and_nothing_diverge
     document = errors_json(list(found.values()), 1)
     assert isinstance(document, dict)
     assert len(document["pooled"]) == len(found)  # type: ignore[arg-type]  # a list of them
+
+
+def test_the_numbers_of_an_estimate_that_diverges_beyond_all_numbers_are_json() -> None:
+    errors = np.array([0.01, 0.02, 0.03, np.inf])
+    document = errors_json([ReplayedErrors(str(k), "10 Hz", "filter", errors, 1, 1) for k in range(3)], 1)
+    assert isinstance(document, dict)
+    (pooled,) = document["pooled"]  # type: ignore[misc]  # a list of them
+    assert (pooled["median_m"], pooled["worst_m"]) == (pytest.approx(0.025), None)  # type: ignore[call-overload, index]
+    json.dumps(document, allow_nan=False)
 
 
 def test_the_interval_of_a_median_spans_the_flights() -> None:

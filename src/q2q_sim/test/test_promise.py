@@ -188,6 +188,13 @@ def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest
     }  # fmt: skip
 
 
+def test_the_numbers_of_flights_none_of_which_counts_are_json() -> None:
+    found = verdict_json(promise_verdict([], None))
+    assert isinstance(found, dict)
+    assert found["least_distance_m"] is None  # of no vehicles
+    json.dumps(found, allow_nan=False)
+
+
 def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(tmp_path: Path) -> None:
     """The last line is cut off, as by a kill while it is written."""
     blank = EncounterRecord(

@@ -85,7 +85,7 @@ def settled_ticks(given: Mask) -> Mask:
 def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
     """Return the errors of one estimator under one condition, over flights."""
     errors = np.concatenate([one.errors for one in found])
-    median, p95 = np.percentile(errors, [50.0, 95.0])
+    median, p95 = _percentiles(errors, 50.0, 95.0)
     return ErrorSummary(
         flights=len(found),
         replays=sum(one.replays for one in found),
@@ -107,8 +107,15 @@ def median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
         np.median(np.concatenate([flights[k] for k in draw.integers(0, len(flights), len(flights))]))
         for _ in range(BOOTSTRAP)
     ]
-    low, high = np.percentile(drawn, [2.5, 97.5])
+    low, high = _percentiles(np.array(drawn), 2.5, 97.5)
     return float(low), float(high)
+
+
+def _percentiles(errors: Array, *shares: float) -> Array:
+    """Return percentiles of errors; infinite where those beside them are."""
+    with np.errstate(invalid="ignore"):  # the difference of two infinite ones
+        found = np.percentile(errors, shares)
+    return np.where(np.isnan(found), np.inf, found)
 
 
 def grouped(found: Sequence[ReplayedErrors]) -> Mapping[tuple[str, str], ErrorSummary]:

@@ -10,7 +10,7 @@ from q2q_model.counted import counted
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
 from q2q_sim.firmware.estimator import DT
-from q2q_sim.flight.run_json import Json
+from q2q_sim.flight.run_json import Json, finite
 
 MILLIMETRE = 1000.0
 UNBOUNDED = 10_000
@@ -56,7 +56,10 @@ def _cells(one: ErrorSummary) -> list[str]:
 
 
 def errors_json(found: Sequence[ReplayedErrors], seeds: int) -> Json:
-    """Return {"pooled": [...], "flights": [...]} with one entry for each condition and estimator."""
+    """Return {"pooled": [...], "flights": [...]} with one entry for each condition and estimator.
+
+    An error is null where the estimates diverged beyond all numbers.
+    """
     pooled: list[Json] = [
         {"condition": condition, "estimator": estimator, **_numbers(one)}
         for (condition, estimator), one in grouped(found).items()
@@ -79,10 +82,10 @@ def _numbers(one: ErrorSummary) -> dict[str, Json]:
         "flights": one.flights,
         "replays": one.replays,
         "samples": one.samples,
-        "median_m": one.median,
-        "median_low_m": low,
-        "median_high_m": high,
-        "p95_m": one.p95,
-        "worst_m": one.worst,
+        "median_m": finite(one.median),
+        "median_low_m": finite(low),
+        "median_high_m": finite(high),
+        "p95_m": finite(one.p95),
+        "worst_m": finite(one.worst),
         "diverged": one.diverged,
     }

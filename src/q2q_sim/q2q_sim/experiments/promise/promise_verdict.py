@@ -12,7 +12,7 @@ from scipy.special import betaincinv
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord
 from q2q_sim.experiments.promise.tracking_tube import TrackingTube
-from q2q_sim.flight.run_json import Json
+from q2q_sim.flight.run_json import Json, finite
 
 CONFIDENCE = 0.95
 
@@ -91,7 +91,7 @@ def promise_verdict(records: Sequence[EncounterRecord], tube: TrackingTube | Non
 
 
 def verdict_json(found: PromiseVerdict) -> Json:
-    """Return a verdict as plain values: the contract of `promise --json`."""
+    """Return a verdict as plain values: the contract of `promise --json`; what is unknown is null."""
     return {
         "flights": found.flights,
         "vehicles": found.vehicles,
@@ -100,7 +100,7 @@ def verdict_json(found: PromiseVerdict) -> Json:
         "entry_rate_most": found.entries.most,
         "entries_otherwise": found.entries_otherwise,
         "entries_not_announced": found.silent,
-        "least_distance_m": found.clearance,
+        "least_distance_m": finite(found.clearance),
         "ticks": found.ticks,
         "broken_ticks": found.broken_ticks,
         "left_tube": found.left_tube.events if found.left_tube else None,
