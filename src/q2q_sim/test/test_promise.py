@@ -15,6 +15,7 @@ from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.commands.promise import main, parser
+from q2q_sim.experiments.promise import promise_flights
 from q2q_sim.experiments.promise.kept_flights import resume_flights
 from q2q_sim.experiments.promise.promise_flights import run
 from q2q_sim.experiments.promise.promise_verdict import Rate, promise_verdict, verdict_json
@@ -217,6 +218,15 @@ def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(
     other = PromiseCase(replace(STEADY, tracking=0.2))
     with pytest.raises(ValueError, match="flights of another tube"):
         list(resume_flights(range(3), other, file, fly_seeds))
+
+
+def test_a_tube_that_cannot_be_written_is_refused_before_any_flight(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(promise_flights, "fly_case", lambda *_, **__: pytest.fail("flown"))
+    with pytest.raises(SystemExit, match="2"):
+        main(["--count", "3", "--alpha", "0.7", "--learn", str(tmp_path)])
+    assert f"argument --learn: {tmp_path}" in capsys.readouterr().err
 
 
 def test_the_command_prints_a_tube_and_writes_its_numbers(

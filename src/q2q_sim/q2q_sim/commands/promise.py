@@ -64,7 +64,7 @@ def parser() -> CommandLine:
         "--jerk", type=float, metavar="J", help="largest jerk of a setpoint [m/s^3]; 0 does not bound it"
     )
     made.add_argument("--tube", type=Path, metavar="FILE", help="fly with this tube and count who leaves it")
-    made.add_argument("--learn", type=Path, metavar="FILE", help="write the tube of these flights")
+    made.add_argument("--learn", type=output_file, metavar="FILE", help="write the tube of these flights")
     made.add_argument(
         "--alpha",
         type=float,
