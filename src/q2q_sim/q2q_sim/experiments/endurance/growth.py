@@ -1,8 +1,8 @@
 """Growth of a quantity over a flight: slope of a line with its interval, and whether it is flat.
 
-The first WARM_UP of the samples is left out. The rest is averaged in BLOCKS blocks of equal time, so that
-samples that follow each other count once, and a line is fitted to the averages by least squares. The interval
-of its slope is Student's with BLOCKS - 2 degrees of freedom.
+The first WARM_UP of the samples is left out. The rest is averaged in BLOCKS blocks of equally many samples,
+so that samples that follow each other count once, and a line is fitted to the averages by least squares. The
+interval of its slope is Student's with BLOCKS - 2 degrees of freedom.
 """
 
 from dataclasses import dataclass
