@@ -39,6 +39,23 @@ def build(node):
 run("node", build)
 """
 """Node that ends by itself once it hears `done`."""
+LANDING = """
+import os, signal
+from q2q_model.ros.node.run import run
+
+def build(node):
+    calls = []
+    node.create_timer(0.01, lambda: calls.append(os.kill(os.getpid(), signal.SIGINT)))
+    return calls
+
+def land(calls):
+    before.append(len(calls))
+    return 0.5
+
+before = []
+run("node", build, lambda calls: print("closed", len(calls) - before[0] > 5), land)
+"""
+"""Node that is interrupted at each call of its timer, and lands for half a second."""
 FOR_EVER = """<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns="http://www.eprosima.com"><profiles>
   <participant profile_name="for_ever" is_default_profile="true"><rtps><builtin><discovery_config>
@@ -103,6 +120,11 @@ def test_an_interrupt_while_a_node_is_built_ends_it_once_built_and_a_second_one_
     process = [sys.executable, "-c", INTERRUPTED, str(times)]
     done = subprocess.run(process, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, printed, "")
+
+
+def test_callbacks_run_on_while_a_node_lands() -> None:
+    done = subprocess.run([sys.executable, "-c", LANDING], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, "closed True\n", "")
 
 
 def test_a_node_that_ends_by_itself_tells_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

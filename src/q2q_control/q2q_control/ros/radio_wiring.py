@@ -52,8 +52,12 @@ class RadioNode:
             node.create_service(Empty, EMERGENCY, self._on_emergency)
         publish_health(node, health, self._facts)
 
+    def land(self) -> float:
+        """Land flying vehicles; return how long that takes [s], for which poses and an emergency go on."""
+        return self._vehicles.land(monotonic())
+
     def close(self) -> None:
-        """Land flying vehicles, then close the links."""
+        """Land vehicles that still fly, as after an error, then close the links."""
         sleep(self._vehicles.land(monotonic()))
         self._vehicles.close()
 

@@ -46,23 +46,32 @@ Kept = TypeVar("Kept")
 _FINISHED: WeakSet[Node] = WeakSet()
 
 
-def run(name: str, build: Callable[[Node], Kept], end: Callable[[Kept], None] | None = None) -> None:
+def run(
+    name: str,
+    build: Callable[[Node], Kept],
+    end: Callable[[Kept], None] | None = None,
+    land: Callable[[Kept], float] | None = None,
+) -> None:
     """Run a node until SIGINT or SIGTERM; exit 0 then, 2 on an invalid parameter or input file.
 
     Args:
         name: name of the node.
         build: declares parameters, subscribes and publishes; its result is kept alive.
         end: called with that result once the node has stopped, e.g. to close files.
+        land: called with that result on a signal; callbacks run on for the time that it returns [s].
     """
 
     def alone() -> dict[Node, Kept]:
         return {(node := Node(name)): build(node)}
 
-    run_together(name, alone, end)
+    run_together(name, alone, end, land)
 
 
 def run_together(
-    name: str, build: Callable[[], Mapping[Node, Kept]], end: Callable[[Kept], None] | None = None
+    name: str,
+    build: Callable[[], Mapping[Node, Kept]],
+    end: Callable[[Kept], None] | None = None,
+    land: Callable[[Kept], float] | None = None,
 ) -> None:
     """Run several nodes in one process, as `run` does; `name` prefixes notices and error messages."""
     ending = _Ending()
@@ -77,7 +86,9 @@ def run_together(
             offer_drained(node)
             node.get_logger().info("running")
         try:
-            _spin(kept, ending)
+            executor = _spin(kept, ending)
+            if land is not None and rclpy.ok():
+                _spin_for(executor, max(map(land, kept.values()), default=0.0))
         finally:
             if end is not None:
                 for one in kept.values():
@@ -142,8 +153,8 @@ class _Ending:
         self.requested = True
 
 
-def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
-    """Run the callbacks of the nodes until a signal arrives or ROS shuts down."""
+def _spin(nodes: Iterable[Node], ending: _Ending) -> Executor:
+    """Run the callbacks of the nodes until a signal arrives or ROS shuts down; return their executor."""
     executor = make_executor()
     for node in nodes:
         executor.add_node(node)
@@ -151,15 +162,21 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> None:
     gc.freeze()  # exclude the objects created so far from collection in flight
     gc.enable()
     while rclpy.ok() and not ending.requested:
-        never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
-        executor.spin_until_future_complete(never, WAKE_S)
+        _spin_for(executor, WAKE_S)
         if any(node in _FINISHED for node in nodes):
             _hand_over(nodes)
             _bound_leaving()
             for node in nodes:
                 executor.remove_node(node)
                 node.destroy_node()  # tells the others, who would wait 20 s for what it has not acknowledged
-            return
+            break
+    return executor
+
+
+def _spin_for(executor: Executor, seconds: float) -> None:
+    """Run callbacks for a time [s]."""
+    never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
+    executor.spin_until_future_complete(never, seconds)
 
 
 def finish(node: Node) -> None:
