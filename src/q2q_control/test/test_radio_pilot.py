@@ -119,7 +119,7 @@ def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s(
     bench.pilot.land(bench.t)
     least = LandingParams().land_s
     assert [bench.links[name].sent[-1] for name in NAMES] == [("land", least), ("land", 2.0 / 0.4)]
-    assert bench.pilot.landing_s == 2.0 / 0.4
+    assert bench.pilot.landing_left(bench.t) == 2.0 / 0.4
 
 
 def test_a_battery_that_is_unknown_lands_nobody() -> None:

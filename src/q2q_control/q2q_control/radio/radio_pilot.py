@@ -78,10 +78,10 @@ class RadioPilot:
         """Return the vehicles whose motors were stopped since they were armed."""
         return frozenset(name for name, one in self._vehicles.items() if np.isfinite(one.stopped_at))
 
-    @property
-    def landing_s(self) -> float:
-        """Return the duration of the longest landing [s]."""
-        return max((one.landing_s for one in self._vehicles.values()), default=0.0)
+    def landing_left(self, t: float) -> float:
+        """Return the time from t [s] until the last landing has ended [s]; 0 if none is under way."""
+        landing = [self._vehicles[name] for name in self._in({Phase.LANDING})]
+        return max((0.0, *(one.since + one.landing_s - t for one in landing)))
 
     def log_lines(self) -> list[str]:
         """Return and clear the log lines."""
@@ -117,11 +117,9 @@ class RadioPilot:
         return reply
 
     def land(self, t: float) -> bool:
-        """Land all flying vehicles by themselves; return whether there are any."""
-        flying = self._in({Phase.CLIMBING, Phase.FLYING})
-        for name in flying:
-            self._land(name, t)
-        return bool(flying)
+        """Land all flying vehicles by themselves; return whether any lands, from now or from before."""
+        self._each({Phase.CLIMBING, Phase.FLYING}, self._land, t)
+        return bool(self._in({Phase.LANDING}))
 
     def stop(self, t: float) -> None:
         """Stop and lock all motors."""

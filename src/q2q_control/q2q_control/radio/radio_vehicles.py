@@ -71,8 +71,8 @@ class RadioVehicles:
         return {f"phase_{name}": phase.value for name, phase in self.pilot.phases.items()}
 
     def land(self, now: float) -> float:
-        """Land flying vehicles from time now [s]; return how long that takes [s], 0 if none flies."""
-        return self.pilot.landing_s + SETTLE_S if self.pilot.land(now) else 0.0
+        """Land flying vehicles at time now [s]; return the time until all are down [s], 0 if none flies."""
+        return self.pilot.landing_left(now) + SETTLE_S if self.pilot.land(now) else 0.0
 
     def close(self) -> None:
         """Close the links: cflib's last packet stops the motors."""

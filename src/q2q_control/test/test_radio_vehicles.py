@@ -1,0 +1,52 @@
+"""Vehicles of the node `radio`: how long its end waits for their landing."""
+
+import pytest
+from radio_pilot_bench import LANDING_S, NAMES, PARAMS, FakeLink, state
+
+from q2q_control.flight_procedure.procedure_params import LandingParams
+from q2q_control.flight_procedure.steps import Act, Order
+from q2q_control.radio import radio_vehicles
+from q2q_control.radio.radio_params import RadioNodeParams
+from q2q_control.radio.radio_vehicles import SETTLE_S, RadioVehicles
+from q2q_control.radio.vehicle_record import Phase
+from q2q_model.node.health import Health
+
+
+def in_flight(monkeypatch: pytest.MonkeyPatch) -> RadioVehicles:
+    """Return vehicles that fly 3 m and 6 m high at t = 0 s."""
+    monkeypatch.setattr(radio_vehicles, "CflibLink", lambda *_: FakeLink())
+    params = RadioNodeParams(vehicles=NAMES, uris=("udp://127.0.0.1:1", "udp://127.0.0.1:2"))
+    vehicles = RadioVehicles(params, PARAMS, LandingParams(), Health())
+    pilot = vehicles.pilot
+    pilot.watch(0.0)
+    pilot.update_state(state(0.0), 0.0)
+    for act in (Act.ARM, Act.STREAM):
+        pilot.begin(Order(act), 0.0)
+        pilot.watch(0.0)
+    assert set(pilot.phases.values()) == {Phase.FLYING}
+    return vehicles
+
+
+def test_an_end_in_flight_waits_for_the_longest_landing(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert in_flight(monkeypatch).land(0.0) == LANDING_S[1] + SETTLE_S
+
+
+def test_an_end_during_a_landing_waits_for_the_rest_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicles = in_flight(monkeypatch)
+    vehicles.pilot.begin(Order(Act.LAND), 0.0)
+    vehicles.pilot.watch(4.0)
+    assert vehicles.land(4.0) == LANDING_S[1] - 4.0 + SETTLE_S
+    assert vehicles.land(LANDING_S[1] + 5.0) == SETTLE_S  # over, and not watched since
+    vehicles.pilot.watch(LANDING_S[1] + 5.0)
+    assert vehicles.land(LANDING_S[1] + 5.0) == 0.0
+
+
+def test_an_end_waits_for_the_vehicle_that_still_lands_when_others_are_down(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    vehicles = in_flight(monkeypatch)
+    vehicles.pilot.begin(Order(Act.LAND), 0.0)
+    vehicles.pilot.watch(LANDING_S[0] + 0.1)
+    assert vehicles.pilot.phases == {"cf1": Phase.READY, "cf2": Phase.LANDING}
+    left = LANDING_S[1] - LANDING_S[0] - 0.1
+    assert vehicles.land(LANDING_S[0] + 0.1) == pytest.approx(left + SETTLE_S, abs=1e-9)  # rounding
