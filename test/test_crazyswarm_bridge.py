@@ -17,6 +17,7 @@ from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
 from q2q_control.radio.crazyflies import crazyflies_from_document
 from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.ros.controller_wiring import LegacyTopics
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_control.ros.procedure_services import ProcedureServices
@@ -48,6 +49,9 @@ class _Sent:
 
     def publish(self, message: object) -> None:
         self.messages.append(message)
+
+    def get_subscription_count(self) -> int:
+        return 1
 
     def service_is_ready(self) -> bool:
         return self.ready
@@ -200,6 +204,21 @@ def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.Monkey
     node.give(one_command())
     (twist,) = node.out["cf1/cmd_vel_legacy"].messages
     assert twist.linear.x == pytest.approx(-math.degrees(0.2))
+
+
+def test_a_controllers_own_sticks_are_those_that_the_default_server_takes() -> None:
+    """Positive angular.z turned vehicles the other way: the server passes it on as the rate to the right."""
+    node = _Node()
+    LegacyTopics(node, LegacyScale(0.48), 10.0, NAMES).publish(STAMP_NS, one_command())
+    (twist,) = node.out["cf2/cmd_vel_legacy"].messages
+    assert (twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.z) == (
+        pytest.approx(math.degrees(0.2)),
+        pytest.approx(math.degrees(0.1)),
+        40959.0,  # 0.3 / 0.48 of 65535
+        pytest.approx(-math.degrees(0.4)),
+    )
+    server = tuple(legacy_twists(one_command(), LegacyScale(0.48), CrazyswarmParams().backend)[1])
+    assert (twist.linear.x, twist.linear.y, twist.angular.z, twist.linear.z) == server
 
 
 def without(package: str, monkeypatch: pytest.MonkeyPatch) -> None:

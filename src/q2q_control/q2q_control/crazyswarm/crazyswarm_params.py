@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from q2q_control.crazyswarm.message_conversion import BACKENDS
+from q2q_control.crazyswarm.message_conversion import BACKENDS, DEFAULT_BACKEND
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 
@@ -17,7 +17,9 @@ class CrazyswarmParams:
     poses_out: str = tunable("", "filtered poses for Crazyswarm2's server; empty is none", read_only=True)
     mode: str = tunable("setpoint", "what is sent", choices=("setpoint", "command"), read_only=True)
     aware: bool = tunable(True, "setpoint: compensate the predicted downwash", read_only=True)  # noqa: FBT003
-    backend: str = tunable("cpp", "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True)
+    backend: str = tunable(
+        DEFAULT_BACKEND, "server that takes cmd_vel_legacy", choices=BACKENDS, read_only=True
+    )
     vehicle: str = tunable("crazyflie_2_0", "vehicle constants: newtons to PWM", read_only=True)
     firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
     poses_version: int = tunable(

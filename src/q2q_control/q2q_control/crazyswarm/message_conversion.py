@@ -23,6 +23,8 @@ from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
 
 BACKENDS = ("cpp", "cflib")
+DEFAULT_BACKEND = "cpp"
+"""Backend that Crazyswarm2 launches unless told otherwise."""
 _PITCH_SIGN = {"cpp": 1.0, "cflib": -1.0}
 
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 
+from q2q_control.crazyswarm.message_conversion import DEFAULT_BACKEND, legacy_twists
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
-from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_control.radio.rpyt_scale import LegacyScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_model.ros.node.input_warnings import AbsentNames, warn_of_missing_names
 from q2q_model.ros.node.node_parameters import declare
@@ -45,7 +46,7 @@ class ControllerNodeParams:
     )
     legacy_hz: float = tunable(
         10.0,
-        "largest rate of <name>/cmd_vel_legacy; 0: not published",
+        "largest rate of <name>/cmd_vel_legacy, with the signs of Crazyswarm2's cpp server; 0: not published",
         unit="Hz",
         low=0.0,
         high=1000.0,
@@ -59,7 +60,7 @@ class ControllerNodeParams:
 
 
 class LegacyTopics:
-    """Publishers of `<name>/cmd_vel_legacy`, in Crazyswarm2's units (q2q_control.radio.rpyt_scale)."""
+    """Publishers of `<name>/cmd_vel_legacy`, in the units and signs of Crazyswarm2's default server."""
 
     def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
         """Publish at most `rate_hz` times a second; `names` are the vehicles known in advance."""
@@ -70,10 +71,10 @@ class LegacyTopics:
         """Publish the command of every vehicle, if one is due."""
         if not self._writers.due(command.t, stamp_ns, command.names):
             return
-        for name, row in zip(command.names, legacy_setpoints(command, self._scale).tolist(), strict=True):
+        rows = legacy_twists(command, self._scale, DEFAULT_BACKEND).tolist()
+        for name, (x, y, yaw_rate, pwm) in zip(command.names, rows, strict=True):
             for writer in self._writers.read(name, stamp_ns):
-                pitch, roll, yaw_rate, pwm = row
-                writer.publish(Twist(linear=Vector3(x=pitch, y=roll, z=pwm), angular=Vector3(z=yaw_rate)))
+                writer.publish(Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate)))
 
 
 def wire_controller(

@@ -1,6 +1,10 @@
 """MPC node: `state`, `reference_safe`, `interference`, latched `plan` in, `command` out.
 
 Distributed, one node for each vehicle, it also exchanges `predictions` with the others.
+
+`<name>/cmd_vel_legacy` has the signs of Crazyswarm2's default server, cpp: linear.x is pitch, nose down, and
+linear.y roll, to the right [deg], angular.z yaw rate, to the right [deg/s], linear.z thrust [PWM]. For the
+server cflib, which takes the opposite pitch, set `legacy_hz:=0` and run `crazyswarm` with `backend:=cflib`.
 """
 
 from collections.abc import Callable

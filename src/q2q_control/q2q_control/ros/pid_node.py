@@ -3,6 +3,10 @@
 The default gains are the paper's, with a soft altitude loop without integral: where thrust is 1 % off, height
 is 12 cm off. Real vehicles, and rooms with wind, batteries or wakes of their own, need others, such as those
 shipped in `src/q2q_control/config`: `--ros-args --params-file src/q2q_control/config/pid_tuned.yaml`.
+
+`<name>/cmd_vel_legacy` has the signs of Crazyswarm2's default server, cpp: linear.x is pitch, nose down, and
+linear.y roll, to the right [deg], angular.z yaw rate, to the right [deg/s], linear.z thrust [PWM]. For the
+server cflib, which takes the opposite pitch, set `legacy_hz:=0` and run `crazyswarm` with `backend:=cflib`.
 """
 
 from dataclasses import dataclass
