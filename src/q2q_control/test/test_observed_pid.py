@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
+from q2q_control.inputs.alignment import align
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.signals.values import Array, Interference, Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
 
 DT = 0.01
@@ -82,3 +83,31 @@ def test_thrust_lag_and_tilt_are_explained_and_not_taken_for_disturbance():
         pos, vel, thrust = pos + DT * vel + 0.5 * DT**2 * acc, vel + DT * acc, after
     # thrust within a tick is not constant: the position is off by its curvature, 1e-6 m
     assert np.abs(pid._tracker._observer.estimate.disturbance).max() < 0.02
+
+
+PUSHED = {"cf1": -4.0, "cf2": 0.0, "cf3": -1.0}
+"""Predicted and actual downwash of vehicles at rest [m/s^2]."""
+
+
+def track(tracker: DisturbanceTracker, names: Names, t: float) -> Tracked:
+    """Return the estimates of vehicles at rest, whose thrust carries them and the downwash."""
+    state, setpoint, interference = rest(names, t)
+    eta = np.array([[0.0, 0.0, PUSHED[name]] for name in names])
+    tick = align(state, setpoint, replace(interference, acc=eta))
+    tracked = tracker.update(tick)
+    thrust, zero = TEXTBOOK_065.mass * (GRAVITY - eta[:, 2]), np.zeros(len(names))
+    tracker.sent(SwarmCommand(t, names, thrust, zero, zero, zero, state.status), tick)
+    return tracked
+
+
+@pytest.mark.parametrize("after", [("cf2", "cf1"), ("cf3", "cf2", "cf1"), ("cf2",), ("cf3", "cf1")])
+def test_downwash_goes_with_its_vehicle_when_rows_change(after: Names):
+    """At rest nothing is unexplained; the row of another's downwash moved cf1 by 0.02 m/s in one tick."""
+    tracker = DisturbanceTracker(TrackerParams(latency=0.0), TEXTBOOK_065)
+    for k in range(40):
+        track(tracker, ("cf1", "cf2"), k * DT)
+    for k in range(40, 43):
+        estimate = track(tracker, after, k * DT).estimate
+        kept = [row for row, name in enumerate(after) if name != "cf3"]  # a new vehicle hovers at first
+        np.testing.assert_allclose(estimate.vel[kept], 0.0, atol=1e-12)  # rounding of 40 ticks
+        np.testing.assert_allclose(estimate.disturbance[kept], 0.0, atol=1e-12)

@@ -18,7 +18,15 @@ from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRA
 from q2q_control.inputs.controller import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.downwash.residual_process import ResidualProcess
-from q2q_model.signals.values import Array, Mask, SwarmCommand, SwarmImu, TrackStatus
+from q2q_model.signals.values import (
+    Array,
+    Mask,
+    Names,
+    SwarmCommand,
+    SwarmImu,
+    TrackStatus,
+    rows_by_name,
+)
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -70,6 +78,7 @@ class DisturbanceTracker:
         self._observer = DisturbanceObserver(
             params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
+        self._names: Names = ()
         self._eta = np.zeros((0, 3))
 
     def reset(self) -> None:
@@ -79,14 +88,15 @@ class DisturbanceTracker:
         self._felt.reset()
         if self._fine is not None:
             self._fine.reset()
-        self._eta = np.zeros((0, 3))
+        self._names, self._eta = (), np.zeros((0, 3))
 
     def update(self, tick: Aligned) -> Tracked:
         """Return the estimates at the tick; `sent` must follow."""
         self._actuation.advance(tick.t, tick.names)
-        before = self._eta if len(self._eta) == len(tick.names) else tick.table[:, ETA].copy()
+        before = rows_by_name(self._eta, self._names, tick.names, tick.table[:, ETA])
         thrusts = self._actuation.thrust, self._actuation.mean_thrust
         rows, acc, self._eta = measured_rows((tick.table, tick.usable), before, thrusts, self._mass)
+        self._names = tick.names
         measured = Measurement(tick.t, tick.names, *rows)
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
         if self._fine is not None:
