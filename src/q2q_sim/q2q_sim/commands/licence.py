@@ -10,6 +10,7 @@ simulator itself did in one. Options of the program come after `--`.
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from q2q_model.commands.command_line import (
@@ -18,6 +19,7 @@ from q2q_model.commands.command_line import (
     Work,
     output_file,
     output_folder,
+    outside_ros,
     require_existing,
     run_command,
     whole_number,
@@ -34,10 +36,27 @@ MOST_SCANNED = 15
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Judge the program of the command line; return the exit status."""
-    return run_command(parser(), _prepare, argv, refused=2)
+    own, after_dashes = _split(outside_ros(argv))
+    return run_command(parser(), partial(_prepare, after_dashes), own, refused=2)
 
 
-def _prepare(args: Namespace) -> Work:
+def _split(words: list[str]) -> tuple[list[str], list[str]]:
+    """Return the words before and after the first `--`.
+
+    argparse ends SCRIPT and ARGUMENT at the first option, so that it would refuse what follows a later `--`.
+    """
+    end = words.index("--") if "--" in words else len(words)
+    return words[:end], words[end + 1 :]
+
+
+def _add_words(args: Namespace, after_dashes: list[str]) -> None:
+    """Append the words after `--` to those of the program."""
+    words = [*([args.script] if args.script else []), *args.arguments, *after_dashes]
+    args.script, args.arguments = (Path(words[0]), words[1:]) if words else (None, [])
+
+
+def _prepare(after_dashes: list[str], args: Namespace) -> Work:
+    _add_words(args, after_dashes)
     if bool(args.script) == bool(args.score):
         raise UsageError("give either a program or --score FOLDER")
     if min(args.room) <= 0.0:
