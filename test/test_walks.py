@@ -44,6 +44,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/downwash/no_interaction.py",
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
+    "q2q_model/files/model_bounds.py",
     "q2q_model/files/sealed_json.py",
     "q2q_model/flights/unit_check.py",
     "q2q_model/flights/up_axis.py",
@@ -56,7 +57,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/vehicle/constants.py",
     "q2q_model/vehicle/thrust_map.py",
 }
-"""Vehicle and format of the bag, repairs, vectors, intervals, report, file format: no steps of the walk."""
+"""Vehicle and format of the bag, repairs, vectors, intervals, report, format and bounds of files: no step."""
 
 
 @dataclass

@@ -185,7 +185,7 @@ def test_single_samples_that_are_no_number_are_mended(tmp_path: Path):
     flight = read_flight(BAGS / "table2_5")
     pos = flight.mocap_pos.copy()
     pos[100::50, 0, 1] = np.nan
-    bag = write(tmp_path / "some nan", replace(flight, mocap_pos=pos), 2600)
+    bag = write(tmp_path / "some nan", replace(flight, mocap_pos=pos), 3000)
     out = tmp_path / "m.q2q"
     assert identify.main([str(bag), "--out", str(out), "--model-type", "jet", "--no-plots"]) == 0
     assert json.loads(out.with_suffix(".json").read_text())["gains"]["k_p"][0] > 0.0

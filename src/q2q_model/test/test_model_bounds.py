@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.roles import BLEND
 from q2q_model.files.model_bounds import CLIMB, LARGEST, check_model
-from q2q_model.files.model_file import ModelFile, decode, encode
+from q2q_model.files.model_file import ModelFile, decode, encode, load, save
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.vehicle.constants import CONTACT
 
@@ -58,6 +59,18 @@ def test_a_network_is_looked_at_beside_its_axis() -> None:
 def test_a_file_of_such_a_model_is_refused_with_what_is_allowed() -> None:
     with pytest.raises(ModelFileError, match=r"10\.00 m above .* 1\.04e\+23 m/s\^2; at most 49\.1, five g"):
         decode(encode(ModelFile(RISING)))
+
+
+def test_such_a_model_is_not_written_and_the_sentence_is_that_of_loading(tmp_path: Path) -> None:
+    path, known = tmp_path / "strong.q2q", ModelFile(PAPER_LAW)
+    path.write_text(encode(ModelFile(RISING)))
+    with pytest.raises(ModelFileError) as of_load:
+        load(path)
+    save(path, known)
+    with pytest.raises(ModelFileError) as of_save:
+        save(path, ModelFile(RISING))
+    assert str(of_save.value) == str(of_load.value)
+    assert load(path) == known
 
 
 def test_a_source_below_that_lifts_too_much_is_named_as_below() -> None:

@@ -80,9 +80,14 @@ def save(path: Path, content: ModelFile) -> None:
     """Write a model file; create the folders above it.
 
     Raises:
-        ModelFileError: a number is not finite, or the class of the model or zone is not supported.
+        ModelFileError: a number is not finite, the class of the model or zone is not supported, or `load`
+            would refuse the model.
     """
     text = encode(content)
+    try:
+        check_model(content.interaction)
+    except ValueError as error:
+        raise ModelFileError(f"model file {path}: {error}") from error
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
 

@@ -30,9 +30,9 @@ def run(args: Namespace) -> int:
         return _refine_live(args.model, vehicle_by_name(args.vehicle or DEFAULT_VEHICLE), args.out)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found, seconds = _run(args, Console(stderr=True))
-    save(args.out, found.file)
     report_file = args.json or args.out.with_suffix(".json")
-    write_json(_as_json(found, seconds), report_file)
+    write_json(_as_json(found, seconds), report_file)  # first: it tells why a model is refused
+    save(args.out, found.file)
     pictures = [] if args.no_plots else _draw(found, report_file.with_suffix(""))
     print(summary(found))
     print(f"model: {args.out}\nreport: {report_file}")
