@@ -7,6 +7,7 @@ import pytest
 from radio_pilot_bench import HOVER, LANDING_S, NAMES, WELL, Bench
 
 from q2q_control.flight_procedure.steps import Act, Order
+from q2q_control.radio.link import LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import (
     FullState,
@@ -122,6 +123,40 @@ def test_a_stop_is_sent_again_for_2_s_and_not_after_a_new_start() -> None:
     bench.links["cf1"].sent.clear()
     bench.look(0.1)
     assert "stop" not in bench.links["cf1"].sent
+
+
+def test_a_stop_given_while_a_link_is_down_is_delivered_when_it_is_back() -> None:
+    bench = Bench()
+    bench.fly()
+    link = bench.links["cf2"]
+    link.now = LinkHealth(connected=False)
+    bench.look(0.02)
+    bench.done(Act.CUT)
+    for _ in range(3):
+        bench.look(1.0)
+    link.sent.clear()
+    link.now = WELL
+    for _ in range(3):
+        bench.look(0.02)
+    assert link.sent == ["stop"] * 3
+    link.now = replace(WELL, locked=True)
+    bench.look(0.02)
+    link.now = WELL  # restarted
+    bench.look(0.02)
+    assert link.sent == ["stop"] * 3
+
+
+def test_a_stop_is_sent_again_for_2_s_of_connection_over_two_losses() -> None:
+    bench = Bench()
+    bench.fly()
+    link = bench.links["cf1"]
+    bench.pilot.stop(bench.t)
+    for now, expected in ((WELL, 9), (LinkHealth(connected=False), 9), (WELL, 17), (WELL, 17)):
+        link.now = now
+        for _ in range(8):
+            bench.look(0.125)  # the first look after a loss counts no connection
+        assert link.sent.count("stop") == expected
+    assert bench.links["cf2"].sent.count("stop") == 16
 
 
 def test_times_of_silence_out_of_order_are_refused() -> None:

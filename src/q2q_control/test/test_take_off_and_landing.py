@@ -141,6 +141,33 @@ def test_a_stopped_vehicle_is_named_while_the_other_lands_by_itself() -> None:
     assert bench.log[-1] == "step landing: motors of cf2 stopped"
 
 
+def test_vehicles_that_were_never_locked_were_not_restarted() -> None:
+    bench = up_to(Step.HOVER)
+    assert bench.asked(Call.EMERGENCY, 60.0).granted
+    assert bench.procedure.step is Step.STOPPED
+
+
+def test_after_an_emergency_each_vehicle_must_have_been_locked_or_offline() -> None:
+    bench = up_to(Step.HOVER)
+    first, second = bench.reports
+    bench.reports = replace(first, locked=True), second
+    bench.asked(Call.EMERGENCY)
+    bench.reports = first, second
+    bench.wait(6.0)
+    assert bench.procedure.step is Step.STOPPED  # cf2 was never locked
+    bench.reports = first, replace(second, connected=False)
+    bench.wait(6.0)
+    bench.reports = first, second  # back, and not yet stopped
+    bench.wait(0.4)
+    bench.reports = first, replace(second, locked=True)
+    bench.wait(6.0)
+    assert bench.procedure.step is Step.STOPPED
+    bench.reports = first, second
+    bench.wait(1.0)
+    assert bench.procedure.step is Step.CONNECTED
+    assert "step connected: vehicles were restarted" in bench.log
+
+
 def test_a_room_without_an_inside_is_refused() -> None:
     with pytest.raises(ValueError, match="lowest x, y, z and highest x, y, z"):
         FlightProcedureParams(room=(0.0, 0.0, 0.0, 1.0, 1.0, 0.0))

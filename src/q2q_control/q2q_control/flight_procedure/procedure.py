@@ -12,7 +12,7 @@
 | flight | the plan's clock runs | the plan ends, or `hold` brakes along it: hold |
 | landing | stream stopped, then onboard landing | all are at rest on the ground, by motion capture |
 | disarming | vehicles disarm | all are disarmed, or their build arms itself |
-| stopped | after `emergency` | all vehicles were restarted |
+| stopped | after `emergency` | all vehicles were locked or offline, then restarted |
 
 Nothing moves without a call. A refused call changes nothing. A granted call is answered when it is done, has
 failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `fly`, `emergency` all.
@@ -95,6 +95,7 @@ class FlightProcedure:
         again, flight.lands_after_glide = flight.lands_after_glide, False
         if call is Call.EMERGENCY:
             flight.stream.on = False
+            flight.down.clear()
             self.state.enter(Step.STOPPED, t)
             flight.give(Act.CUT, observation, t)
         elif call in {Call.TAKE_OFF, Call.START}:

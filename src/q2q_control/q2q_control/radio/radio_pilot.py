@@ -12,7 +12,8 @@
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
 | battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no pose is sent; the firmware's estimate coasts |
-| command with status CUT | the vehicle's motors are stopped and locked: again until it says so, for 2 s |
+| command with status CUT | the vehicle's motors are stopped and locked |
+| stopped, and not locked | the stop is sent again, for 2 s of connection, also after the link was lost |
 | no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
 | none for silent_land_s | the vehicle lands by itself |
 | the same, with RPYT and no fresh state | it descends level, at the ladder's land_share of hover |
@@ -43,9 +44,6 @@ from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names, SwarmState, TrackStatus
 
-STOP_AGAIN_S = 2.0
-"""Time for which an emergency stop is sent again until the vehicle reports that it is locked [s]."""
-
 
 class RadioPilot:
     """Phases of all vehicles, and the pending order."""
@@ -66,6 +64,7 @@ class RadioPilot:
         self._hover = hover
         self._vehicles = {name: VehicleRecord() for name in links}
         self._last_stamp = -np.inf
+        self._watched_at = np.inf
         self._log: list[str] = []
 
     @property
@@ -141,6 +140,7 @@ class RadioPilot:
             self._watch(name, one, self._links[name].health(), t)
             if one.phase is Phase.FLYING:
                 self._watch_silence(name, one, t)
+        self._watched_at = t
 
     def update_state(self, state: SwarmState, t: float, *, send: bool = True) -> None:
         """Store a frame's state received at time t [s]; send the poses measured in it, once."""
@@ -200,11 +200,12 @@ class RadioPilot:
     def _arm_one(self, name: str, t: float) -> None:
         one = self._vehicles[name]
         self._enter(name, Phase.ARMING, t)
-        one.low_since, one.commanded_at, one.stopped_at, one.full_state = np.inf, -np.inf, -np.inf, None
+        one.low_since, one.commanded_at, one.full_state = np.inf, -np.inf, None
+        one.stopped_at, one.stop_left = -np.inf, 0.0
         self._links[name].arm()
 
     def _stop_one(self, name: str, t: float) -> None:
-        self._vehicles[name].stopped_at = t
+        self._vehicles[name].stop(t)
         self._links[name].stop()
 
     def _cut_one(self, name: str, t: float) -> None:
@@ -226,8 +227,9 @@ class RadioPilot:
             if one.phase is not Phase.OFFLINE:
                 self._enter(name, Phase.OFFLINE, t)
             return
-        if not health.locked and t - one.stopped_at < STOP_AGAIN_S:
-            self._links[name].stop()  # the first may be lost on the way
+        connected_s = 0.0 if one.phase is Phase.OFFLINE else max(0.0, t - self._watched_at)
+        if one.stop_again(locked=health.locked, connected_s=connected_s):
+            self._links[name].stop()  # the first may be lost on the way, or the link was down
         if one.phase is Phase.OFFLINE:
             self._enter(name, Phase.READY, t)
         elif one.phase is Phase.ARMING:

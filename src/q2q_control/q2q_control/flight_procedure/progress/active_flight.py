@@ -22,6 +22,8 @@ class ActiveFlight:
         """The glide leads to a landing, not to the plan."""
         self.joins = False
         """The vehicles were in the air already: no take-off, no glide."""
+        self.down: set[str] = set()
+        """Vehicles seen locked or offline since an emergency: the others were not stopped yet."""
 
     def order(self, act: Act, observation: Observation) -> Order:
         """Return the order of an act."""
