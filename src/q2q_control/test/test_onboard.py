@@ -205,14 +205,77 @@ def test_a_prediction_ahead_is_that_of_the_moment_when_it_comes_true() -> None:
 def test_broadcasts_round_to_millimetres_and_are_clipped() -> None:
     app = NativeApp(library(MEASURED_LAW))
     packet = app.broadcast(200, np.array([1.2344, -2.0, 40.0, -0.5, 0.0, 1e9, 0.3, -0.4, math.sqrt(0.75)]))
+    assert packet is not None
     assert packet[0] == 200
     numbers = np.frombuffer(packet[1:], dtype="<i2")
     np.testing.assert_array_equal(numbers, [1234, -2000, 32767, -500, 0, 32767, 3000, -4000])
     above, own = hover(0.01, 0.0, 1.4), hover(0.0, 0.0, 1.0)
-    assert app.hear(app.broadcast(200, above), 0)
+    sent = app.broadcast(200, above)
+    assert sent is not None
+    assert app.hear(sent, 0)
     other = NativeApp(library(MEASURED_LAW))
     assert other.hear_motion(200, 0, above)
     assert app.downwash(own, 0) == pytest.approx(other.downwash(own, 0), abs=1e-6)
+
+
+@needs_cc
+@pytest.mark.parametrize("sick", [0, 5, 8])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_motion_that_is_not_finite_is_not_broadcast(sick: int, value: float) -> None:
+    """It became a valid packet: position 0, where others then felt a vehicle."""
+    motion = hover(1.0, 2.0, 3.0)
+    motion[sick] = value
+    assert NativeApp(library(MEASURED_LAW)).broadcast(3, motion) is None
+
+
+@needs_cc
+def test_a_silent_neighbour_stays_forgotten_when_the_clock_has_wrapped() -> None:
+    """Stamps are of 32 bits: half their period later an age is negative, a whole one later it is new."""
+    heard, above, own = 1_000_000, hover(0.0, 0.0, 1.4), hover(0.0, 0.0, 1.0)
+    fresh, app = NativeApp(library(MEASURED_LAW)), NativeApp(library(MEASURED_LAW))
+    assert app.hear_motion(2, heard, above)
+    assert app.downwash(own, heard) == pytest.approx(-MEASURED_LAW.strength, rel=1e-5)
+    assert app.downwash(own, (heard + 2_150_000_000) % 2**32) == 0.0  # no step since: 35.8 min, age negative
+    app.step(at_rest(heard + 300_000, own))  # steps go on every 2 ms; one is enough to forget
+    for later in (2_150_000_000, 4_000_000_000, 2**32 + 100_000):
+        assert app.downwash(own, (heard + later) % 2**32) == 0.0
+    back, beside = (heard + 2_200_000_000) % 2**32, hover(0.02, 0.0, 1.4)
+    assert app.hear_motion(2, back, beside)
+    assert fresh.hear_motion(2, back, beside)
+    assert app.downwash(own, back) == fresh.downwash(own, back) < -0.5
+
+
+@needs_cc
+def test_a_late_packet_is_refused_and_keeps_the_newer_ones() -> None:
+    app, own = NativeApp(library(MEASURED_LAW)), hover(0.0, 0.0, 1.0)
+    assert app.hear_motion(2, 40_000, hover(0.0, 0.0, 1.4))
+    assert not app.hear_motion(2, 20_000, hover(5.0, 0.0, 1.4))
+    assert app.downwash(own, 40_000) == pytest.approx(-MEASURED_LAW.strength, rel=1e-5)
+
+
+@needs_cc
+@pytest.mark.parametrize("start", [100_000, 2**31 + 1_000_000, 2**32 - 50_000])
+def test_the_first_step_may_come_at_any_time_of_the_clock(start: int) -> None:
+    """A first step at 2^31 us or later was one of -36 min: the rotors' thrust was NaN for ever."""
+    apps, own, above = [NativeApp(library(MOVING_LAW)) for _ in range(2)], hover(0, 0, 1), hover(0, 0, 1.4)
+    etas = np.empty((300, 2))
+    for k in range(300):
+        for column, (app, first) in enumerate(zip(apps, (0, start), strict=True)):
+            now = (first + 2000 * k) % 2**32
+            if k % 10 == 0:
+                app.hear_motion(1, now, above)
+            etas[k, column] = app.step(at_rest(now, own, force_up=GRAVITY - 1.0))
+    assert np.array_equal(etas[:, 0], etas[:, 1])
+    assert etas[-1, 0] < -1.0
+
+
+@needs_cc
+def test_a_measurement_without_time_since_the_last_teaches_no_offset() -> None:
+    app, memory = library(MEASURED_LAW), (ctypes.c_float * 5)(0.0, 0.01)
+    app.q2q_measure(memory, ctypes.c_float(1.0), ctypes.c_float(0.0), ctypes.c_float(0.0))
+    assert memory[2] == 0.0  # 0 s of 0 s in clear air: NaN
+    app.q2q_measure(memory, ctypes.c_float(1.0), ctypes.c_float(0.0), ctypes.c_float(0.01))
+    assert memory[2] == 1.0  # the mean of one
 
 
 @needs_cc

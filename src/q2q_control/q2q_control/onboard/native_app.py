@@ -70,7 +70,7 @@ def compile_app(folder: Path) -> AppLibrary:
             raise AppBuildError(f"{folder} is no app of export_app: {done.stderr.strip().splitlines()[0]}")
         loaded = AppLibrary(library)  # stays mapped when its file is gone
     loaded.q2q_step.restype = loaded.q2q_downwash.restype = ctypes.c_float
-    loaded.q2q_hear.restype = ctypes.c_bool
+    loaded.q2q_hear.restype = loaded.q2q_pack.restype = ctypes.c_bool
     return loaded
 
 
@@ -112,11 +112,11 @@ class NativeApp:
         """Take a neighbour's motion (9,) without the rounding of a broadcast."""
         return self._hear(number, stamp_us, _motion(motion))
 
-    def broadcast(self, number: int, motion: Array) -> bytes:
-        """Return the broadcast of a vehicle's motion (9,)."""
+    def broadcast(self, number: int, motion: Array) -> bytes | None:
+        """Return the broadcast of a vehicle's motion (9,); None, as nothing is sent, if it is not finite."""
         packet = ctypes.create_string_buffer(PACKET_BYTES)
-        self._library.q2q_pack(ctypes.c_uint8(number), ctypes.byref(_motion(motion)), packet)
-        return packet.raw
+        sent = self._library.q2q_pack(ctypes.c_uint8(number), ctypes.byref(_motion(motion)), packet)
+        return packet.raw if sent else None
 
     def _hear(self, number: int, stamp_us: int, motion: _Motion) -> bool:
         asked = ctypes.c_uint8(number), ctypes.c_uint32(stamp_us), ctypes.byref(motion)

@@ -97,8 +97,9 @@ class OnboardApps:
         for i, app in enumerate(self._apps):
             known = StepInput(now_us, motion[i], float(force[i]), float(thrust[i]), bool(flying[i]))
             self.eta[i] = app.step(known)
-            if (self._steps - i) % EVERY == 0:
-                self._sent.append(_Broadcast(i, now_us, app.broadcast(i, motion[i])))
+            packet = app.broadcast(i, motion[i]) if (self._steps - i) % EVERY == 0 else None
+            if packet is not None:
+                self._sent.append(_Broadcast(i, now_us, packet))
         rows.setpoints[:, :, SET_ACC + 2] = wanted - self.eta[:, None]
         self._steps += 1
 

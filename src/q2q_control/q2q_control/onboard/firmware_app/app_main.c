@@ -60,7 +60,7 @@ void appMain(void) {
     if (xQueueReceive(present, &motion, 0) != pdTRUE) continue;
     packet.port = PORT;
     packet.size = Q2Q_PACKET_BYTES;
-    q2q_pack(id, &motion, packet.data);
+    if (!q2q_pack(id, &motion, packet.data)) continue;
     radiolinkSendP2PPacketBroadcast(&packet);
   }
 }

@@ -26,6 +26,14 @@ void q2q_reset(struct q2q_app *app) {
   restart(app);
 }
 
+/* Return the time since the last step [s]: 0 in the first one, and where the clock was set back. */
+static float since_last(struct q2q_app *app, uint32_t now_us) {
+  const float dt = app->stepped ? q2q_seconds(app->last_us, now_us) : 0.0f;
+  app->stepped = true;
+  app->last_us = now_us;
+  return dt > 0.0f ? dt : 0.0f;
+}
+
 /* Let the rotors follow the command. The vehicle flies from the moment when they carry it. */
 static void follow(struct q2q_app *app, const struct q2q_input *input, float dt) {
   const float keep = Q2Q_THRUST_LAG_S > 0.0f ? expf(-dt / Q2Q_THRUST_LAG_S) : 0.0f;
@@ -48,11 +56,11 @@ static void work(struct q2q_app *app, const struct q2q_input *input) {
 }
 
 float q2q_step(struct q2q_app *app, const struct q2q_input *input) {
-  const float dt = q2q_seconds(app->last_us, input->now_us);
+  const float dt = since_last(app, input->now_us);
   struct q2q_track *own = &app->track[0];
+  q2q_forget(app, input->now_us);
   if (own->count == 0 || q2q_seconds(own->stamp_us[own->newest], input->now_us) >= Q2Q_PERIOD_S)
     q2q_remember(own, input->now_us, &input->own);
-  app->last_us = input->now_us;
   work(app, input);
   follow(app, input, dt);
   if (!app->flying) {

@@ -46,7 +46,8 @@ struct q2q_app {
   float eta;                    /* prediction for the present [m/s^2] */
   float ahead;                  /* prediction for the time when the rotors will have answered [m/s^2] */
   float thrust;                 /* of the rotors over the mass, after their lag [m/s^2] */
-  uint32_t last_us;
+  uint32_t last_us; /* time of the last step */
+  bool stepped;   /* there was one */
   bool flying;    /* the rotors have carried the vehicle since the motors started */
   uint8_t job;    /* of the next step */
   uint8_t source; /* its strength was renewed last */
@@ -86,8 +87,9 @@ void q2q_measure(struct q2q_correction *correction, float push, float eta, float
 /* Return the part of the residual that is left after `age_s` [m/s^2]. */
 float q2q_residual(const struct q2q_correction *correction, float age_s);
 
-/* Broadcast of one vehicle, little endian: id, then position [mm], velocity [mm/s], body z x and y [1e-4]. */
-void q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]);
+/* Write the broadcast of one vehicle, little endian: id, then position [mm], velocity [mm/s], body z x and y [1e-4];
+   return false, and write nothing, if the motion is not finite. */
+bool q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]);
 
 /* Write the motion in a broadcast; return its id. */
 uint8_t q2q_unpack(const uint8_t packet[Q2Q_PACKET_BYTES], struct q2q_motion *motion);

@@ -18,7 +18,7 @@ void q2q_measure(struct q2q_correction *now, float push, float eta, float dt) {
   const float missed = push - eta;
   const bool good = isfinite(missed);
   if (dt > Q2Q_OLDEST_S) dt = Q2Q_OLDEST_S;
-  if (good && fabsf(eta) < Q2Q_CLEAR) learn_offset(now, missed, dt);
+  if (good && dt > 0.0f && fabsf(eta) < Q2Q_CLEAR) learn_offset(now, missed, dt);
   const float share = left_after(dt), size = Q2Q_RESIDUAL_FLOOR + Q2Q_RESIDUAL_SLOPE * (good ? fabsf(eta) : 0.0f);
   now->residual *= share;
   now->variance = share * share * now->variance + (1.0f - share * share) * size * size;

@@ -22,14 +22,25 @@ bool q2q_remember(struct q2q_track *track, uint32_t stamp_us, const struct q2q_m
 }
 
 bool q2q_heard(const struct q2q_track *track, uint32_t now_us) {
-  return track->count > 0 && q2q_seconds(track->stamp_us[track->newest], now_us) <= Q2Q_STALE_S;
+  const float age = q2q_seconds(track->stamp_us[track->newest], now_us);
+  return track->count > 0 && age >= 0.0f && age <= Q2Q_STALE_S;
+}
+
+void q2q_forget(struct q2q_app *app, uint32_t now_us) {
+  for (int k = 0; k < Q2Q_VEHICLES; ++k)
+    if (!q2q_heard(&app->track[k], now_us)) app->track[k].count = 0;
+}
+
+/* Return whether the last sample and a stamp are at most Q2Q_STALE_S apart: packets may overtake each other. */
+static bool near(const struct q2q_track *track, uint32_t stamp_us) {
+  return track->count > 0 && fabsf(q2q_seconds(track->stamp_us[track->newest], stamp_us)) <= Q2Q_STALE_S;
 }
 
 /* Return the place of a neighbour, or a free one; 0 if there is none. */
-static int place_for(const struct q2q_app *app, uint8_t id, uint32_t now_us) {
+static int place_for(const struct q2q_app *app, uint8_t id, uint32_t stamp_us) {
   int place = 0;
   for (int k = 1; k < Q2Q_VEHICLES; ++k) {
-    const bool heard = q2q_heard(&app->track[k], now_us);
+    const bool heard = near(&app->track[k], stamp_us);
     if (heard && app->track[k].id == id) return k;
     if (!heard && place == 0) place = k;
   }
@@ -40,7 +51,7 @@ bool q2q_hear(struct q2q_app *app, uint8_t id, uint32_t stamp_us, const struct q
   const int place = place_for(app, id, stamp_us);
   struct q2q_track *track = &app->track[place];
   if (place == 0) return false;
-  if (!q2q_heard(track, stamp_us)) { /* free, or silent for too long to be interpolated */
+  if (!near(track, stamp_us)) { /* free, or silent for too long to be interpolated */
     track->id = id;
     track->count = 0;
     app->strength[place] = 1.0f;
@@ -111,7 +122,8 @@ static float get(const uint8_t *bytes, float unit) {
   return unit * (float)(int16_t)(uint16_t)((uint16_t)bytes[0] | (uint16_t)(bytes[1] << 8));
 }
 
-void q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]) {
+bool q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PACKET_BYTES]) {
+  if (!finite(motion)) return false;
   packet[0] = id;
   for (int k = 0; k < 3; ++k) {
     put(packet + 1 + 2 * k, motion->pos[k], 1e-3f);
@@ -119,6 +131,7 @@ void q2q_pack(uint8_t id, const struct q2q_motion *motion, uint8_t packet[Q2Q_PA
   }
   put(packet + 13, motion->axis[0], 1e-4f);
   put(packet + 15, motion->axis[1], 1e-4f);
+  return true;
 }
 
 uint8_t q2q_unpack(const uint8_t packet[Q2Q_PACKET_BYTES], struct q2q_motion *motion) {

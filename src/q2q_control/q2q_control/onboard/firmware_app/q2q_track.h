@@ -10,8 +10,12 @@ float q2q_seconds(uint32_t from_us, uint32_t to_us);
 /* Append a sample; return false if it is not later than the last one or not finite. */
 bool q2q_remember(struct q2q_track *track, uint32_t stamp_us, const struct q2q_motion *motion);
 
-/* Return whether the last sample is at most Q2Q_STALE_S old. */
+/* Return whether the last sample is at most Q2Q_STALE_S old, and not later than now. */
 bool q2q_heard(const struct q2q_track *track, uint32_t now_us);
+
+/* Empty the tracks that are not heard: half the period of the clock later (36 min) their age would be negative,
+   and a whole one later they would be new. */
+void q2q_forget(struct q2q_app *app, uint32_t now_us);
 
 /* Return the age of the first sample that is left [s]. */
 float q2q_oldest(const struct q2q_track *track, uint32_t now_us);
