@@ -1,12 +1,13 @@
 """A recorded flight whose signals are changed, for tests of policies."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from dataclasses import fields, replace
 from functools import cache
 
 import numpy as np
 
 from q2q_model.files.find_model import find_model
+from q2q_model.signals.values import SwarmCommand
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.policies import (
@@ -52,6 +53,24 @@ def changed(kind: type, since: float, until: float, **columns: Callable[[np.ndar
         return replace(one, signal=replace(one.signal, **new))
 
     return change
+
+
+def one_each(recorded: Iterable[RecordedSignal]) -> list[RecordedSignal]:
+    """Return a flight whose commands come in one message for each vehicle, as of distributed controllers."""
+    return [part for one in recorded for part in _parts(one)]
+
+
+def _parts(one: RecordedSignal) -> list[RecordedSignal]:
+    whole = one.signal
+    if not isinstance(whole, SwarmCommand):
+        return [one]
+    columns = {field.name: getattr(whole, field.name) for field in fields(whole)[2:]}
+    return [
+        replace(
+            one, signal=SwarmCommand(whole.t, (name,), **{key: of[k : k + 1] for key, of in columns.items()})
+        )
+        for k, name in enumerate(whole.names)
+    ]
 
 
 def only(topic: str, change: Change) -> Change:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from changed_flights import AROUND, SCENARIO, Change, broken, changed, only, received, with_row
+from changed_flights import AROUND, SCENARIO, Change, broken, changed, one_each, only, received, with_row
 
 from q2q_model.bag import BagWriter
 from q2q_model.signals.values import (
@@ -123,6 +123,26 @@ def test_a_command_out_of_bounds_breaks_its_policy(column: str, value: float, po
     found = broken(changed(SwarmCommand, 3.0, 3.01, **{column: with_row(2, value)}))
     assert policy in found
     assert found <= {policy, "thrust"}
+
+
+def test_commands_in_one_message_for_each_vehicle_are_judged_as_those_in_one_for_all() -> None:
+    bad = changed(SwarmCommand, 3.0, 4.0, thrust=with_row(0, -0.5), roll=with_row(0, 1.5))
+    recorded = [bad(one) for one in received()]
+    whole, parts = evidence_of(recorded), evidence_of(one_each(recorded))
+    np.testing.assert_array_equal(parts.thrust, whole.thrust)
+    assert judge(parts, AROUND) == judge(whole, AROUND)
+    assert {(one.policy, one.who) for one in judge(parts, AROUND)} == {("thrust", "cf1"), ("tilt", "cf1")}
+
+
+def test_of_two_messages_with_a_vehicle_and_a_stamp_the_later_recorded_counts() -> None:
+    whole = [one for one in received() if one.topic in {"command", "truth"}]
+    parts = one_each(whole)
+    double = changed(SwarmCommand, 0.0, 8.0, thrust=lambda thrust: 2.0 * thrust)
+    doubled = [double(one) for one in parts if "cf2" in one.signal.names]
+    once = evidence_of(whole).thrust
+    np.testing.assert_array_equal(evidence_of([*whole, *doubled]).thrust, once * [1.0, 2.0, 1.0])
+    np.testing.assert_array_equal(evidence_of([*doubled, *whole]).thrust, once)
+    np.testing.assert_array_equal(evidence_of([parts[0], *doubled, *whole]).thrust, once)
 
 
 def test_tilt_counts_roll_and_pitch_together() -> None:

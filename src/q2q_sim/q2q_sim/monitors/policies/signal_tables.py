@@ -1,7 +1,7 @@
 """Signals of a flight in arrays: an attribute of a topic's signals in the rows and columns of a grid.
 
-Rows are ticks. A signal belongs to the tick with its stamp; of several, the last counts. Missing values are
-NaN.
+Rows are ticks. A signal belongs to the tick with its stamp; of several with a vehicle, the last counts.
+Missing values are NaN.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Array, Mask, Names, Rows, index_of
+from q2q_model.signals.values import Array, Names, Rows, index_of
 
 SAME_TICK = 1e-4
 """Stamps closer than this are the same tick [s]: a hundredth of a tick."""
@@ -52,41 +52,57 @@ class Topic:
 
 
 class _Group(NamedTuple):
-    """Where the signals with the same names are in an array of the grid."""
+    """Where the values of the signals with the same names are in an array of the grid."""
 
-    kept: Mask
-    """Which of the signals are the last of a row."""
-    known: Mask
-    """Which of their vehicles are in the grid."""
-    place: tuple[Rows, ...]
-    """Rows of the kept signals and columns of the known vehicles."""
+    taken: tuple[Rows, Rows]
+    """Signals and vehicles of the group whose value is the last of a tick and vehicle."""
+    place: tuple[Rows, Rows]
+    """Rows and columns of these values."""
 
 
 class Table:
-    """Signals of a topic in the rows and columns of a grid."""
+    """Signals of a topic in the rows and columns of a grid: the last of each tick and vehicle.
+
+    Several controllers may command a part of the vehicles each, so that a tick has several signals.
+    """
 
     def __init__(self, grid: TickGrid, topic: Topic) -> None:
         self._shape, self._topic = (len(grid.t), len(grid.names)), topic
-        rows = _rows_of_last(grid.t, topic.stamps)
-        self.last = np.asarray(rows >= 0)
+        self.last = np.asarray(_rows_of_last(grid.t, topic.stamps) >= 0)
         """Which signals are the last of a row, (K,)."""
-        self._groups: dict[Names, _Group] = {}
-        for names, some in topic.by_names.items():
-            at, row = index_of(names, grid.names), rows[some]
-            place = np.ix_(row[row >= 0], at[at >= 0])
-            self._groups[names] = _Group(row >= 0, at >= 0, place)
+        newest = _newest(grid, topic)
+        self._groups = {names: _group(grid, topic, names, newest) for names in topic.by_names}
 
     def column(self, attribute: str, width: int) -> Array:
         """Return one attribute, (T, n) or (T, n, width); NaN where missing."""
         made = np.full((*self._shape, width) if width > 1 else self._shape, np.nan)
         for names, values in self._topic.values(attribute).items():
-            kept, known, place = self._groups[names]
-            made[place] = values[kept][:, known]
+            taken, place = self._groups[names]
+            made[place] = values[taken]
         return made
 
 
 def _stacked(rows: list[Array]) -> Array:
     return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
+
+
+def _newest(grid: TickGrid, topic: Topic) -> Rows:
+    """Return the last signal of each tick and vehicle, in the order of recording, (T, n); -1 without one."""
+    newest = np.full((len(grid.t), len(grid.names)), -1)
+    for names, some in topic.by_names.items():
+        row, column = _rows_of_last(grid.t, topic.stamps[some]), index_of(names, grid.names)
+        place = np.ix_(row[row >= 0], column[column >= 0])
+        newest[place] = np.maximum(newest[place], np.array(some)[row >= 0, None])
+    return newest
+
+
+def _group(grid: TickGrid, topic: Topic, names: Names, newest: Rows) -> _Group:
+    """Return where the signals of `names` are; `newest` are the signals that count, (T, n)."""
+    some, column = topic.by_names[names], index_of(names, grid.names)
+    row = _rows_of_last(grid.t, topic.stamps[some])
+    counts = (newest[row[:, None], column] == np.array(some)[:, None]) & (row[:, None] >= 0) & (column >= 0)
+    signal, vehicle = np.nonzero(counts)
+    return _Group((signal, vehicle), (row[signal], column[vehicle]))
 
 
 def _rows_of_last(t: Array, stamps: Array) -> Rows:
