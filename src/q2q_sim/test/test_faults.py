@@ -8,7 +8,9 @@ import pytest
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.rotations import matrix_from_quat
+from q2q_model.signals.values import MocapFrame
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, random_faults
+from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import TICK_S, Room, Tick
 from q2q_sim.scenarios import library
@@ -96,6 +98,16 @@ def test_frames_come_under_the_stamps_of_their_fault(fault: Fault, stamps: list[
     if fault.kind != "clock_jump":
         for (tick, _), k in zip(seen[2:5], showing, strict=True):
             np.testing.assert_array_equal(tick.frame.pos, clean[k].frame.pos)
+
+
+@pytest.mark.parametrize(("start", "showing"), [(0.0, [0, 0, 0, 3, 4, 5]), (0.02, [0, 1, 1, 1, 1, 5])])
+def test_stale_frames_show_the_last_one_before_them_or_the_first(start: float, showing: list[int]) -> None:
+    injection = FaultInjection([Fault("stale", start, 0.03)], ("cf1",), 10_000_000, seed=0)
+    level = np.array([[0.0, 0.0, 0.0, 1.0]])
+    for k, shown in enumerate(showing):
+        frame = MocapFrame(0.01 * k, ("cf1",), np.array([[float(k), 0.0, 1.0]]), level)
+        delivery = injection.deliver(frame, 10_000_000 * k, np.zeros(1, np.uint8))
+        assert (delivery.frame.pos[0, 0], delivery.stamp_ns) == (shown, 10_000_000 * k)
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ class FaultInjection:
         stamped = time_from_stamp(here.stamp_ns)
         if here.frame.t != stamped:
             here = replace(here, frame=replace(here.frame, t=stamped))
-        if all(fault.kind != "stale" for fault in acting):
+        if self._sent is None or all(fault.kind != "stale" for fault in acting):
             self._sent = here
         return here
 
