@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_sim.crtp.packets.packet import Packet, datagram_of, packet_of
+from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.experiments.licence.commands.client_commands import client_command
 from q2q_sim.experiments.licence.commands.plan_reach import beyond_reach, reach_violation
+from q2q_sim.experiments.licence.crazyswarm import server_packets
 from q2q_sim.firmware.commander.piecewise import Piecewise
+from q2q_sim.firmware.commander.planner import PlanState
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at_rest, piece_between
 
 FULL = CRAZYFLIE_2_0.thrust_max / CRAZYFLIE_2_0.mass
@@ -40,7 +45,7 @@ def test_speed_takes_a_vehicle_along():
 
 def test_a_short_step_a_quick_one_and_a_jump_are_told_apart():
     def told(*pieces: Piece, backwards: bool = False) -> str:
-        return reach_violation(Piecewise(pieces, 0.0, backwards=backwards), CRAZYFLIE_2_0)
+        return reach_violation(Piecewise(pieces, 0.0, backwards=backwards), np.zeros(3), CRAZYFLIE_2_0)
 
     assert told(rest_to_rest(0.05, 0.0, 0.0, 0.05)) == ""  # a small step of a PositionHlCommander
     assert told(rest_to_rest(0.0, 0.0, 0.5, 0.5)) == ""
@@ -53,3 +58,58 @@ def test_a_short_step_a_quick_one_and_a_jump_are_told_apart():
     assert told(second, rest_to_rest(1.0, 0.0, 0.0, 2.0)) == ""
     nothing = Piece(2.0, np.full((4, 8), math.nan))
     assert told(nothing, nothing) == ""
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0])
+def test_a_plan_without_duration_is_away_by_its_distance_to_the_goal_before(duration: float):
+    here = np.array([0.5, -0.3, 1.0])
+
+    def told(x: float, y: float, z: float) -> str:
+        return reach_violation(Piecewise((rest_to_rest(x, y, z, duration),), 3.0), here, CRAZYFLIE_2_0)
+
+    assert told(0.5, -0.3, 1.0) == told(0.5, -0.3, 1.14) == told(0.36, -0.3, 1.0) == ""
+    farther = "m farther than full thrust takes it in that time"
+    assert told(0.5, 0.9, 0.5) == f"a place that is 1.30 {farther}"
+    assert told(0.5, -0.3, 1.16) == f"a place that is 0.16 {farther}"
+
+
+def hovering(height: float) -> Pilot:
+    """Return a vehicle whose high-level commander has taken it to a height and keeps it there."""
+    pilot = Pilot(np.array([[0.2, 0.0, height, 0.0]]))
+    pilot.fly(0.1)
+    rise = server_packets.vertical(server_packets.TAKE_OFF, height, 1.0, 0)
+    pilot.fleet.vehicles[0].handle(datagram_of(rise))
+    pilot.fly(0.5)
+    return pilot
+
+
+def impossible(pilot: Pilot, packet: Packet) -> str:
+    """Return what of a command a vehicle cannot follow."""
+    answers = pilot.fleet.vehicles[0].handle(datagram_of(packet))
+    asked = client_command(packet, [packet_of(one) for one in answers], pilot.firmware())
+    assert asked is not None
+    assert asked.refused == ""
+    return asked.impossible
+
+
+def test_commands_in_zero_seconds_are_told_by_how_far_they_take_the_goal():
+    def go(x: float, z: float, *, relative: bool = False) -> Packet:
+        return server_packets.go_to((x, 0.0, z), 0.0, 0.0, relative=relative, mask=0)
+
+    pilot = hovering(1.0)
+    assert impossible(pilot, go(0.2, 1.0)) == ""
+    assert impossible(pilot, go(0.0, 0.0, relative=True)) == ""
+    assert impossible(pilot, go(1.7, 1.0)).startswith("a place that is 1.50 m farther")
+    pilot = hovering(1.0)
+    assert impossible(pilot, go(0.0, 0.5, relative=True)).startswith("a place that is 0.50 m farther")
+    pilot.fly(0.02)  # the goal is there now, the vehicle is not
+    assert impossible(pilot, go(0.0, 0.0, relative=True)) == ""
+
+
+def test_a_take_off_in_zero_seconds_is_a_jump_and_a_landing_in_zero_seconds_stops_the_motors(grounded: Pilot):
+    jump = server_packets.vertical(server_packets.TAKE_OFF, 0.4, 0.0, 0)
+    assert impossible(grounded, jump).startswith("a place that is 0.40 m farther")
+    pilot = hovering(1.0)
+    assert impossible(pilot, server_packets.vertical(server_packets.LAND, 0.0, 0.0, 0)) == ""
+    pilot.fly(0.01)
+    assert pilot.firmware().planner.state == PlanState.IDLE

@@ -15,7 +15,7 @@ from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
 from q2q_sim.experiments.licence.commands.plan_reach import reach_violation
 from q2q_sim.firmware.commander.commander import Priority
-from q2q_sim.firmware.commander.planner import PlannerAnswer
+from q2q_sim.firmware.commander.planner import PlannerAnswer, PlanState
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
 from q2q_sim.firmware.firmware import Firmware
 
@@ -138,11 +138,18 @@ def _without_position(firmware: Firmware) -> str:
 
 
 def _out_of_reach(asked: Asked, firmware: Firmware) -> str:
-    """Return what is out of reach of the plan that a command has begun; or nothing."""
-    plan = firmware.planner.trajectory
+    """Return what is out of reach of the plan that a command has begun; or nothing.
+
+    A landing in 0 s is not flown: it stops the motors, which the rules of motors and landing judge.
+    """
+    planner = firmware.planner
+    plan = planner.trajectory
     if asked.kind != CommandKind.PLAN or asked.refused or plan is None:
         return ""
-    return reach_violation(plan, CRAZYFLIE_2_1)  # the lightest brushed one: the program may be meant for it
+    if planner.state == PlanState.LANDING and planner.finished(firmware.seconds):
+        return ""
+    lightest = CRAZYFLIE_2_1  # of the brushed ones: the program may be meant for it
+    return reach_violation(plan, planner.here.pos, lightest)
 
 
 def malformed_command(packet: Packet) -> Asked | None:

@@ -6,13 +6,15 @@ ball
     |p' - p - v T + g T^2 / 2 e_z| <= F/m T^2 / 2
 
 so that a piece whose end is outside leaves the vehicle behind by the difference at least, whatever the
-controller. Between two pieces T is 0: a trajectory must not jump.
+controller. Between two pieces T is 0: a trajectory must not jump. A plan of 0 s or less is its end at once:
+it must not be away from the goal before it.
 """
 
 from itertools import pairwise
 
 import numpy as np
 
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.polynomial import Piece, goal_at
@@ -21,18 +23,30 @@ BEHIND = 0.15
 """Distance by which a plan may leave a vehicle behind [m]: that of two vehicles that collide."""
 
 
-def reach_violation(plan: Piecewise, vehicle: Vehicle) -> str:
-    """Return what of a plan is out of reach; empty if nothing is."""
+def reach_violation(plan: Piecewise, here: Array, vehicle: Vehicle) -> str:
+    """Return what of a plan is out of reach; empty if nothing is.
+
+    Args:
+        plan: begun.
+        here: goal before it, or the vehicle's position if there was none [m], world, (3,).
+        vehicle: that is to follow.
+    """
     jump = max((_jump(one, other) for one, other in pairwise(plan.pieces)), default=0.0)
     if jump > BEHIND:
         return f"a trajectory that jumps by {jump:.2f} m between two pieces"
-    if plan.backwards:
-        return ""
-    for piece in plan.pieces:
-        behind = beyond_reach(piece, plan.timescale, vehicle)
-        if behind > BEHIND:
-            return f"a place that is {behind:.2f} m farther than full thrust takes it in that time"
-    return ""
+    behind = _behind(plan, here, vehicle)
+    return f"a place that is {behind:.2f} m farther than full thrust takes it in that time" if behind else ""
+
+
+def _behind(plan: Piecewise, here: Array, vehicle: Vehicle) -> float:
+    """Return by how much a plan leaves a vehicle behind first [m]; 0 if by no more than BEHIND."""
+    if plan.duration <= 0.0:
+        behind = [float(np.linalg.norm(plan.goal(plan.begin).pos - here))]
+    elif plan.backwards:
+        behind = []
+    else:
+        behind = [beyond_reach(piece, plan.timescale, vehicle) for piece in plan.pieces]
+    return next((one for one in behind if one > BEHIND), 0.0)
 
 
 def beyond_reach(piece: Piece, timescale: float, vehicle: Vehicle) -> float:
