@@ -13,7 +13,7 @@ from q2q_sim.crtp.tables import log_table
 from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.log_table import VARIABLES
 from q2q_sim.firmware.firmware import Build
-from q2q_sim.firmware.parameters.parameter_table import TABLE
+from q2q_sim.firmware.parameters.parameter_table import GAINS, TABLE
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 from cflib.crazyflie.log import LogTocElement
@@ -122,6 +122,21 @@ def test_extended_types_defaults_and_the_eeprom_answer_with_a_status(grounded: P
     assert ask(grounded, PARAM_READ + kept) == kept + b"\x00" + new  # what was stored outlives a reboot
     assert ask(grounded, PARAM_MISC + b"\x05" + kept) == b"\x05" + kept + b"\x00"
     assert ask(grounded, PARAM_MISC + b"\x05" + kept) == b"\x05" + kept + b"\x02"
+
+
+def test_after_a_reboot_the_controllers_fly_the_gains_that_a_client_reads(grounded: Pilot) -> None:
+    def roll_gains() -> tuple[float, float]:
+        grounded.fly(0.01)
+        (read,) = struct.unpack("<f", ask(grounded, PARAM_READ + gain)[3:])
+        return read, float(grounded.fleet._rows.gains[0, GAINS.index("pid_attitude.roll_kp")])
+
+    gain, kept = (struct.pack("<H", param_id(name)) for name in ("pid_attitude.roll_kp", "ring.effect"))
+    stock = roll_gains()
+    ask(grounded, PARAM_WRITE + gain + struct.pack("<f", 12.0))
+    assert roll_gains() == (12.0, 12.0)
+    ask(grounded, PARAM_MISC + b"\x03" + kept)  # a boot writes what is stored: as many writes as before it
+    grounded.fleet.vehicles[0].handle(b"\xff\xfe\xf0")
+    assert roll_gains() == stock == (6.0, 6.0)
 
 
 def test_clients_find_the_lights_card_decks_and_loops_that_they_ask_for() -> None:

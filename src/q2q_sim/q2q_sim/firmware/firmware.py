@@ -98,12 +98,13 @@ class Firmware:
         self.now_ms = 0
         self.received = 0
         """Packets since the start of the room."""
+        self.parameters = Parameters(airframe, auto_arming=build.auto_arming)
         self._airframe = airframe
         self.boot()
 
     def boot(self) -> None:
         """Reboot: everything uploaded or set is lost, except the EEPROM."""
-        self.parameters = Parameters(self._airframe, auto_arming=self.build.auto_arming)
+        self.parameters.reset()
         for name, value in self.uploads.stored.items():
             self.parameters.set(name, value)
         for deck in self.build.decks:

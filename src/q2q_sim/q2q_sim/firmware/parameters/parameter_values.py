@@ -25,7 +25,7 @@ def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, Value]:
 
 
 class Parameters:
-    """Parameter values; `changes` counts writes, so that readers can cache derived values."""
+    """Parameter values; `changes` counts writes and resets, so that readers can cache derived values."""
 
     def __init__(self, airframe: Airframe, *, auto_arming: bool = True) -> None:
         self._defaults = defaults_of(airframe, auto_arming=auto_arming)
@@ -43,6 +43,11 @@ class Parameters:
     def set(self, name: str, value: Value) -> None:
         """Set `group.name`."""
         self._values[name] = _as_float32(value)
+        self.changes += 1
+
+    def reset(self) -> None:
+        """Set every parameter to its initial value."""
+        self._values = dict(self._defaults)
         self.changes += 1
 
     def default(self, name: str) -> Value:
