@@ -85,6 +85,30 @@ def test_by_full_states_a_silence_is_a_hover_where_it_was_sent_then_a_landing() 
     assert bench.silent_until(0.06, seen=False)[-1] == ("land", LANDING_S[0])
 
 
+@pytest.mark.parametrize("hover", [HOVER, None])
+def test_a_vehicle_whose_commands_are_not_finite_lands_and_the_other_flies_on(
+    hover: RpytSetpoint | None,
+) -> None:
+    bench = Bench(hover=hover)
+    bench.fly()
+    x = (1.0, 2.0, 3.0)
+    sound = FullState(x, x, x, (0.0, 0.0, 0.0, 1.0), x) if hover is None else RpytSetpoint(1.0, 2.0, 3.0, 9)
+
+    def command(first: object) -> None:
+        send = bench.pilot.fly_full_states if hover is None else bench.pilot.fly_rpyt
+        send(NAMES, [first, sound], bench.t)
+
+    command(sound)
+    for _ in range(51):  # 1.02 s
+        bench.t += 0.02
+        bench.see()
+        command(None)
+        bench.pilot.watch(bench.t)
+    assert bench.links["cf1"].sent.count(("land", LANDING_S[0])) == 1
+    assert bench.links["cf2"].sent[-1] == sound
+    assert bench.pilot.phases == {"cf1": Phase.LANDING, "cf2": Phase.FLYING}
+
+
 def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     bench = Bench()
     bench.fly()

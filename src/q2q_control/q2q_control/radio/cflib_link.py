@@ -115,9 +115,9 @@ class CflibLink:
             self._mailbox.put("open", self._reopen)
 
     def log_lines(self) -> list[str]:
-        """Return and clear the vehicle's console lines and the reasons of failed connections."""
+        """Return and clear the vehicle's console lines and the reasons why links or packets failed."""
         lines, self._known.console = self._known.console, []
-        return [line for line in lines if line]
+        return [line for line in [*lines, *self._mailbox.log_lines()] if line]
 
     @property
     def pose(self) -> OnboardPose | None:

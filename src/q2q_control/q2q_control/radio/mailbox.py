@@ -1,12 +1,11 @@
 """Mailbox of packets that are sent by its own thread.
 
 cflib's radio driver blocks while the radio is busy. In the mailbox a newer setpoint or pose replaces an older
-one, so that a slow radio costs rate, not delay.
+one, so that a slow radio costs rate, not delay. A packet that cannot be sent is told, the next one is sent.
 """
 
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from itertools import count
 
 
@@ -14,6 +13,8 @@ class Mailbox:
     """Newest packet of each kind, sent by its own thread."""
 
     def __init__(self, name: str) -> None:
+        self._log: list[str] = []
+        self._told: set[type[Exception]] = set()
         self._waiting: dict[str, Callable[[], None]] = {}
         self._serial = count()
         self._change = threading.Condition()
@@ -38,6 +39,11 @@ class Mailbox:
             self._waiting.clear()
         self.put_once(send)
 
+    def log_lines(self) -> list[str]:
+        """Return and clear the errors met since, each kind once."""
+        lines, self._log = self._log, []
+        return lines
+
     def close(self) -> None:
         """Send what waits, then stop."""
         with self._change:
@@ -54,5 +60,17 @@ class Mailbox:
                     return
                 kind = next(iter(self._waiting))
                 send = self._waiting.pop(kind)
-            with suppress(OSError):  # the link reports its own loss
-                send()
+            self._try(send)
+
+    def _try(self, send: Callable[[], None]) -> None:
+        """Send a packet; whatever that raises, the thread goes on: the next may be an emergency stop."""
+        try:
+            send()
+        except Exception as error:  # noqa: BLE001
+            if not isinstance(error, OSError):  # the link reports its own loss
+                self._tell_once(error)
+
+    def _tell_once(self, error: Exception) -> None:
+        if type(error) not in self._told:
+            self._told.add(type(error))
+            self._log.append(f"a packet was not sent, as will others of this error be: {error!r}")

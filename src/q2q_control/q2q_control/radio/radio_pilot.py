@@ -14,6 +14,7 @@
 | state older than stale_s | no pose is sent; the firmware's estimate coasts |
 | command with status CUT | the vehicle's motors are stopped and locked |
 | stopped, and not locked | the stop is sent again, for 2 s of connection, also after the link was lost |
+| a command that is not finite | it is not sent, and counts as none; the other vehicles' are sent |
 | no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
 | none for silent_land_s | the vehicle lands by itself |
 | the same, with RPYT and no fresh state | it descends level, at the ladder's land_share of hover |
@@ -27,7 +28,7 @@ A vehicle's pose is sent once per frame, and only if it was measured in that fra
 pose_delay_s (q2q_model.geometry.pose_ahead); where no attitude was ever measured, only its position is.
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -157,17 +158,17 @@ class RadioPilot:
                 attitude = quat[row].tolist() if turned[row] else None
                 self._links[name].send_place(pos[row].tolist(), attitude)
 
-    def fly_rpyt(self, names: Names, rpyt_setpoints: list[RpytSetpoint], t: float) -> None:
-        """Send a tick's RPYT setpoints, received at time t [s], to the flying vehicles."""
+    def fly_rpyt(self, names: Names, rpyt_setpoints: Sequence[RpytSetpoint | None], t: float) -> None:
+        """Send a tick's RPYT setpoints, received at time t [s], to the flying vehicles; None: no command."""
         for name, rpyt in zip(names, rpyt_setpoints, strict=True):
-            if self._flies(name):
+            if rpyt is not None and self._flies(name):
                 self._vehicles[name].commanded_at = t
                 self._links[name].send_rpyt(rpyt)
 
-    def fly_full_states(self, names: Names, states: list[FullState], t: float) -> None:
-        """Send a tick's full states, received at time t [s], to the flying vehicles."""
+    def fly_full_states(self, names: Names, states: Sequence[FullState | None], t: float) -> None:
+        """Send a tick's full states, received at time t [s], to the flying vehicles; None: no command."""
         for name, one in zip(names, states, strict=True):
-            if self._flies(name):
+            if one is not None and self._flies(name):
                 self._vehicles[name].commanded_at, self._vehicles[name].full_state = t, one
                 self._links[name].send_full_state(one)
 

@@ -64,10 +64,11 @@ class FullState:
     """[rad/s], body."""
 
 
-def rpyt_setpoints(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint]:
-    """Return the RPYT setpoint of every vehicle, in the order of the command."""
-    rows = legacy_setpoints(command, scale).tolist()  # pitch, roll, yaw rate [deg, deg/s], PWM
-    return [RpytSetpoint(roll, pitch, -yaw_rate, int(pwm)) for pitch, roll, yaw_rate, pwm in rows]
+def rpyt_setpoints(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint | None]:
+    """Return the RPYT setpoint of every vehicle, in the order of the command; None if it is not finite."""
+    finite = _finite_rows(np.column_stack([command.thrust, command.roll, command.pitch, command.yaw_rate]))
+    rows = legacy_setpoints(command, scale).tolist()
+    return [_rpyt(row) if sound else None for row, sound in zip(rows, finite, strict=True)]
 
 
 def cut_vehicles(command: SwarmCommand) -> Names:
@@ -80,15 +81,16 @@ def cut_vehicles(command: SwarmCommand) -> Names:
 def level_rpyt(thrust: float, scale: LegacyScale) -> RpytSetpoint:
     """Return the level setpoint of a thrust [N]."""
     one, zero = np.array([thrust]), np.zeros(1)
-    (level,) = rpyt_setpoints(SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8)), scale)
-    return level
+    level = SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8))
+    return _rpyt(legacy_setpoints(level, scale)[0].tolist())
 
 
-def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState]:
-    """Return the full state of every vehicle, with the setpoint's acceleration minus eta."""
+def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState | None]:
+    """Return the full state of every vehicle, of acceleration acc - eta; None if it is not finite."""
     acc = setpoint.acc - _downwash(setpoint.names, interference)
     level = np.zeros(len(setpoint.names))
-    quat = quat_from_euler(level, level, setpoint.yaw)
+    quat = quat_from_euler(level, level, np.where(np.isfinite(setpoint.yaw), setpoint.yaw, 0.0))
+    finite = _finite_rows(np.column_stack([setpoint.pos, setpoint.vel, acc, setpoint.yaw, setpoint.yaw_rate]))
     return [
         FullState(
             pos=_cut(setpoint.pos[k]),
@@ -97,8 +99,21 @@ def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> l
             quat=tuple(quat[k].tolist()),
             ang_vel=(0.0, 0.0, *_cut(setpoint.yaw_rate[k : k + 1])),
         )
+        if finite[k]
+        else None
         for k in range(len(setpoint.names))
     ]
+
+
+def _rpyt(row: list[float]) -> RpytSetpoint:
+    """Return the RPYT setpoint of pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM]."""
+    pitch, roll, yaw_rate, pwm = row
+    return RpytSetpoint(roll, pitch, -yaw_rate, int(pwm))
+
+
+def _finite_rows(rows: Array) -> list[bool]:
+    finite: list[bool] = np.asarray(np.isfinite(rows).all(axis=1)).tolist()
+    return finite
 
 
 def _downwash(names: Names, interference: Interference | None) -> Array:

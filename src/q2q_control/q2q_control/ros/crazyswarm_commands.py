@@ -46,10 +46,10 @@ class CrazyswarmCommands:
         return f"other nodes publish setpoints of these vehicles ({others}): {advice}" if others else ""
 
     def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, downwash: Interference | None) -> None:
-        """Publish every known vehicle's full state."""
+        """Publish every known vehicle's full state, if it is finite."""
         header = header_at(stamp_ns)
         for name, full_state in zip(setpoint.names, full_states(setpoint, downwash), strict=True):
-            if name in self._writers:
+            if full_state is not None and name in self._writers:
                 self._writers[name].publish(self._message(header, full_state))
 
     def send_command(self, command: SwarmCommand) -> None:
