@@ -6,21 +6,21 @@
 | a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
 | two vehicles collided | policy `separation` |
 | a vehicle left its path | policy `room` |
-| commands ended before the flight | last command older than the firmware's watchdog, 0.5 s |
-| ticks were missed | more than 1 % without a command in time |
+| commands ended before the flight | a vehicle's last command older than the firmware's watchdog, 0.5 s |
+| ticks were missed | more than 1 % without a command in time, of a vehicle that ever had one |
 | the recording ends before the flight | a bag that was not closed (`with_unknown_end`) |
 | the flight ended early | the length that was to be flown, in the bag's metadata (`with_planned_end`) |
 
 The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.signals.values import CommandStatus
+from q2q_model.signals.values import CommandStatus, Mask
 from q2q_sim.monitors.metrics import tick_period
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.closeness import separation
@@ -165,20 +165,36 @@ def _sent_down(evidence: Evidence, circumstances: Circumstances) -> Iterator[Fin
 
 
 def _commands_ended(evidence: Evidence) -> Iterator[Finding]:
+    """Yield the vehicles whose commands ended before the flight; all at once, if theirs ended together."""
     t = evidence.t
-    commanded = np.isfinite(evidence.command_status).any(axis=1)
-    if commanded.any() and t[-1] - t[commanded][-1] > COMMANDS_END_S:
-        last = float(t[commanded][-1])
-        yield Finding(last, f"commands ended at {last:.1f} s of {t[-1] - t[0]:.1f} s")
+    last = {name: float(t[given][-1]) for name, given in _commanded(evidence).items()}
+    for name, at in _once_if_of_all(last).items():
+        if t[-1] - at > COMMANDS_END_S:
+            whose = f"{name}'s commands" if name else "commands"
+            yield Finding(at, f"{whose} ended at {at - t[0]:.1f} s of {t[-1] - t[0]:.1f} s")
 
 
 def _missed(evidence: Evidence, counted: int | None) -> Iterator[Finding]:
-    """Yield a finding if too many ticks were missed."""
-    commanded = np.isfinite(evidence.command_status).any(axis=1)
+    """Yield a finding if too many ticks were missed, of all vehicles or by vehicle."""
     ticks = len(evidence.t)
-    missed = counted if counted is not None else int(ticks - commanded.sum()) if commanded.any() else 0
-    if missed > MISSED_SHARE * ticks:
-        yield Finding(float(evidence.t[-1]), f"{missed} of {ticks} ticks were missed")
+    lacking = {name: float(ticks - given.sum()) for name, given in _commanded(evidence).items()}
+    missed = _once_if_of_all(lacking) if counted is None else {"": float(counted)}
+    for name, count in missed.items():
+        if count > MISSED_SHARE * ticks:
+            which = f"ticks of {name}" if name else "ticks"
+            yield Finding(float(evidence.t[-1]), f"{count:.0f} of {ticks} {which} were missed")
+
+
+def _commanded(evidence: Evidence) -> Mapping[str, Mask]:
+    """Return the ticks with a command, (T,), of each vehicle that ever has one."""
+    given = np.isfinite(evidence.command_status)
+    return {name: given[:, row] for row, name in enumerate(evidence.names) if given[:, row].any()}
+
+
+def _once_if_of_all(values: Mapping[str, float]) -> Mapping[str, float]:
+    """Return the values of vehicles; one that all of them have once, under an empty name."""
+    distinct = set(values.values())
+    return {"": distinct.pop()} if len(distinct) == 1 else values
 
 
 def _unjudged(evidence: Evidence) -> Iterator[str]:
