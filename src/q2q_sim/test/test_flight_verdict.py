@@ -142,6 +142,18 @@ def test_the_filtered_positions_are_judged_where_nobody_knows_the_truth() -> Non
     assert output(fallen) == "cf2 hit the floor at 5.6 s"
 
 
+def test_a_vehicle_that_was_never_seen_yet_is_nowhere_and_not_on_the_floor() -> None:
+    """The filter puts it at the origin, here below cf1."""
+    unknown = flown(true_pos=np.full_like(HOVER, np.nan))
+    late = replace(unknown, pos=moved(0.0, 0.8, 1, (0.0, 0.0, 0.0)))
+    seen = replace(late, mocap_pos=moved(0.0, 0.8, 1, (np.nan, np.nan, np.nan)))
+    assert output(seen) == (
+        "ok: 10.0 s flown to the end; not judged: cf2 from 0.0 to 0.8 s (no position recorded)"
+    )
+    fallen = replace(seen, pos=moved(5.6, 5.8, 1, (0.0, 1.0, 0.0)))
+    assert output(fallen).startswith("cf2 hit the floor at 5.6 s")
+
+
 @pytest.mark.parametrize(("planned", "said"), [
     ("50", "the flight ended at 10.0 s of 50.0 s, before its end"),
     ("10.4", "ok: 10.0 s flown to the end"),

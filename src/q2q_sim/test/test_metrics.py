@@ -84,6 +84,16 @@ def test_a_pair_without_positions_has_no_time_in_the_zone() -> None:
     assert np.isnan(found.zone_time_s)
 
 
+def test_filtered_positions_count_from_the_first_sample_of_a_vehicle_on() -> None:
+    ref = _still() + np.array([0.0, 0.5, 0.0]) * np.arange(2)[:, None]  # cf2 is 0.5 m above and beside cf1
+    late = np.arange(2) * (T[:, None] < 0.8)  # cf2 is seen from 0.8 s on
+    filtered = np.where(late[..., None], 0.0, ref)
+    flight = replace(_flight(np.full_like(ref, np.nan), ref, np.ones((1000, 2))), pos=filtered)
+    seen = measure(replace(flight, mocap_pos=np.where(late[..., None], np.nan, ref)), SCENARIO.vehicle)
+    assert seen.min_separation_m == pytest.approx(np.hypot(0.5, 0.5), rel=1e-12)
+    assert (seen.zone_time_s, seen.vehicles["cf2"].z_rmse_m) == (0.0, 0.0)
+
+
 def test_filtered_positions_serve_where_the_truth_is_unknown() -> None:
     flight = _flight(np.full((1000, 1, 3), np.nan), _still(1), np.ones((1000, 1)))
     seen = replace(flight, pos=_still(1) + np.array([0.0, 0.0, 0.1]))

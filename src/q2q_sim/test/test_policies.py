@@ -15,6 +15,7 @@ from q2q_model.signals.values import (
     SwarmCommand,
     SwarmSetpoint,
     SwarmState,
+    TrackStatus,
 )
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.commands import policies as tool
@@ -29,6 +30,7 @@ from q2q_sim.monitors.policies import (
     evidence_of,
     judge,
 )
+from q2q_sim.tools.judge_bags import judge_bag
 
 
 def test_a_flight_without_faults_keeps_every_policy() -> None:
@@ -261,6 +263,18 @@ def test_policies_of_which_a_bag_has_nothing_are_named_and_positions_are_the_fil
     told = capsys.readouterr()
     assert said[0] in told.out
     assert told.err.strip().endswith(f"has nothing of them: {said[1]}")
+
+
+def test_without_truth_a_vehicle_that_is_lost_is_nowhere() -> None:
+    def without_truth(status: TrackStatus) -> set[str]:
+        kept = [one for one in received() if not one.topic.startswith("truth")]
+        at_origin = changed(
+            SwarmState, 0.0, 0.3, pos=np.zeros_like, status=lambda was: np.full_like(was, status)
+        )
+        return {one.policy for one in judge_bag(evidence_of(map(at_origin, kept)), AROUND).violations}
+
+    assert {"separation", "room", "floor"} <= without_truth(TrackStatus.COASTING)
+    assert without_truth(TrackStatus.LOST) == set()
 
 
 def test_who_is_on_the_floor_though_sent_above_it_has_fallen_unless_it_lands_blind() -> None:

@@ -72,8 +72,15 @@ def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> Fl
 
 
 def best_position(flight: Flight) -> Array:
-    """Return the true positions if known, else the filtered ones [m], (T, n, 3)."""
-    return np.where(np.isfinite(flight.true_pos), flight.true_pos, flight.pos)
+    """Return the true positions if known, else the filtered ones [m], (T, n, 3); NaN where neither is.
+
+    A filter puts a vehicle that it has never seen at the origin. In a flight with motion capture, filtered
+    positions count from a vehicle's first sample on.
+    """
+    seen = np.logical_or.accumulate(np.isfinite(flight.mocap_pos).all(axis=2), axis=0)
+    known = seen | ~seen.any()
+    filtered = np.where(known[..., None], flight.pos, np.nan)
+    return np.where(np.isfinite(flight.true_pos), flight.true_pos, filtered)
 
 
 def tick_period(flight: Flight) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from q2q_model.bag import BagReader, BagRepairWarning
 from q2q_model.bag.recorded_flight import topics_by_name
 from q2q_model.signals.stamps import time_from_stamp
+from q2q_model.signals.values import TrackStatus
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.monitors.policies import (
@@ -73,10 +74,14 @@ def run(args: Namespace) -> int:
 
 
 def judge_bag(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
-    """Return how a flight keeps the policies; without true positions by the filtered ones."""
+    """Return how a flight keeps the policies; without true positions by the filtered ones.
+
+    The filtered position of a lost vehicle does not count: it is where it was last seen, or the origin.
+    """
     if np.isfinite(evidence.true_pos).any():
         return JudgedBag(judge(evidence, circumstances), policies_without_evidence(evidence))
-    filtered = replace(evidence, true_pos=evidence.state_pos)
+    lost = (evidence.state_status == TrackStatus.LOST)[..., None]
+    filtered = replace(evidence, true_pos=np.where(lost, np.nan, evidence.state_pos))
     policies = {name: policy for name, policy in POLICIES.items() if name != "belief"}
     lacking = {*policies_without_evidence(filtered), "belief"}
     return JudgedBag(
