@@ -183,6 +183,21 @@ timeHelper.sleep(3.0)
     assert (log.pos[-1, 0, 2] < 0.05) == lands
 
 
+def test_commands_at_the_end_of_a_gap_arrive_in_the_order_of_the_calls(tmp_path: Path):
+    body = """
+timeHelper.sleep(0.49)
+cf.goTo([0.0, 0.0, 0.6], 0.0, 2.0)
+allcfs.arm(True)
+allcfs.takeoff(targetHeight=0.5, duration=2.0)
+timeHelper.sleep(0.01)
+allcfs.land(targetHeight=0.04, duration=2.0)
+"""
+    end = CONNECT_S + 0.5
+    log = log_of(fly(tmp_path, body, trial=LicenceTrial(TrialKind.GAP, 0, end - GAP_S)))
+    assert [one.asked.words.split()[0] for one in log.commands] == ["go_to", "arming", "takeoff", "land"]
+    assert [one.t for one in log.commands] == pytest.approx([end] * 4, abs=1e-3)
+
+
 def test_parameters_are_those_before_the_file_s_and_an_installed_package_is_not_used(tmp_path: Path):
     body = """
 assert cf.getParam("stabilizer.controller") == 1

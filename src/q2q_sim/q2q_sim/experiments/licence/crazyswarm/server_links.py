@@ -1,9 +1,10 @@
 """Links of Crazyswarm2's server to the vehicles.
 
 A call hands its packet to the server and returns. To one vehicle, the radio repeats it until the vehicle
-acknowledges: while no packet passes, packets wait in their order. A broadcast is repeated BROADCAST_S long
-without acknowledgement: a vehicle whose link is silent all that time does not get it. The repetitions that do
-arrive are one here, for each has the effect of the first. The server lives on when the program has ended.
+acknowledges: while no packet passes, packets wait. A broadcast is repeated BROADCAST_S long without
+acknowledgement: a vehicle whose link is silent all that time does not get it. The repetitions that do arrive
+are one here, for each has the effect of the first. All packets that arrive do so in the order of the calls.
+The server lives on when the program has ended.
 """
 
 import threading
@@ -51,12 +52,10 @@ class ServerLinks:
 
     def broadcast(self, packet: Packet) -> None:
         """Send a packet to all vehicles at once by a call of the program."""
-        now, sender, datagram = self.now, self._host.sender, datagram_of(packet)
-        for link, waiting in zip(self._links, self._waiting, strict=True):
-            if self._host.passes(link):
-                self._host.room.deliver(link, datagram, now, sender)
-            elif self._host.room.silent_until(link.vehicle, now) <= now + BROADCAST_S:
-                waiting.appendleft((datagram, sender))
+        now, sender = self.now, self._host.sender
+        for number, link in enumerate(self._links):
+            if self._host.room.silent_until(link.vehicle, now) <= now + BROADCAST_S:
+                self._enqueue(number, packet, sender)
         self._host.turns.spend(CALL_S)
 
     def set_up(self, number: int, packet: Packet) -> bytes:
