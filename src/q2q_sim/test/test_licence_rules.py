@@ -298,3 +298,15 @@ def test_faults_strike_the_fastest_vehicle_at_its_fastest_and_the_nearest_pair_a
     assert ({swap.vehicle, swap.other}, swap.start) == ({0, 1}, pytest.approx(log.t[600]))
     grounded = replace(log, pos=0.0 * log.pos)
     assert trials_after(grounded) == ()
+
+
+def test_a_landing_in_the_first_second_is_disturbed_from_the_start():
+    log = hover()
+    early = replace(log, pos=np.concatenate([log.pos[400:440], 0.0 * log.pos[40:]]))  # in the air until 0.4 s
+    trials = trials_after(early)
+    starts = [one.start for one in trials if one.kind in {TrialKind.GAP, TrialKind.STALE}]
+    assert starts[1::2] == [0.0, 0.0]
+    assert min(one.start for one in trials) == 0.0
+    stale = [fault for one in trials for fault in one.capture_faults(("cf1",))]
+    assert [(fault.kind, fault.start) for fault in stale] == [("stale", starts[2]), ("stale", 0.0)]
+    assert [one.start for one in trials_after(log)][1] == pytest.approx(log.t[log.airborne[:, 0]][-1] - 1.0)

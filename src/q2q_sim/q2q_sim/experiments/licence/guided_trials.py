@@ -1,7 +1,7 @@
 """Trials with a fault, guided by the flight without: each at an instant where that has its least margins.
 
 The instants are those of the largest speed, of the smallest distance of two vehicles, half a second after
-the take-off, and one second before the landing.
+the take-off, and one second before the landing (0 s if that is in the first second).
 """
 
 from dataclasses import replace
@@ -24,11 +24,12 @@ def trials_after(nominal: LicenceLog) -> tuple[LicenceTrial, ...]:
     fast, fastest = _fastest(nominal)
     first, last = rows[0], rows[-1]
     rise, landing = _span(nominal, fast)
+    descent = max(landing - BEFORE_LANDING_S, 0.0)
     found = [
         LicenceTrial(TrialKind.GAP, fast, fastest),
-        LicenceTrial(TrialKind.GAP, fast, landing - BEFORE_LANDING_S),
+        LicenceTrial(TrialKind.GAP, fast, descent),
         LicenceTrial(TrialKind.STALE, fast, fastest),
-        LicenceTrial(TrialKind.STALE, fast, landing - BEFORE_LANDING_S),
+        LicenceTrial(TrialKind.STALE, fast, descent),
         LicenceTrial(TrialKind.BATTERY, fast, rise + AFTER_RISE_S),
         LicenceTrial(TrialKind.PUSH, fast, fastest),
         LicenceTrial(TrialKind.PUSH, last, _span(nominal, last)[0] + AFTER_RISE_S),
