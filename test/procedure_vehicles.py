@@ -144,6 +144,8 @@ class Server:
     """Of the estimates from the truth [m]."""
     held: dict[str, float] = field(default_factory=dict)
     """Parameters that it tells in place of the vehicles'."""
+    bridge: Crazyswarm | None = None
+    """Node that asks it."""
 
     def __post_init__(self) -> None:
         """Connect to the vehicles and choose their controller."""
@@ -230,7 +232,7 @@ def by_bridge(
         "vehicle": room.scenario.vehicle.name,
         **given,
     }
-    room.start("crazyswarm", asked, Crazyswarm, server.services())
+    server.bridge = room.start("crazyswarm", asked, Crazyswarm, server.services())
     assert room.node is not None
     for row, name in enumerate(NAMES):
         room.node.forward[f"{name}/cmd_full_state"] = lambda message, row=row: server.full_state(row, message)

@@ -103,6 +103,17 @@ class PilotedFlight:
         self._execute(t)
         return reply
 
+    def land_here(self, t: float) -> float:
+        """Land without a glide at time t [s]; return how long to wait for that [s], 0 on the ground."""
+        seconds = self._procedure.land_here(self._observed(t), t)
+        self._execute(t)
+        return seconds
+
+    @property
+    def comes_down(self) -> bool:
+        """Return whether a landing is under way."""
+        return self._procedure.step in {Step.LANDING, Step.DISARMING}
+
     def begin_single(self, act: Act, name: str, t: float) -> Reply | None:
         """Start a single act, `name` in messages; return why it is refused, or None if it has started."""
         refusal = self._single_refusal(name)

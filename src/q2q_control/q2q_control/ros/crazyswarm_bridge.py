@@ -20,6 +20,7 @@ from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.run import spin_until
 from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.ros.topics.messages import MESSAGES, header_at
@@ -54,6 +55,7 @@ class Crazyswarm:
         self._writers = TopicWriters(node, self._ticks.topics, self._health)
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
+        self._services: ProcedureServices | None = None
         self._version = poses_version(self._settings)
         poses = _missing(self._wire_poses, "no poses pass")
         flight = _missing(self._wire_flight, "no vehicle is flown")
@@ -64,6 +66,13 @@ class Crazyswarm:
             node.get_logger().warning(off)
         subscribe_signals(node, self._ticks.topics, self._take, self._health)
         publish_health(node, self._health, self._facts)
+
+    def close(self) -> None:
+        """Land flying vehicles where they are, and wait until they are down."""
+        services = self._services
+        seconds = 0.0 if services is None else services.land_here()
+        if services is not None and seconds > 0.0:
+            spin_until(self._node, lambda: not services.comes_down, seconds)
 
     def _wire_poses(self) -> None:
         if not (self._settings.poses_in or self._settings.poses_out):
@@ -95,7 +104,8 @@ class Crazyswarm:
 
     def _wire_procedure(self) -> ProcedureServices:
         executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))
-        self._ticks.procedure = services = ProcedureServices(self._node, self._names, executor, self._params)
+        services = ProcedureServices(self._node, self._names, executor, self._params)
+        self._ticks.procedure = self._services = services
         for name, act in (
             ("arm", Act.ARM),
             ("disarm", Act.DISARM),

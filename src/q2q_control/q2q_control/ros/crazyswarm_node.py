@@ -16,6 +16,10 @@ after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` 
 server, on the ground only. Without motion_capture_tracking_interfaces no poses pass, without
 crazyflie_interfaces nothing is flown: a warning says so, and with neither the node does not start. Set
 `legacy_hz:=0` on the controller if this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
+
+A node that is ended in flight (SIGINT, SIGTERM) stops the stream and lets the vehicles land where they are,
+by the server; it waits until they are down, for the duration of the landing and `patience_s` at most. The
+server must outlive it: without it the vehicles fall 2 s after the last setpoint.
 """
 
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
@@ -24,4 +28,4 @@ from q2q_model.ros.node.run import run
 
 def main() -> None:
     """Run the node `crazyswarm`."""
-    run("crazyswarm", Crazyswarm)
+    run("crazyswarm", Crazyswarm, Crazyswarm.close)

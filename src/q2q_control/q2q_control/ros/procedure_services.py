@@ -74,6 +74,17 @@ class ProcedureServices:
         """Stop all motors and lock them."""
         self._call(Call.EMERGENCY)
 
+    def land_here(self) -> float:
+        """Land without a glide; return how long to wait for that [s], 0 if vehicles stand on the ground."""
+        seconds = self._flight.land_here(monotonic())
+        self._pass_on()
+        return seconds
+
+    @property
+    def comes_down(self) -> bool:
+        """Return whether a landing is under way."""
+        return self._flight.comes_down
+
     def _call(self, call: Call) -> Reply | None:
         reply = self._flight.call(call, monotonic())
         self._pass_on()

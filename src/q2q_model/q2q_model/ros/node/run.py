@@ -10,6 +10,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from time import monotonic
 from types import FrameType
 from typing import TypeVar
 from weakref import WeakSet
@@ -177,6 +178,16 @@ def _spin_for(executor: Executor, seconds: float) -> None:
     """Run callbacks for a time [s]."""
     never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
     executor.spin_until_future_complete(never, seconds)
+
+
+def spin_until(node: Node, done: Callable[[], bool], seconds: float) -> None:
+    """Run the callbacks of a node that is ending until `done`, at most for `seconds`."""
+    executor, latest = make_executor(), monotonic() + seconds
+    executor.add_node(node)
+    while rclpy.ok() and not done() and monotonic() < latest:
+        never: Future[None] = Future()
+        executor.spin_until_future_complete(never, WAKE_S)
+    executor.remove_node(node)
 
 
 def finish(node: Node) -> None:
