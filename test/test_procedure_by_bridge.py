@@ -1,7 +1,5 @@
 """Whole flights by the procedure through the node `crazyswarm`, in simulated time."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,6 @@ from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, Server, by_bridge
 from room_node import Client, Future
 
 from q2q_control.flight_procedure.steps import Call
-from q2q_control.ros import crazyswarm_bridge
 from q2q_sim.loop.room import TICK_S
 
 SERVERS_ORDER = [
@@ -132,20 +129,14 @@ def test_an_emergency_by_the_bridge_stops_the_motors(monkeypatch: pytest.MonkeyP
     assert "the step is stopped" in room.call(Call.TAKE_OFF).reason
 
 
-def ended(room: ProcedureRoom, server: Server, monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """End the node, and let the room's time pass while it waits; return how long it would at most [s]."""
-    bounds: list[float] = []
-
-    def wait(_: object, done: Callable[[], bool], seconds: float) -> None:
-        bounds.append(seconds)
-        latest = room.now() + seconds
-        while not done() and room.now() < latest:
-            room.tick()
-
-    monkeypatch.setattr(crazyswarm_bridge, "spin_until", wait)
+def ended(room: ProcedureRoom, server: Server) -> float:
+    """End the node, and let the room's time pass while it lands; return how long it would at most [s]."""
     assert server.bridge is not None
-    server.bridge.close()
-    return bounds
+    seconds = server.bridge.land()
+    latest = room.now() + seconds
+    while server.bridge.land() > 0.0 and room.now() < latest:
+        room.tick()
+    return seconds
 
 
 HOVER, FLIGHT = (Call.TAKE_OFF,), (Call.TAKE_OFF, Call.FLY)
@@ -163,12 +154,12 @@ def test_a_bridge_that_is_ended_in_flight_lands_vehicles_where_they_are(
     assert all(room.call(call).granted for call in calls)
     room.wait(1.0)
     said_in_order(room)
-    assert ended(room, server, monkeypatch) == [LONGEST_S]
+    assert ended(room, server) == LONGEST_S
     assert said_in_order(room) == ["notify_setpoints_stop", "land", "arm"]
     assert room.height[-1].max() < 0.02
     fastest = -np.diff(room.height[-500:], axis=0).min() / TICK_S
     assert fastest < 0.8  # [m/s]; a landing's peaks at 2.19 times its mean of 1 m in 3 s, a fall's at 4
-    assert ended(room, server, monkeypatch) == []  # on the ground nothing is sent
+    assert ended(room, server) == 0.0  # on the ground nothing is sent
     assert said_in_order(room) == []
 
 
@@ -181,7 +172,7 @@ def test_a_bridge_that_is_ended_without_motion_capture_waits_as_long_as_a_landin
     said_in_order(room)
     room.speaks.clear()
     before = room.now()
-    ended(room, server, monkeypatch)
+    ended(room, server)
     assert room.now() - before == pytest.approx(LONGEST_S, abs=1.5 * TICK_S)
     assert said_in_order(room) == ["notify_setpoints_stop", "land"]  # disarmed: only if seen at rest
     assert room.height[-1].max() < 0.02
@@ -197,6 +188,6 @@ def test_a_bridge_that_is_ended_does_not_wait_for_a_server_that_is_gone(
     said_in_order(room)
     monkeypatch.setattr(Client if missing == "service_is_ready" else Future, missing, lambda _: False)
     before = room.now()
-    ended(room, server, monkeypatch)
+    ended(room, server)
     assert room.now() - before < waits
     assert any("stop streaming failed" in line for line in room.node.lines)

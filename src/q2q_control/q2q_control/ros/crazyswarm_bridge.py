@@ -20,7 +20,6 @@ from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
-from q2q_model.ros.node.run import spin_until
 from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.ros.topics.messages import MESSAGES, header_at
@@ -56,6 +55,7 @@ class Crazyswarm:
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._services: ProcedureServices | None = None
+        self._landing_s: float | None = None
         self._version = poses_version(self._settings)
         poses = _missing(self._wire_poses, "no poses pass")
         flight = _missing(self._wire_flight, "no vehicle is flown")
@@ -67,12 +67,13 @@ class Crazyswarm:
         subscribe_signals(node, self._ticks.topics, self._take, self._health)
         publish_health(node, self._health, self._facts)
 
-    def close(self) -> None:
-        """Land flying vehicles where they are, and wait until they are down."""
-        services = self._services
-        seconds = 0.0 if services is None else services.land_here()
-        if services is not None and seconds > 0.0:
-            spin_until(self._node, lambda: not services.comes_down, seconds)
+    def land(self) -> float:
+        """Land flying vehicles where they are; return how long that takes at most [s], 0 once down."""
+        if self._services is None:
+            return 0.0
+        if self._landing_s is None:
+            self._landing_s = self._services.land_here()
+        return self._landing_s if self._services.comes_down else 0.0
 
     def _wire_poses(self) -> None:
         if not (self._settings.poses_in or self._settings.poses_out):

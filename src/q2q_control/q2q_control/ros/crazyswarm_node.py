@@ -28,4 +28,4 @@ from q2q_model.ros.node.run import run
 
 def main() -> None:
     """Run the node `crazyswarm`."""
-    run("crazyswarm", Crazyswarm, Crazyswarm.close)
+    run("crazyswarm", Crazyswarm, land=Crazyswarm.land)

@@ -53,12 +53,12 @@ class RadioNode:
         publish_health(node, health, self._facts)
 
     def land(self) -> float:
-        """Land flying vehicles; return how long that takes [s], for which poses and an emergency go on."""
+        """Land flying vehicles; return the time until all are down [s]."""
         return self._vehicles.land(monotonic())
 
     def close(self) -> None:
-        """Land vehicles that still fly, as after an error, then close the links."""
-        sleep(self._vehicles.land(monotonic()))
+        """Close the links, whose vehicles are down, except after an error while they landed."""
+        sleep(self.land())
         self._vehicles.close()
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:

@@ -59,7 +59,8 @@ def run(
         name: name of the node.
         build: declares parameters, subscribes and publishes; its result is kept alive.
         end: called with that result once the node has stopped, e.g. to close files.
-        land: called with that result on a signal; callbacks run on for the time that it returns [s].
+        land: called with that result on a signal or an error, then again and again: lands what flies, and
+            returns how long that takes [s]; callbacks run on until it is 0, or for the first such time.
     """
 
     def alone() -> dict[Node, Kept]:
@@ -87,9 +88,7 @@ def run_together(
             offer_drained(node)
             node.get_logger().info("running")
         try:
-            executor = _spin(kept, ending)
-            if land is not None and rclpy.ok():
-                _spin_for(executor, max(map(land, kept.values()), default=0.0))
+            _spin_and_land(kept, ending, land)
         finally:
             if end is not None:
                 for one in kept.values():
@@ -154,9 +153,20 @@ class _Ending:
         self.requested = True
 
 
-def _spin(nodes: Iterable[Node], ending: _Ending) -> Executor:
-    """Run the callbacks of the nodes until a signal arrives or ROS shuts down; return their executor."""
+def _spin_and_land(kept: Mapping[Node, Kept], ending: _Ending, land: Callable[[Kept], float] | None) -> None:
+    """Run callbacks until the end, and on until nothing lands any more."""
     executor = make_executor()
+    try:
+        _spin(executor, kept, ending)
+    finally:
+        if land is not None:
+            latest = monotonic() + max(map(land, kept.values()), default=0.0)
+            while rclpy.ok() and monotonic() < latest and any(land(one) > 0.0 for one in kept.values()):
+                _spin_for(executor, WAKE_S)
+
+
+def _spin(executor: Executor, nodes: Iterable[Node], ending: _Ending) -> None:
+    """Run the callbacks of the nodes until a signal arrives or ROS shuts down."""
     for node in nodes:
         executor.add_node(node)
     ending.building = False
@@ -170,24 +180,13 @@ def _spin(nodes: Iterable[Node], ending: _Ending) -> Executor:
             for node in nodes:
                 executor.remove_node(node)
                 node.destroy_node()  # tells the others, who would wait 20 s for what it has not acknowledged
-            break
-    return executor
+            return
 
 
 def _spin_for(executor: Executor, seconds: float) -> None:
     """Run callbacks for a time [s]."""
     never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
     executor.spin_until_future_complete(never, seconds)
-
-
-def spin_until(node: Node, done: Callable[[], bool], seconds: float) -> None:
-    """Run the callbacks of a node that is ending until `done`, at most for `seconds`."""
-    executor, latest = make_executor(), monotonic() + seconds
-    executor.add_node(node)
-    while rclpy.ok() and not done() and monotonic() < latest:
-        never: Future[None] = Future()
-        executor.spin_until_future_complete(never, WAKE_S)
-    executor.remove_node(node)
 
 
 def finish(node: Node) -> None:
