@@ -54,6 +54,16 @@ def test_an_answer_without_values_forgets_the_last() -> None:
     assert math.isnan(report.hover_ratio)
 
 
+@pytest.mark.parametrize(("held", "wrong"), [(2.0, ""), (6.0, ""), (5.0, "is 5, expected 2"), (1.0, "is 1,")])
+def test_full_states_are_for_mellingers_controller_and_for_that_of_the_firmware_app(
+    held: float, wrong: str
+) -> None:
+    one = vehicle()
+    one.take_parameters({**TOLD, "stabilizer.controller": held})
+    told = one.report(0.0, connected=True).wrong
+    assert told == "" if wrong == "" else wrong in (told or "")
+
+
 def test_an_estimate_of_another_shape_or_age_is_none() -> None:
     one = vehicle()
     one.take_estimate([1.0, 2.0, 3.0], 0.0)

@@ -12,8 +12,15 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
-from q2q_control.radio.cflib_link import CflibLink
-from q2q_control.radio.firmware_params import TableEntry, firmware_params, unsettable
+from q2q_control.radio.cflib_link import CflibLink, OnboardPose
+from q2q_control.radio.firmware_params import (
+    APP,
+    CONTROLLER,
+    TableEntry,
+    firmware_params,
+    required_with_app,
+    unsettable,
+)
 from q2q_control.radio.link import LinkHealth
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import ECHO, Pilot
@@ -54,6 +61,61 @@ def test_a_parameter_that_a_vehicle_cannot_be_given_is_named_with_the_reason(ask
 
 def test_what_a_vehicle_can_be_given_is_not_refused() -> None:
     assert unsettable({"locSrv.extPosStdDev": 1e-3, "stabilizer.controller": 255.0}, TABLE) == {}
+
+
+@pytest.mark.parametrize(
+    ("asked", "app", "required"),
+    [((), True, 6.0), ((), False, 2.0), (("stabilizer.controller=5",), True, 5.0)],
+)
+def test_where_the_firmware_app_is_its_controller_is_required(
+    asked: tuple[str, ...], app: bool, required: float
+) -> None:
+    known = {*TABLE, APP} if app else TABLE
+    assert required_with_app(firmware_params(asked, "setpoint"), known) == {CONTROLLER: required}
+    assert required_with_app(firmware_params((), "command"), known) == {}
+
+
+class Held:
+    """Parameters of cflib, of a vehicle that holds its controller; what is set is kept."""
+
+    def __init__(self, controller: float) -> None:
+        self.values, self.sent = {CONTROLLER: controller}, list[str]()
+        self.link: CflibLink | None = None
+
+    def set_value(self, name: str, value: float) -> None:
+        """Hold a value."""
+        self.values[name] = value
+        self.sent.append(name)
+
+    def request_param_update(self, name: str) -> None:
+        """Answer with the value that is held."""
+        assert self.link is not None
+        self.link._read_back(name, str(self.values[name]))
+
+
+@pytest.mark.parametrize(
+    ("app", "held", "sent", "wrong"),
+    [
+        (True, 6.0, ["locSrv.extPosStdDev"], ""),
+        (True, 1.0, ["locSrv.extPosStdDev"], "its stabilizer.controller is 1, expected 6 (firmware_params)"),
+        (False, 1.0, ["locSrv.extPosStdDev", CONTROLLER], ""),
+    ],
+)
+def test_a_link_leaves_the_controller_to_the_firmware_app_and_checks_that_it_is_on(
+    monkeypatch: pytest.MonkeyPatch, app: bool, held: float, sent: list[str], wrong: str
+) -> None:
+    """Mellinger's was set on connection, which switched the app off."""
+    monkeypatch.setattr(CflibLink, "keep_open", lambda _: None)
+    link = CflibLink("cf1", "udp://127.0.0.1:1", firmware_params(("locSrv.extPosStdDev=0.001",), "setpoint"))
+    try:
+        params = link._crazyflie.param = Held(held)
+        params.link = link
+        link._known.pose = OnboardPose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+        link._set(TABLE | ({APP: TableEntry("<B", writable=True)} if app else {}))
+        assert sorted(params.sent) == sent
+        assert link.health().wrong == wrong
+    finally:
+        link.close()
 
 
 def test_without_a_radio_a_link_tells_the_reason_in_one_line(

@@ -10,7 +10,13 @@ from math import inf, nan
 
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
-from q2q_control.radio.firmware_params import first_difference
+from q2q_control.radio.firmware_params import (
+    APP,
+    CONTROLLER,
+    OUT_OF_TREE,
+    first_difference,
+    required_with_app,
+)
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover, hover_ratio
 
@@ -30,7 +36,7 @@ class ServerVehicle:
         Args:
             name: name of the vehicle.
             vehicle: constants that convert newtons to PWM.
-            required: parameters that it must hold.
+            required: parameters that it must hold; for Mellinger's controller the firmware app's counts, too.
             file: parameters that crazyflies.yaml sets.
         """
         self.name = name
@@ -65,11 +71,13 @@ class ServerVehicle:
 
     def report(self, t: float, *, connected: bool) -> VehicleReport:
         """Return the report at time t [s]."""
-        complete = self._held.keys() >= self._required.keys()
+        required, complete = self._required, self._held.keys() >= self._required.keys()
+        if self._held.get(CONTROLLER) == OUT_OF_TREE:
+            required = required_with_app(required, {APP})
         silent = VehicleReport(
             self.name,
             connected=connected,
-            wrong=first_difference(self._required, self._held) if complete else None,
+            wrong=first_difference(required, self._held) if complete else None,
             onboard=self._onboard(t),
             hover_ratio=self._hover_ratio(),
         )

@@ -12,7 +12,12 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
-from q2q_control.radio.firmware_params import TableEntry, first_difference, unsettable
+from q2q_control.radio.firmware_params import (
+    TableEntry,
+    first_difference,
+    required_with_app,
+    unsettable,
+)
 from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
@@ -78,6 +83,7 @@ class CflibLink:
         """
         self._uri = uri
         self._params = dict(firmware_params)
+        self._required = dict(firmware_params)
         self._crazyflie = _crazyflie(cache)
         self._known = _Known()
         self._pings = PingShare()
@@ -183,7 +189,7 @@ class CflibLink:
             return self._known.refused[0]
         if self._known.pose is None:
             return "has not logged its own estimate yet"
-        return first_difference(self._params, self._known.held)
+        return first_difference(self._required, self._known.held)
 
     def _reopen(self) -> None:
         self._crazyflie.close_link()
@@ -192,11 +198,7 @@ class CflibLink:
     def _connected(self, _: str) -> None:
         self._known.held.clear()
         table = self._table()
-        refused = unsettable(self._params, table)
-        self._known.refused = list(refused.values())
-        for name in self._params.keys() - refused.keys():
-            self._crazyflie.param.set_value(name, self._params[name])
-            self._crazyflie.param.request_param_update(name)
+        self._set(table)
         if table.keys() >= set(OWN_PARAMETERS):
             read = {name: float(self._crazyflie.param.get_value(name)) for name in OWN_PARAMETERS}
             self._known.own_hover = OwnHover(*(self._params.get(name, value) for name, value in read.items()))
@@ -205,6 +207,16 @@ class CflibLink:
         turns = {f"stateEstimate.{part}": "FP16" for part in ("qx", "qy", "qz", "qw")}
         self._log("pose", POSE_MS, places | turns, self._on_pose)
         self._open = True
+
+    def _set(self, table: Mapping[str, TableEntry]) -> None:
+        """Set the parameters, and read back what the vehicle then holds; an app's controller is only read."""
+        refused = unsettable(self._params, table)
+        self._known.refused = list(refused.values())
+        self._required = required_with_app(self._params, table)
+        for name in self._params.keys() - refused.keys():
+            if self._required[name] == self._params[name]:
+                self._crazyflie.param.set_value(name, self._params[name])
+            self._crazyflie.param.request_param_update(name)
 
     def _table(self) -> dict[str, TableEntry]:
         """Return the vehicle's table of parameters."""

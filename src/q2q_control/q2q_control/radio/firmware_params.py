@@ -1,13 +1,17 @@
 """Firmware parameters to set on a vehicle once connected, and checks that it accepts and holds them."""
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isclose, nan
 
-MELLINGER = 2.0
-"""Value of stabilizer.controller whose controller uses the acceleration of full states."""
+CONTROLLER = "stabilizer.controller"
+MELLINGER, OUT_OF_TREE = 2.0, 6.0
+"""Its values whose controllers use the acceleration of full states: Mellinger's, and that of the firmware app
+(docs/onboard.md), which corrects the setpoint and lets Mellinger's fly it; 2 would switch the app off."""
+APP = "q2q.enabled"
+"""Parameter of vehicles with the firmware app."""
 POSE_STD = {"locSrv.extPosStdDev": 0.001, "locSrv.extQuatStdDev": 0.05}
 """Standard deviations of the poses sent [m], [rad], as Crazyswarm2 sets them. Recorded flights gave nothing
 better that keeps the yaw of a vehicle at its start (docs/estimators.md)."""
@@ -25,7 +29,7 @@ def firmware_params(entries: tuple[str, ...], mode: str, *, poses: bool = False)
     Raises:
         ValueError: an entry is not `group.name=value`.
     """
-    params = {"stabilizer.controller": MELLINGER} if mode == "setpoint" else {}
+    params = {CONTROLLER: MELLINGER} if mode == "setpoint" else {}
     params |= POSE_STD if poses else {}
     for entry in entries:
         name, _, value = entry.partition("=")
@@ -46,6 +50,15 @@ class TableEntry:
     layout: str
     """Format of its value on the wire, as in `struct`."""
     writable: bool
+
+
+def required_with_app(required: Mapping[str, float], known: Container[str]) -> dict[str, float]:
+    """Return the parameters that a vehicle must hold which knows these: the app's controller for Mellinger's.
+
+    The app's is the default of its firmware, and is not set. `q2q.enabled=0` flies without the correction.
+    """
+    by_app = APP in known and required.get(CONTROLLER) == MELLINGER
+    return {**required, CONTROLLER: OUT_OF_TREE} if by_app else dict(required)
 
 
 def unsettable(required: Mapping[str, float], table: Mapping[str, TableEntry]) -> dict[str, str]:
