@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_stages import Tracks
 from q2q_control.mpc.prediction.neighbours import (
@@ -18,8 +19,10 @@ from q2q_control.mpc.prediction.neighbours import (
     positions_at,
 )
 from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours, at_constant_velocity
-from q2q_model.downwash.jet import Jet
-from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_control.mpc.receding import Mpc, MpcSetup
+from q2q_model.downwash.jet import MEASURED_LAW, Jet
+from q2q_model.signals.values import Array, CommandStatus, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 PERIOD = 0.1
 STEP, STAGES = 0.05, 20
@@ -147,6 +150,41 @@ def test_without_predictions_a_neighbour_is_on_its_reference_and_a_lost_one_far_
     assert found.path[1, :, 1] == pytest.approx(7.0 + TIMES - 1.0)
     assert np.abs(found.path[2]).min() >= FAR
     assert found.spread.tolist() == [TRACKING, TRACKING, 0.0]
+
+
+def empty_setpoint(t: float) -> SwarmSetpoint:
+    """Return a setpoint without vehicles."""
+    none, flag = np.zeros((0, 3)), np.zeros(0, np.uint8)
+    return SwarmSetpoint(t, (), none, none, none, np.zeros(0), np.zeros(0), flag)
+
+
+def hovering(t: float) -> SwarmState:
+    """Return cf1 below cf2, at rest."""
+    zero, pos = np.zeros((2, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    level, flag = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.zeros(2, np.uint8)
+    return SwarmState(t, ("cf1", "cf2"), pos, zero, level, zero, np.zeros(2), flag)
+
+
+def test_where_the_setpoint_names_nobody_a_neighbour_moves_on_at_constant_velocity() -> None:
+    straight = at_constant_velocity(hovering(1.0), ("cf1",), TIMES)
+    found = known_neighbours(straight, empty_setpoint(1.0), np.zeros((0, STAGES + 1, 9)))
+    assert np.array_equal(found.path, straight.path)
+    assert np.array_equal(found.inputs, straight.inputs)
+    assert found.spread.tolist() == [TRACKING]
+
+
+def test_a_setpoint_that_names_nobody_gives_a_distributed_controller_what_it_gives_any() -> None:
+    """It ended in an IndexError; without a setpoint the vehicle is held, then level at its hover thrust."""
+    setups = MpcSetup(vehicles=("cf1",), exchange_period=PERIOD), MpcSetup(vehicles=("cf1",))
+    distributed, alone = (Mpc(MpcParams(), CRAZYFLIE_2_0, MEASURED_LAW, setup) for setup in setups)
+    for k in range(15):
+        t = 0.01 * k
+        given = hovering(t), empty_setpoint(t), None
+        one, other = distributed.update(*given), alone.update(*given)
+        assert (one.names, one.status.tolist()) == (other.names, other.status.tolist())
+        assert one.thrust.tolist() == other.thrust.tolist() == [CRAZYFLIE_2_0.hover_thrust]
+        assert one.pitch.tolist() == other.pitch.tolist() == [0.0]
+    assert one.status.tolist() == [CommandStatus.LEVEL]
 
 
 def downwash_below(x: float, spread: float, jet: Jet) -> Array:

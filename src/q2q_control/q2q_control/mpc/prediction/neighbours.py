@@ -28,7 +28,7 @@ from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours
 from q2q_model.compiled import compiled
 from q2q_model.signals.recent_ticks import SAME_STAMP
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, index_of
+from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, rows_by_name
 
 LATE_FADE = 0.2
 """Time constant of a late prediction [s]: that for which an MPC follows its own last plan by default."""
@@ -169,10 +169,9 @@ def known_neighbours(straight: Neighbours, setpoint: SwarmSetpoint, references: 
     names = straight.names
     if not names:
         return straight
-    among = index_of(names, setpoint.names)
-    planned = references[among]
+    planned = rows_by_name(references, setpoint.names, names, np.nan)
     here = np.abs(straight.pos).max(axis=1) < FAR
-    use = here & (among >= 0) & np.isfinite(planned).all(axis=(1, 2))
+    use = here & np.isfinite(planned).all(axis=(1, 2))
     row = use[:, None, None]
     return Neighbours(
         names=names,
