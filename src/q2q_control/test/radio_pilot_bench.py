@@ -63,9 +63,9 @@ class FakeLink:
         """Keep the word."""
         self.sent.append(("take off", height, duration))
 
-    def land(self, duration: float) -> None:
+    def land(self, height: float, duration: float) -> None:
         """Keep the word."""
-        self.sent.append(("land", duration))
+        self.sent.append(("land", height, duration))
 
     def stop(self) -> None:
         """Keep the word."""
@@ -79,10 +79,11 @@ class Bench:
     links: dict[str, FakeLink] = field(default_factory=lambda: {name: FakeLink() for name in NAMES})
     t: float = 100.0
     hover: RpytSetpoint | None = HOVER
+    ground: float = 0.0
 
     def __post_init__(self) -> None:
         """Start the pilot and let it watch once."""
-        self.pilot = RadioPilot(self.links, PARAMS, self.hover)
+        self.pilot = RadioPilot(self.links, PARAMS, self.hover, ground=self.ground)
         self.pilot.watch(self.t)
 
     def see(self, status: TrackStatus = TrackStatus.TRACKED) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from radio_pilot_bench import LANDING_S, NAMES, PARAMS, WELL, Bench, state
 
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.setpoints import (
     ZERO_RPYT,
@@ -103,7 +104,7 @@ def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -
     bench.pilot.watch(bench.t + 3.5)
     assert bench.pilot.phases == {"cf1": Phase.FLYING, "cf2": Phase.LANDING}
     bench.rpyt_setpoints()
-    assert bench.links["cf2"].sent[-1] == ("land", LANDING_S[1])
+    assert bench.links["cf2"].sent[-1] == ("land", 0.0, LANDING_S[1])
     bench.pilot.watch(bench.t + 3.5 + LANDING_S[1] - 0.1)
     assert bench.pilot.phases["cf2"] is Phase.LANDING
     bench.pilot.watch(bench.t + 3.5 + LANDING_S[1] + 0.1)
@@ -118,8 +119,29 @@ def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s(
     bench.pilot.update_state(low, bench.t)
     bench.pilot.land(bench.t)
     least = LandingParams().land_s
-    assert [bench.links[name].sent[-1] for name in NAMES] == [("land", least), ("land", 2.0 / 0.4)]
+    assert [bench.links[name].sent[-1] for name in NAMES] == [("land", 0.0, least), ("land", 0.0, 2.0 / 0.4)]
     assert bench.pilot.landing_left(bench.t) == 2.0 / 0.4
+
+
+@pytest.mark.parametrize("ground", [0.8, -0.8])
+def test_vehicles_land_to_the_ground_in_a_duration_by_the_height_above_it(ground: float) -> None:
+    bench = Bench(ground=ground)
+    bench.fly()
+    bench.links["cf1"].now = replace(WELL, volt=3.1)
+    for later in (0.0, PARAMS.volt_land_s):
+        bench.look(later)  # cf1 lands by itself
+    assert bench.pilot.phases == {"cf1": Phase.LANDING, "cf2": Phase.FLYING}
+    bench.done(Act.LAND)
+    assert bench.links["cf1"].sent[-1] == ("land", ground, pytest.approx((3.0 - ground) / 0.4))
+    assert bench.links["cf2"].sent[-1] == ("land", ground, pytest.approx((6.0 - ground) / 0.4))
+
+
+def test_a_landing_over_cflib_stops_setpoints_then_aims_at_its_height() -> None:
+    calls: list[tuple[object, ...]] = []
+    commander = SimpleNamespace(send_notify_setpoint_stop=lambda: calls.append(("notify",)))
+    high_level = SimpleNamespace(land=lambda *given: calls.append(given))
+    CflibSender(commander, high_level, SimpleNamespace(), SimpleNamespace()).land(0.8, 3.5)
+    assert calls == [("notify",), (0.8, 3.5)]
 
 
 def test_a_battery_that_is_unknown_lands_nobody() -> None:

@@ -29,7 +29,7 @@ def test_a_vehicle_without_commands_is_levelled_within_60_ms_and_lands_after_a_s
     assert set(bench.silent_until(0.04, seen=True)) == {HOVER}  # 40 and 60 ms after the last command
     assert set(bench.silent_until(0.92, seen=True)) == {HOVER}
     assert bench.pilot.phases["cf1"] is Phase.FLYING
-    assert bench.silent_until(0.04, seen=True)[-1] == ("land", LANDING_S[0])
+    assert bench.silent_until(0.04, seen=True)[-1] == ("land", 0.0, LANDING_S[0])
     assert bench.pilot.phases["cf1"] is Phase.LANDING
     assert any("no command for 1.0 s" in line for line in bench.pilot.log_lines())
 
@@ -82,7 +82,7 @@ def test_by_full_states_a_silence_is_a_hover_where_it_was_sent_then_a_landing() 
     bench.pilot.fly_full_states(NAMES, [FullState(x, x, x, turned, x)] * 2, bench.t)
     zero = (0.0, 0.0, 0.0)
     assert set(bench.silent_until(0.96, seen=False)) == {FullState(x, zero, zero, turned, zero)}
-    assert bench.silent_until(0.06, seen=False)[-1] == ("land", LANDING_S[0])
+    assert bench.silent_until(0.06, seen=False)[-1] == ("land", 0.0, LANDING_S[0])
 
 
 @pytest.mark.parametrize("hover", [HOVER, None])
@@ -104,7 +104,7 @@ def test_a_vehicle_whose_commands_are_not_finite_lands_and_the_other_flies_on(
         bench.see()
         command(None)
         bench.pilot.watch(bench.t)
-    assert bench.links["cf1"].sent.count(("land", LANDING_S[0])) == 1
+    assert bench.links["cf1"].sent.count(("land", 0.0, LANDING_S[0])) == 1
     assert bench.links["cf2"].sent[-1] == sound
     assert bench.pilot.phases == {"cf1": Phase.LANDING, "cf2": Phase.FLYING}
 

@@ -3,7 +3,7 @@
 import pytest
 from radio_pilot_bench import LANDING_S, NAMES, PARAMS, FakeLink, state
 
-from q2q_control.flight_procedure.procedure_params import LandingParams
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio import radio_vehicles
 from q2q_control.radio.radio_params import RadioNodeParams
@@ -12,11 +12,12 @@ from q2q_control.radio.vehicle_record import Phase
 from q2q_model.node.health import Health
 
 
-def in_flight(monkeypatch: pytest.MonkeyPatch) -> RadioVehicles:
-    """Return vehicles that fly 3 m and 6 m high at t = 0 s."""
+def in_flight(monkeypatch: pytest.MonkeyPatch, ground: float = 0.0) -> RadioVehicles:
+    """Return vehicles that fly at z = 3 m and 6 m at t = 0 s."""
     monkeypatch.setattr(radio_vehicles, "CflibLink", lambda *_: FakeLink())
     params = RadioNodeParams(vehicles=NAMES, uris=("udp://127.0.0.1:1", "udp://127.0.0.1:2"))
-    vehicles = RadioVehicles(params, PARAMS, LandingParams(), Health())
+    procedure = FlightProcedureParams(ground=ground), LandingParams()
+    vehicles = RadioVehicles(params, PARAMS, procedure, Health())
     pilot = vehicles.pilot
     pilot.watch(0.0)
     pilot.update_state(state(0.0), 0.0)
@@ -29,6 +30,14 @@ def in_flight(monkeypatch: pytest.MonkeyPatch) -> RadioVehicles:
 
 def test_an_end_in_flight_waits_for_the_longest_landing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert in_flight(monkeypatch).land(0.0) == LANDING_S[1] + SETTLE_S
+
+
+def test_an_end_in_flight_lands_to_the_ground_of_the_procedure(monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicles = in_flight(monkeypatch, ground=2.0)
+    assert vehicles.land(0.0) == (6.0 - 2.0) / 0.4 + SETTLE_S
+    for link, height in zip(vehicles.links.values(), (3.0, 6.0), strict=True):
+        assert isinstance(link, FakeLink)
+        assert link.sent[-1] == ("land", 2.0, max(3.0, (height - 2.0) / 0.4))
 
 
 def test_an_end_during_a_landing_waits_for_the_rest_of_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -176,9 +176,9 @@ class CflibLink:
         """Command the onboard take-off."""
         self._mailbox.put_once(lambda: self._sender.take_off(height, duration))
 
-    def land(self, duration: float) -> None:
-        """Command the onboard landing, before all that wait."""
-        self._mailbox.put_first(lambda: self._sender.land(duration))
+    def land(self, height: float, duration: float) -> None:
+        """Command the onboard landing to a height [m], before all that wait."""
+        self._mailbox.put_first(lambda: self._sender.land(height, duration))
 
     def stop(self) -> None:
         """Stop the motors and lock them, before all that wait."""

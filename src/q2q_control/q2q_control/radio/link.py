@@ -58,8 +58,8 @@ class VehicleLink(Protocol):
     def take_off(self, height: float, duration: float) -> None:
         """Command the onboard take-off to a height [m] within `duration` [s]."""
 
-    def land(self, duration: float) -> None:
-        """Stop sending setpoints and command the onboard landing within `duration` [s]."""
+    def land(self, height: float, duration: float) -> None:
+        """Stop sending setpoints and command the onboard landing to a height [m] within `duration` [s]."""
 
     def stop(self) -> None:
         """Stop the motors and lock them."""
@@ -158,10 +158,10 @@ class CflibSender:
         self.commander.send_notify_setpoint_stop()
         self.high_level.takeoff(height, duration)
 
-    def land(self, duration: float) -> None:
-        """Command the onboard landing."""
+    def land(self, height: float, duration: float) -> None:
+        """Command the onboard landing to a height [m]."""
         self.commander.send_notify_setpoint_stop()
-        self.high_level.land(0.0, duration)
+        self.high_level.land(height, duration)
 
     def stop(self) -> None:
         """Stop the motors and lock them."""

@@ -55,11 +55,13 @@ class RadioPilot:
         params: RadioPilotParams,
         hover: RpytSetpoint | None,
         landing: LandingParams | None = None,
+        ground: float = 0.0,
     ) -> None:
-        """Fly vehicles by RPYT setpoints, with the level one `hover`, or by full states if it is None."""
+        """Fly by RPYT setpoints, the level one `hover`, or by full states if None; land at `ground` [m]."""
         self._links = dict(links)
         self._params = params
         self._landing = landing or LandingParams()
+        self._ground = ground
         self._order: Order | None = None
         self._ordered = -np.inf
         self._hover = hover
@@ -284,8 +286,8 @@ class RadioPilot:
 
     def _land(self, name: str, t: float) -> None:
         one = self._vehicles[name]
-        one.landing_s = self._landing.duration(one.height)
-        self._links[name].land(one.landing_s)
+        one.landing_s = self._landing.duration(one.height - self._ground)
+        self._links[name].land(self._ground, one.landing_s)
         self._enter(name, Phase.LANDING, t)
 
     def _enter(self, name: str, phase: Phase, t: float) -> None:

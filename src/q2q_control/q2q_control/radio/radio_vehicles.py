@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
-from q2q_control.flight_procedure.procedure_params import LandingParams
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_file
 from q2q_control.radio.firmware_params import firmware_params
@@ -28,9 +28,13 @@ class RadioVehicles:
     """Links to vehicles and the pilot that flies them."""
 
     def __init__(
-        self, params: RadioNodeParams, limits: RadioPilotParams, landing: LandingParams, health: Health
+        self,
+        params: RadioNodeParams,
+        limits: RadioPilotParams,
+        procedure: tuple[FlightProcedureParams, LandingParams],
+        health: Health,
     ) -> None:
-        """Open the links; `health` counts ticks.
+        """Open the links; vehicles land as in the procedure; `health` counts ticks.
 
         Raises:
             ValueError: no vehicles, a wrong file or parameter, cflib is missing.
@@ -41,7 +45,8 @@ class RadioVehicles:
         self._scale = LegacyScale(vehicle.full_pwm_thrust)
         self.links = _open_links(params)
         hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
-        self.pilot = RadioPilot(self.links, limits, hover, landing)
+        flight, landing = procedure
+        self.pilot = RadioPilot(self.links, limits, hover, landing, flight.ground)
         self.executor = RadioExecutor(self.pilot, self.links, vehicle)
         self.ticks = FlownTicks(params.mode, health, aware=params.aware)
 

@@ -43,7 +43,7 @@ class VehicleRecord:
     commanded_at: float = -inf
     """Time of the last command since arming [s]."""
     height: float = 0.0
-    """Last measured height [m]."""
+    """Last measured height [m], world."""
     landing_s: float = 0.0
     """Duration of its landing [s]."""
     full_state: FullState | None = None

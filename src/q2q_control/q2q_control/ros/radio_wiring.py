@@ -34,13 +34,14 @@ class RadioNode:
         self._node = node
         params, health = declare(node, RadioNodeParams()), Health()
         limits, landing = declare(node, RadioPilotParams()), declare(node, LandingParams())
-        self._vehicles = RadioVehicles(params, limits, landing, health)
+        procedure = declare(node, FlightProcedureParams()), landing
+        self._vehicles = RadioVehicles(params, limits, procedure, health)
         self._topics = RadioTopics(node, self._vehicles.names, params.pose_hz)
         self._services = ProcedureServices(
             node,
             self._vehicles.names,
             self._vehicles.executor,
-            (declare(node, FlightProcedureParams()), landing),
+            procedure,
         )
         self._writers = TopicWriters(node, self._vehicles.ticks.topics, health)
         self._services.refuse_flights(self._rivals)
