@@ -21,9 +21,8 @@ from q2q_control.crazyswarm.message_conversion import NamedPose
 from q2q_control.flight_procedure.steps import Call, Step
 from q2q_control.flight_procedure.supervisor_info import READY
 from q2q_control.radio import radio_vehicles
-from q2q_control.radio.cflib_link import OnboardPose
 from q2q_control.radio.firmware_params import first_difference
-from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.ros import procedure_services, radio_topics, radio_wiring, server_vehicles
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
@@ -81,6 +80,7 @@ class Link(CflibSender):
             volt=self.firmware.battery.volt,
             armed=bits & READY == READY,
             locked=bool(bits & Info.LOCKED),
+            flying=bool(bits & Info.FLYING),
             onboard=self.pose.pos,
             wrong=first_difference(
                 self.params, {name: float(self.firmware.parameters[name]) for name in self.params}

@@ -77,6 +77,28 @@ def test_vehicles_whose_controller_is_cut_are_not_flown(step: Step, call: Call) 
     assert bench.sent == []
 
 
+@pytest.mark.parametrize("step", [Step.HOVER, Step.HOLD])
+@pytest.mark.parametrize(
+    ("found", "why"),
+    [
+        ({"connected": False}, "cf2 offline: check URI, battery and radio"),
+        ({"locked": True}, "cf2 is locked: restart it"),
+        ({"airborne": False}, "cf2 not flying: land all, then call take_off"),
+    ],
+)
+def test_a_plan_is_not_flown_without_one_of_its_vehicles(
+    step: Step, found: dict[str, bool], why: str
+) -> None:
+    bench = up_to(step)
+    first, second = bench.reports
+    bench.reports = replace(first, airborne=True), replace(second, **found)
+    assert bench.call(Call.FLY) == Reply(granted=False, reason=why)
+    bench.wait(2.0)
+    assert (bench.sent, bench.procedure.step) == ([], step)
+    bench.reports = replace(first, airborne=True), second  # that says nothing
+    assert bench.call(Call.FLY) is None
+
+
 def test_a_server_that_does_not_stop_setpoints_keeps_the_vehicles_flying_them() -> None:
     bench = up_to(Step.HOLD, refuses={Act.STOP_STREAM: "all/notify_setpoints_stop does not answer"})
     answer = bench.asked(Call.LAND)

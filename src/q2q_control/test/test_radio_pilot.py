@@ -10,7 +10,7 @@ from radio_pilot_bench import LANDING_S, NAMES, PARAMS, WELL, Bench, state
 
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
-from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.radio.link import CflibSender
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.setpoints import (
     ZERO_RPYT,
@@ -72,22 +72,6 @@ def test_a_pilot_as_crew_reports_what_its_links_and_phases_say() -> None:
     first, second = RadioExecutor(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
     assert (first.name, first.connected, first.armed, first.flies) == ("cf1", True, True, True)
     assert (second.volt, second.onboard, second.wrong) == (3.3, (1.0, 2.0, 3.0), "mass is 0")
-
-
-def test_a_link_lost_in_flight_is_silent_until_a_new_start_and_the_other_flies_on() -> None:
-    bench = Bench()
-    bench.fly()
-    bench.links["cf1"].now = LinkHealth(connected=False)
-    bench.pilot.watch(bench.t)
-    count = len(bench.links["cf1"].sent)
-    bench.rpyt_setpoints()
-    bench.links["cf1"].now = WELL
-    bench.pilot.watch(bench.t)
-    bench.rpyt_setpoints()
-    assert len(bench.links["cf1"].sent) == count
-    assert bench.pilot.phases == {"cf1": Phase.READY, "cf2": Phase.FLYING}
-    assert any("cf1 is lost in flight" in line for line in bench.pilot.log_lines())
-    assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
 
 
 def test_a_low_battery_lands_its_vehicle_after_a_while_whatever_is_commanded() -> None:

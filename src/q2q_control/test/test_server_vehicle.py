@@ -6,7 +6,7 @@ import pytest
 
 from q2q_control.crazyswarm.reported_vehicles import ARM_S, READ_S, ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
-from q2q_control.flight_procedure.supervisor_info import READY
+from q2q_control.flight_procedure.supervisor_info import FLYING, READY
 from q2q_control.radio.crazyflies import params_set
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
@@ -33,6 +33,14 @@ def test_nothing_told_is_known_of_nothing() -> None:
     assert (report.wrong, report.onboard, report.armed) == (None, None, None)
     assert math.isnan(report.volt)
     assert math.isnan(report.hover_ratio)
+
+
+def test_a_vehicle_is_in_the_air_by_its_newest_status_and_unknown_by_a_stale_one() -> None:
+    one = vehicle()
+    for info, airborne in ((READY, False), (READY | FLYING, True)):
+        one.take_status(4.0, info, 10.0)
+        assert one.report(12.9, connected=True).airborne is airborne
+    assert one.report(13.1, connected=True).airborne is None
 
 
 def test_parameters_of_the_file_count_more_than_those_that_the_server_read_before_it_set_them() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
-from q2q_control.radio.cflib_link import CflibLink, OnboardPose
+from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.firmware_params import (
     APP,
     CONTROLLER,
@@ -21,7 +21,7 @@ from q2q_control.radio.firmware_params import (
     required_with_app,
     unsettable,
 )
-from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.link import LinkHealth, OnboardPose
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import ECHO, Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
@@ -135,7 +135,9 @@ def test_without_a_radio_a_link_tells_the_reason_in_one_line(
     assert caplog.messages == []
 
 
-def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path: Path) -> None:
+def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so_and_whether_it_flies(
+    tmp_path: Path,
+) -> None:
     pilot = Pilot(np.zeros((1, 4)))
     with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
         asked = {"locSrv.extPosStDev": 0.002, "locSrv.extQuatStdDev": 0.07}
@@ -150,6 +152,11 @@ def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so(tmp_path
         try:
             fly_until(is_known, pilot, endpoint)
             assert link.health().wrong.startswith("it has no parameter locSrv.extPosStDev (firmware_params)")
+            fly_until(lambda: link.health().flying is False, pilot, endpoint)
+            link.arm()
+            fly_until(lambda: link.health().armed, pilot, endpoint)
+            link.take_off(0.5, 1.0)
+            fly_until(lambda: link.health().flying is True, pilot, endpoint)
         finally:
             link.close()
 

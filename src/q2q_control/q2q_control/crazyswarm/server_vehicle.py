@@ -9,7 +9,7 @@ from dataclasses import replace
 from math import inf, nan
 
 from q2q_control.flight_procedure.observation import VehicleReport
-from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
+from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
 from q2q_control.radio.firmware_params import (
     APP,
     CONTROLLER,
@@ -88,6 +88,7 @@ class ServerVehicle:
             volt=self._volt,
             armed=self._info & READY == READY,
             locked=bool(self._info & LOCKED),
+            airborne=bool(self._info & FLYING),
         )
 
     def _onboard(self, t: float) -> tuple[float, float, float] | None:

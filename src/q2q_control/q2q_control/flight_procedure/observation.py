@@ -24,6 +24,8 @@ class VehicleReport:
     """It is locked after an emergency stop and must be restarted."""
     flies: bool = True
     """It flies setpoints; False if it lands or has landed by itself."""
+    airborne: bool | None = None
+    """It flies, and does not land by itself."""
     stopped: bool = False
     """Its motors were stopped in this flight."""
     wrong: str | None = None

@@ -3,6 +3,7 @@
 import numpy as np
 
 from q2q_control.flight_procedure.checks.refusals import (
+    airborne_refusal,
     cut_refusal,
     join_refusal,
     state_refusal,
@@ -49,7 +50,8 @@ def check_refusal(
     if call is Call.START:
         return join_refusal(observation, params, landing)
     if call is Call.FLY:
-        unfit = cut_refusal(observation) or state_refusal(observation, landing)
+        unfit = airborne_refusal(observation) or cut_refusal(observation)
+        unfit = unfit or state_refusal(observation, landing)
         return unfit or ("" if observation.plan else "no plan is waiting")
     return ""
 

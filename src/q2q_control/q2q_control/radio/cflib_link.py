@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from q2q_control.flight_procedure.supervisor_info import LOCKED, READY
+from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
 from q2q_control.radio.firmware_params import (
     TableEntry,
     first_difference,
     required_with_app,
     unsettable,
 )
-from q2q_control.radio.link import CflibSender, LinkHealth
+from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
@@ -26,7 +26,6 @@ from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
 
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
-    from cflib.crazyflie.log import LogConfig
     from cflib.crtp.crtpstack import CRTPPacket
 
 HEALTH_MS, POSE_MS = 100, 100
@@ -41,22 +40,14 @@ AGAIN_S = 3.0
 """Time without a packet after which a link is reopened [s]."""
 
 
-@dataclass(frozen=True, slots=True)
-class OnboardPose:
-    """Pose estimated on board a vehicle."""
-
-    pos: tuple[float, float, float]
-    """[m], world."""
-    quat: tuple[float, ...]
-    """x y z w, body to world."""
-
-
 @dataclass(slots=True)
 class _Known:
     """Last values logged by a vehicle."""
 
     volt: float = math.nan
     info: int = 0
+    info_at: float = -math.inf
+    """Time of `info` [s]."""
     quality: float = math.nan
     pose: OnboardPose | None = None
     received: float = -math.inf
@@ -115,8 +106,7 @@ class CflibLink:
         if self._open and self._counts_pings and monotonic() - self._pinged_at > PING_S:
             self._pinged_at = monotonic()
             self._mailbox.put("ping", self._crazyflie.link_statistics.latency.ping)
-        silent = monotonic() - max(self._known.received, self._opened_at)
-        if silent > AGAIN_S:
+        if monotonic() - max(self._known.received, self._opened_at) > AGAIN_S:
             self._opened_at = monotonic()
             self._mailbox.put("open", self._reopen)
 
@@ -137,13 +127,14 @@ class CflibLink:
 
     def health(self) -> LinkHealth:
         """Return the health of link and vehicle."""
-        one = self._known
+        one, now = self._known, monotonic()
         return LinkHealth(
-            connected=self._open and monotonic() - one.received < SILENT_S,
+            connected=self._open and now - one.received < SILENT_S,
             volt=one.volt,
             quality=one.quality,
             armed=one.info & READY == READY,
             locked=bool(one.info & LOCKED),
+            flying=bool(one.info & FLYING) if now - one.info_at < SILENT_S else None,
             onboard=None if one.pose is None else one.pose.pos,
             own_hover=one.own_hover,
             wrong=self._wrong(),
@@ -228,7 +219,7 @@ class CflibLink:
 
     def _lost(self, _: str) -> None:
         self._open = False
-        self._known.quality = math.nan
+        self._known.quality, self._known.info = math.nan, 0
         self._pings = PingShare()
 
     def _read_back(self, name: str, value: str) -> None:
@@ -242,7 +233,9 @@ class CflibLink:
         self._known.console += lines
 
     def _log(self, name: str, period_ms: int, variables: Mapping[str, str], take: "_Take") -> None:
-        config = _log_config(name, period_ms)
+        from cflib.crazyflie.log import LogConfig
+
+        config = LogConfig(name, period_ms)
         for variable, kind in variables.items():
             config.add_variable(variable, kind)
         try:
@@ -255,6 +248,7 @@ class CflibLink:
 
     def _on_health(self, data: Mapping[str, float]) -> None:
         self._known.volt, self._known.info = data["pm.vbat"], int(data["supervisor.info"])
+        self._known.info_at = monotonic()
 
     def _on_pose(self, data: Mapping[str, float]) -> None:
         pos = (data["stateEstimate.x"], data["stateEstimate.y"], data["stateEstimate.z"])
@@ -290,12 +284,9 @@ def _crazyflie(cache: str) -> "Crazyflie":
         import cflib.crtp
         from cflib.crazyflie import Crazyflie
     except ImportError as missing:
-        raise ValueError(
-            "cflib is not installed: `pip install cflib==0.1.34`, or scripts/setup --dev"
-        ) from missing
-    logging.getLogger("cflib").setLevel(
-        logging.ERROR
-    )  # it warns of every lost link, which the node logs itself
+        words = "cflib is not installed: `pip install cflib==0.1.34`, or scripts/setup --dev"
+        raise ValueError(words) from missing
+    logging.getLogger("cflib").setLevel(logging.ERROR)  # the node itself logs every lost link
     logging.getLogger("cflib.crazyflie").addFilter(_is_news)
     cflib.crtp.init_drivers()
     return Crazyflie(rw_cache=cache or None)
@@ -304,9 +295,3 @@ def _crazyflie(cache: str) -> "Crazyflie":
 def _is_news(record: logging.LogRecord) -> bool:
     """Return whether the node does not log it itself: the reason of a failed link comes with a traceback."""
     return not str(record.msg).startswith("Couldn't load link driver")
-
-
-def _log_config(name: str, period_ms: int) -> "LogConfig":
-    from cflib.crazyflie.log import LogConfig
-
-    return LogConfig(name, period_ms)

@@ -26,12 +26,24 @@ class LinkHealth:
     """Armed, and ready to fly."""
     locked: bool = False
     """The vehicle is locked after an emergency stop and must be restarted."""
+    flying: bool | None = None
+    """The vehicle flies, by its supervisor; None while unknown."""
     onboard: tuple[float, float, float] | None = None
     """Onboard position estimate [m], world; None before the first one."""
     own_hover: OwnHover | None = None
     """Hover thrust by the vehicle's own parameters; None while unknown."""
     wrong: str = ""
     """First error of the vehicle's parameters; empty if there is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class OnboardPose:
+    """Pose estimated on board a vehicle."""
+
+    pos: tuple[float, float, float]
+    """[m], world."""
+    quat: tuple[float, ...]
+    """x y z w, body to world."""
 
 
 class VehicleLink(Protocol):

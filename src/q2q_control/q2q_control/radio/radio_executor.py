@@ -43,6 +43,7 @@ class RadioExecutor:
             volt=health.volt,
             armed=health.armed,
             locked=health.locked,
+            airborne=self.pilot.phases[name] in {Phase.CLIMBING, Phase.FLYING} and health.flying is not False,
             flies=self.pilot.phases[name] is Phase.FLYING,
             stopped=name in self.pilot.stopped,
             wrong=health.wrong,

@@ -10,6 +10,8 @@
 | arming takes longer than arm_s | back to READY |
 | flying | the command of every tick is sent; before that, none |
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
+| lost while climbing or landing | the high-level commander goes on; land and stop are sent all the same |
+| back, and its supervisor says that it flies | CLIMBING goes on; from FLYING, or if told to, it lands |
 | battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no pose is sent; the firmware's estimate coasts |
 | command with status CUT | the vehicle's motors are stopped and locked |
@@ -39,7 +41,7 @@ from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth, VehicleLink
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.setpoints import ZERO_RPYT, FullState, RpytSetpoint
-from q2q_control.radio.vehicle_record import AIRBORNE, Phase, VehicleRecord
+from q2q_control.radio.vehicle_record import AIRBORNE, ON_BOARD, Phase, VehicleRecord
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.node.reply import Reply
@@ -67,7 +69,6 @@ class RadioPilot:
         self._hover = hover
         self._vehicles = {name: VehicleRecord() for name in links}
         self._last_stamp = -np.inf
-        self._watched_at = np.inf
         self._log: list[str] = []
 
     @property
@@ -82,7 +83,7 @@ class RadioPilot:
 
     def landing_left(self, t: float) -> float:
         """Return the time from t [s] until the last landing has ended [s]; 0 if none is under way."""
-        landing = [self._vehicles[name] for name in self._in({Phase.LANDING})]
+        landing = [one for one in self._vehicles.values() if one.air_phase is Phase.LANDING]
         return max((0.0, *(one.since + one.landing_s - t for one in landing)))
 
     def log_lines(self) -> list[str]:
@@ -100,7 +101,8 @@ class RadioPilot:
                 self._links[name].take_off(order.height, order.duration)
                 self._enter(name, Phase.CLIMBING, t)
         elif order.act is Act.STREAM:
-            self._each({Phase.ARMED, Phase.CLIMBING}, self._fly_one, t)
+            for name in self._in({Phase.ARMED, Phase.CLIMBING}):
+                self._enter(name, Phase.FLYING, t)
         elif order.act is Act.LAND:
             self.land(t)
         elif order.act is Act.DISARM:
@@ -120,20 +122,20 @@ class RadioPilot:
 
     def land(self, t: float) -> bool:
         """Land all flying vehicles by themselves; return whether any lands, from now or from before."""
-        self._each({Phase.CLIMBING, Phase.FLYING}, self._land, t)
-        return bool(self._in({Phase.LANDING}))
+        for name, one in self._vehicles.items():
+            if one.air_phase in {Phase.CLIMBING, Phase.FLYING}:
+                self._land(name, t)
+        return any(one.air_phase is Phase.LANDING for one in self._vehicles.values())
 
     def stop(self, t: float) -> None:
         """Stop and lock all motors."""
         for name in self._links:
-            self._stop_one(name, t)
-            if self._vehicles[name].phase is not Phase.OFFLINE:
-                self._enter(name, Phase.READY, t)
+            self._cut_one(name, t)
 
     def cut(self, names: Names, t: float) -> None:
         """Stop and lock the motors of these vehicles, which are commanded CUT, if they fly."""
         for name in names:
-            if name in self._vehicles and self._vehicles[name].phase in AIRBORNE:
+            if name in self._vehicles and self._vehicles[name].air_phase in AIRBORNE:
                 self._log.append(f"{name} is commanded CUT: motors stopped")
                 self._cut_one(name, t)
 
@@ -143,7 +145,6 @@ class RadioPilot:
             self._watch(name, one, self._links[name].health(), t)
             if one.phase is Phase.FLYING:
                 self._watch_silence(name, one, t)
-        self._watched_at = t
 
     def update_state(self, state: SwarmState, t: float, *, send: bool = True) -> None:
         """Store a frame's state received at time t [s]; send the poses measured in it, once."""
@@ -188,10 +189,8 @@ class RadioPilot:
         armed = [name for name, link in self._links.items() if link.health().armed]
         if armed and t - self._ordered < self._params.arm_s:
             return None
-        return Reply(
-            granted=not armed,
-            reason=f"{', '.join(armed)} armed again: the build arms itself" if armed else "",
-        )
+        reason = f"{', '.join(armed)} armed again: the build arms itself" if armed else ""
+        return Reply(granted=not armed, reason=reason)
 
     def _in(self, phases: Collection[Phase]) -> list[str]:
         return [name for name, one in self._vehicles.items() if one.phase in phases]
@@ -201,22 +200,15 @@ class RadioPilot:
             act(name, t)
 
     def _arm_one(self, name: str, t: float) -> None:
-        one = self._vehicles[name]
         self._enter(name, Phase.ARMING, t)
-        one.low_since, one.commanded_at, one.full_state = np.inf, -np.inf, None
-        one.stopped_at, one.stop_left = -np.inf, 0.0
+        self._vehicles[name].arm()
         self._links[name].arm()
 
-    def _stop_one(self, name: str, t: float) -> None:
+    def _cut_one(self, name: str, t: float) -> None:
         self._vehicles[name].stop(t)
         self._links[name].stop()
-
-    def _cut_one(self, name: str, t: float) -> None:
-        self._stop_one(name, t)
-        self._enter(name, Phase.READY, t)
-
-    def _fly_one(self, name: str, t: float) -> None:
-        self._enter(name, Phase.FLYING, t)
+        if self._vehicles[name].phase is not Phase.OFFLINE:
+            self._enter(name, Phase.READY, t)
 
     def _disarm_one(self, name: str, t: float) -> None:
         self._links[name].disarm()
@@ -230,17 +222,26 @@ class RadioPilot:
             if one.phase is not Phase.OFFLINE:
                 self._enter(name, Phase.OFFLINE, t)
             return
-        connected_s = 0.0 if one.phase is Phase.OFFLINE else max(0.0, t - self._watched_at)
-        if one.stop_again(locked=health.locked, connected_s=connected_s):
+        if one.stop_again(t, locked=health.locked):
             self._links[name].stop()  # the first may be lost on the way, or the link was down
         if one.phase is Phase.OFFLINE:
-            self._enter(name, Phase.READY, t)
+            self._resume(name, one, health, t)
         elif one.phase is Phase.ARMING:
             self._arm(name, one, health, t)
         elif one.phase in {Phase.CLIMBING, Phase.FLYING}:
             self._watch_flight(name, one, health, t)
         elif one.phase is Phase.LANDING and t - one.since > one.landing_s:
             self._enter(name, Phase.READY, t)
+
+    def _resume(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
+        """Resume the phase of a vehicle that is connected again, once it says whether it flies."""
+        if one.lost is None or health.flying is False or health.locked:
+            self._enter(name, Phase.READY, t)
+        elif health.flying and one.lost is Phase.CLIMBING:
+            self._enter(name, Phase.CLIMBING, t)
+        elif health.flying:
+            one.phase, one.lost = one.lost, None
+            self._land(name, t)
 
     def _arm(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
         if health.armed:
@@ -293,7 +294,7 @@ class RadioPilot:
     def _enter(self, name: str, phase: Phase, t: float) -> None:
         one = self._vehicles[name]
         if one.phase in AIRBORNE and phase is Phase.OFFLINE:
-            self._log.append(f"{name} is lost in flight: its firmware levels out, then cuts its motors")
+            self._log.append(f"{name} is lost in flight: {ON_BOARD[one.phase]}")
         elif one.phase is not phase:
             self._log.append(f"{name} is {phase.value}")
-        one.phase, one.since = phase, t
+        one.enter(phase, t)

@@ -23,6 +23,12 @@ class Phase(Enum):
 STOP_AGAIN_S = 2.0
 """Connected time for which an emergency stop is sent again until the vehicle is locked [s]."""
 AIRBORNE = frozenset({Phase.CLIMBING, Phase.FLYING, Phase.LANDING})
+ON_BOARD = {
+    Phase.CLIMBING: "its high-level commander hovers on",
+    Phase.FLYING: "its firmware levels out, then cuts its motors",
+    Phase.LANDING: "its high-level commander lands on",
+}
+"""What a vehicle does whose link is lost in a phase."""
 
 
 @dataclass(slots=True)
@@ -31,13 +37,17 @@ class VehicleRecord:
 
     phase: Phase = Phase.OFFLINE
     since: float = 0.0
-    """Start of the phase [s]."""
+    """Start of the phase [s], also of a landing ordered while offline."""
+    lost: Phase | None = None
+    """If OFFLINE, its phase in the air: the one lost, or LANDING once it is told to land; else None."""
     measured_at: float = -inf
     """Time of the last measured state [s]."""
     low_since: float = inf
     """Start of the low battery [s]."""
     stopped_at: float = -inf
     """Time of its last emergency stop since arming [s]."""
+    watched_at: float = inf
+    """Time at which it was last watched, connected [s]."""
     stop_left: float = 0.0
     """Connected time for which that stop is still sent again [s]; 0 once the vehicle was locked."""
     commanded_at: float = -inf
@@ -49,11 +59,31 @@ class VehicleRecord:
     full_state: FullState | None = None
     """Last full state sent."""
 
+    @property
+    def air_phase(self) -> Phase:
+        """Return its phase, of a vehicle lost in the air the one on board."""
+        return self.lost or self.phase
+
+    def enter(self, phase: Phase, t: float) -> None:
+        """Enter a phase at time t [s]; a vehicle that is lost and told to land stays OFFLINE."""
+        if phase is Phase.LANDING and self.lost is not None:
+            self.lost, self.since = phase, t
+            return
+        self.lost = self.phase if phase is Phase.OFFLINE and self.phase in AIRBORNE else None
+        self.phase, self.since = phase, t
+
+    def arm(self) -> None:
+        """Forget the last flight."""
+        self.low_since, self.commanded_at, self.full_state = inf, -inf, None
+        self.stopped_at, self.stop_left = -inf, 0.0
+
     def stop(self, t: float) -> None:
         """Note an emergency stop at time t [s]."""
-        self.stopped_at, self.stop_left = t, STOP_AGAIN_S
+        self.stopped_at, self.stop_left, self.lost = t, STOP_AGAIN_S, None
 
-    def stop_again(self, *, locked: bool, connected_s: float) -> bool:
-        """Return whether to send its emergency stop again, after it was connected for `connected_s` [s]."""
+    def stop_again(self, t: float, *, locked: bool) -> bool:
+        """Return whether to send its emergency stop again at time t [s], at which it is connected."""
+        connected_s = 0.0 if self.phase is Phase.OFFLINE else max(0.0, t - self.watched_at)
+        self.watched_at = t
         self.stop_left = 0.0 if locked else max(0.0, self.stop_left - connected_s)
         return self.stop_left > 0.0

@@ -19,4 +19,4 @@ from q2q_model.ros.node.run import run
 
 def main() -> None:
     """Run the node `radio`."""
-    run("radio", RadioNode, RadioNode.close, RadioNode.land)
+    run("radio", RadioNode, RadioNode.close, land=RadioNode.land)

@@ -11,8 +11,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32, Header
 
-from q2q_control.radio.cflib_link import OnboardPose
-from q2q_control.radio.link import LinkHealth
+from q2q_control.radio.link import LinkHealth, OnboardPose
 from q2q_control.radio.radio_vehicles import other_publishers
 from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.values import Names

@@ -188,7 +188,9 @@ def _built(module: ModuleType, executable: str, configuration: Configuration) ->
 def _arguments_of_run(module: ModuleType) -> list[Callable[..., object]]:
     """Return the functions that `main` of a node module passes to `run`, without running it."""
     passed: list[Callable[..., object]] = []
-    with _replaced(module, "run", lambda _, *functions: passed.extend(functions)):
+    with _replaced(
+        module, "run", lambda _, *functions, **others: passed.extend((*functions, *others.values()))
+    ):
         module.main()
     return passed
 

@@ -45,6 +45,16 @@ def take_off_refusal(observation: Observation, params: FlightProcedureParams, la
     return _first(check() for check in checks)
 
 
+def airborne_refusal(observation: Observation) -> str:
+    """Return why vehicles may not go from a hover or a hold to the plan: one does not fly with the others."""
+    grounded = [one.name for one in observation.vehicles if one.airborne is False]
+    return (
+        connection_refusal(observation)
+        or _first(_lock_refusal(one) for one in observation.vehicles)
+        or (f"{', '.join(grounded)} not flying: land all, then call take_off" if grounded else "")
+    )
+
+
 def join_refusal(observation: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
     """Return why vehicles may not fly the present setpoints from their positions."""
     return (
@@ -103,9 +113,13 @@ def unchecked(observation: Observation) -> str:
     return f"not checked: {'; '.join(missing)}" if missing else ""
 
 
+def _lock_refusal(one: VehicleReport) -> str:
+    return f"{one.name} is locked: restart it" if one.locked else ""
+
+
 def _vehicle_refusal(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
-        return f"{one.name} is locked: restart it"
+        return _lock_refusal(one)
     if np.isnan(one.volt) and params.volt_start > 0.0:
         return f"{one.name} does not report its battery: log it, or set volt_start to 0"
     if one.volt < params.volt_start:
