@@ -105,6 +105,8 @@ class PilotedFlight:
 
     def land_here(self, t: float) -> float:
         """Land without a glide at time t [s]; return how long to wait for that [s], 0 on the ground."""
+        if self._procedure.step in ON_GROUND | {Step.STOPPED}:
+            return 0.0
         seconds = self._procedure.land_here(self._observed(t), t)
         self._execute(t)
         return seconds

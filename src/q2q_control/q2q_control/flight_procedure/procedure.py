@@ -29,7 +29,7 @@ from q2q_control.flight_procedure.progress.active_flight import ActiveFlight
 from q2q_control.flight_procedure.progress.order_outcomes import conclude
 from q2q_control.flight_procedure.progress.procedure_state import ProcedureState
 from q2q_control.flight_procedure.progress.step_ends import end_step
-from q2q_control.flight_procedure.steps import FLYING, ON_GROUND, Act, Call, Step
+from q2q_control.flight_procedure.steps import FLYING, Act, Call, Step
 from q2q_control.flight_procedure.transitions import ACTS_OF, check_refusal, step_refusal
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Array
@@ -81,10 +81,8 @@ class FlightProcedure:
         """Land without a call and without a glide, as the node ends at time t [s].
 
         Returns:
-            how long to wait until all are down at the latest [s]; 0 if they stand on the ground.
+            how long to wait until all are down at the latest [s].
         """
-        if self.step in ON_GROUND | {Step.STOPPED}:
-            return 0.0
         seconds = self._flight.order(Act.LAND, observation).duration + self._flight.params.patience_s
         if self.step in FLYING | {Step.ARMING}:
             self.state.answer(granted=False, reason="the node ends: landing")
