@@ -1,16 +1,18 @@
 """Copies of what a user's code is given, and a check of the arrays that it answers with."""
 
-from dataclasses import fields, replace
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import Field, fields, replace
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
 from q2q_model.signals.values import Array
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
-Given = TypeVar("Given", bound="DataclassInstance")
+class _Dataclass(Protocol):
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+
+Given = TypeVar("Given", bound=_Dataclass)
 
 
 def own_copy(given: Given) -> Given:

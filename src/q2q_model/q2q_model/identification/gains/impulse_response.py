@@ -22,6 +22,8 @@ and 0 for a vehicle that is too seldom alone: its loop then counts as balanced.
 |---|---|---|
 | epsilon | deviation | altitude minus reference [m] |
 | h | | response of epsilon to a unit eta at one sample [s^2] |
+| b_i - c eta_ff | added_acc | what a controller adds [m/s^2] |
+| c | compensated | share of the predicted downwash eta_ff that it compensates [-] |
 | Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
 """
 
