@@ -121,9 +121,7 @@ class DeadReckonedBraking:
 
     def predicted(self, state: SwarmState) -> SwarmState:
         """Return the state with dead-reckoned positions and velocities where vehicles are not measured."""
-        track = self._track
-        if state.names != self._names:
-            track = rows_by_name(track, self._names, state.names, UNKNOWN)
+        track = rows_by_name(self._track, self._names, state.names, UNKNOWN)
         rows = (state.status != TRACKED) & np.isfinite(track[:, POS])
         if not rows.any():
             return state

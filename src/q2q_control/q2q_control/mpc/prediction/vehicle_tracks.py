@@ -46,7 +46,7 @@ class Neighbours(NamedTuple):
 
     names: Names
     pos: Array
-    """InitialState positions [m], world, (n, 3)."""
+    """Present positions [m], world, (n, 3)."""
     path: Array
     """[m], world, (n, N + 1, 3); far away if they have no state."""
     inputs: Array
@@ -65,7 +65,7 @@ class Past(NamedTuple):
 
 
 class PresentInputs(NamedTuple):
-    """InitialState positions of n vehicles."""
+    """Present positions of n vehicles."""
 
     t: float
     """[s]"""

@@ -142,8 +142,8 @@ def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equat
     columns = np.stack([error, rate, integral - integral.mean(), -feed_forward], axis=1)
     target = record.commanded_acc[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
-    numbers = np.full((2, known.sum()), [[group], [flight]])
-    return _Equation(target[known], columns[known], numbers[0], numbers[1], record.t[known])
+    t = record.t[known]
+    return _Equation(target[known], columns[known], np.full(t.size, group), np.full(t.size, flight), t)
 
 
 def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:

@@ -93,13 +93,19 @@ def free_response(
     step = loop_step(loop, dt)
     state = np.zeros((step.phi.shape[0], start.shape[1]))
     state[:2] = start
-    constant = np.broadcast_to(loop.offset + np.asarray(added_acc), jerk.shape)  # (T, n)
+    added = np.broadcast_to(loop.offset + np.asarray(added_acc), jerk.shape)  # (T, n)
     if loop.lag > 0.0:
-        state[3] = constant[0] - loop.k_d * start[1] - loop.k_p * start[0]  # thrust settled on its command
-    after, later = (np.concatenate((one[1:], one[-1:])) for one in (jerk, constant))
+        state[3] = added[0] - loop.k_d * start[1] - loop.k_p * start[0]  # thrust settled on its command
+    after, later = (np.concatenate((one[1:], one[-1:])) for one in (jerk, added))
     push = jerk[:, None] * step.gamma0[:, 2:] + after[:, None] * step.gamma1[:, 2:]  # (T, s, n)
-    push += constant[:, None] * step.gamma0[:, 1:2] + later[:, None] * step.gamma1[:, 1:2]
+    push += added[:, None] * step.gamma0[:, 1:2] + later[:, None] * step.gamma1[:, 1:2]
     return _march(step.phi, push, state)
+
+
+def offset_response(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
+    """Return s [s^2], (T, 1): epsilon of a vehicle that begins on its reference, for b = 1 m/s^2."""
+    still = np.zeros((record.t.size, 1))
+    return free_response(replace(loop, offset=1.0), record.dt, still[:2], still)
 
 
 def undisturbed(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
@@ -118,8 +124,7 @@ def _constant(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
     """Return b of every vehicle [m/s^2], (n,); 0 for a loop that does not settle."""
     if not (loop.k_p > 0.0 and loop.k_d > 0.0):
         return np.zeros(len(record.names))
-    still = np.zeros((record.t.size, 1))
-    response = free_response(replace(loop, offset=1.0, lag=0.0), record.dt, still[:2], still)
+    response = offset_response(record, loop)
     settling = SETTLED * max(2.0 / loop.k_d, loop.k_d / loop.k_p)
     weight = _settled(record, settling) * response  # (T, n)
     found = (weight * (record.deviation - undisturbed(record, loop))).sum(axis=0)

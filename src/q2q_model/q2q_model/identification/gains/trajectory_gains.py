@@ -25,7 +25,7 @@ from scipy.optimize import least_squares, minimize
 from scipy.special import fdtrc
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
-from q2q_model.identification.gains.impulse_response import free_response
+from q2q_model.identification.gains.impulse_response import free_response, offset_response
 from q2q_model.identification.intervals import (
     Interval,
     Stretch,
@@ -136,8 +136,7 @@ def _fitted(record: AltitudeRecord, loop: AltitudeLoop, *, shifted: bool) -> tup
     residual = record.deviation - free_response(loop, record.dt, record.start, record.jerk)
     if not shifted:
         return residual, np.zeros(residual.shape[1])
-    unit, still = replace(loop, offset=1.0), np.zeros((record.t.size, 1))
-    response = free_response(unit, record.dt, still[:2], still)
+    response = offset_response(record, loop)
     offset = (response * residual).sum(axis=0) / (response**2).sum()
     return residual - offset * response, offset
 
