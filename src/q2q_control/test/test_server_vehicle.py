@@ -6,7 +6,7 @@ import pytest
 
 from q2q_control.crazyswarm.reported_vehicles import ARM_S, READ_S, ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
-from q2q_control.flight_procedure.supervisor_info import FLYING, READY
+from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
 from q2q_control.radio.crazyflies import params_set
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
@@ -108,11 +108,13 @@ def test_a_number_beyond_all_floats_is_one_that_no_vehicle_can_hold() -> None:
     assert params_set(values, "cf1", by_type=True) == {"a.b": math.inf, "a.c": -math.inf}
 
 
-def test_vehicles_have_armed_by_their_status_or_after_a_time_if_one_reports_none() -> None:
+def test_each_vehicle_has_armed_by_its_status_or_after_a_time_if_it_reports_none() -> None:
     one, other = vehicle(), vehicle()
     both = ReportedVehicles((one, other))
     assert not both.armed(10.0, 10.0 + 0.9 * ARM_S)
     assert both.armed(10.0, 10.0 + 1.1 * ARM_S)
+    one.take_status(4.0, LOCKED, 10.1)
+    assert not both.armed(10.0, 10.0 + 1.1 * ARM_S)
     one.take_status(4.0, READY, 10.1)
     other.take_status(4.0, READY, 9.9)  # before the order
     assert not both.armed(10.0, 10.0 + 1.1 * ARM_S)
