@@ -154,6 +154,14 @@ def test_a_vehicle_that_was_never_seen_yet_is_nowhere_and_not_on_the_floor() -> 
     assert output(fallen).startswith("cf2 hit the floor at 5.6 s")
 
 
+def test_a_lost_vehicle_is_not_where_it_was_last() -> None:
+    """The filter holds its position, here at its setpoint, whatever becomes of it."""
+    unknown = flown(true_pos=np.full_like(HOVER, np.nan))
+    lost = replace(unknown, pos=HOVER, mocap_pos=moved(4.0, 10.0, 1, (np.nan, np.nan, np.nan)))
+    said = output(lost)
+    assert said.startswith("ok: 10.0 s flown to the end; not judged: cf2 from 4.3 to 10.0 s")
+
+
 @pytest.mark.parametrize(("planned", "said"), [
     ("50", "the flight ended at 10.0 s of 50.0 s, before its end"),
     ("10.4", "ok: 10.0 s flown to the end"),

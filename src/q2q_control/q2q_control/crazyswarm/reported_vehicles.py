@@ -32,6 +32,6 @@ class ReportedVehicles:
         return tuple(one.report(t, connected=connected) for one in self.vehicles)
 
     def armed(self, ordered: float, t: float) -> bool:
-        """Return whether all have armed since time `ordered` [s]: by their status; without one, after ARM_S."""
+        """Return whether all have armed since `ordered` [s]: by their status, without one after ARM_S."""
         armed = [one.armed_since(ordered) for one in self.vehicles]
         return all(t - ordered > ARM_S if one is None else one for one in armed)

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.estimation.association.jump_candidates import SAME_INSTANT
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
@@ -74,11 +76,12 @@ def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> Fl
 def best_position(flight: Flight) -> Array:
     """Return the true positions if known, else the filtered ones [m], (T, n, 3); NaN where neither is.
 
-    A filter puts a vehicle that it has never seen at the origin. In a flight with motion capture, filtered
-    positions count from a vehicle's first sample on.
+    A filter puts a vehicle that it has never seen at the origin, and holds the last position of one that it
+    has lost. In a flight with motion capture, filtered positions count for coast_s after a sample.
     """
-    seen = np.logical_or.accumulate(np.isfinite(flight.mocap_pos).all(axis=2), axis=0)
-    known = seen | ~seen.any()
+    seen = np.isfinite(flight.mocap_pos).all(axis=2)  # (T, n)
+    last = np.maximum.accumulate(np.where(seen, flight.t[:, None], -np.inf), axis=0)
+    known = (flight.t[:, None] - last <= MocapFilterParams().coast_s + SAME_INSTANT) | ~seen.any()
     filtered = np.where(known[..., None], flight.pos, np.nan)
     return np.where(np.isfinite(flight.true_pos), flight.true_pos, filtered)
 
