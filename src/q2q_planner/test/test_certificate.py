@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline import certificate
@@ -18,6 +19,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.shared_pieces import shared_pieces, split_at
 
+NAMES = ("cf1", "cf2", "cf3")
 ZONES = (Cylinder(0.1, 1.1), Cylinder(0.3, 0.2), Ellipsoid(0.4, 0.7))
 
 
@@ -71,6 +73,28 @@ def test_a_vehicle_at_rest_after_its_end_is_still_there() -> None:
     proof = certify(minimum_snap_plan((short, late)), Cylinder(0.1, 1.1))
     assert proof.clearance == pytest.approx(-0.1, abs=2 * TOLERANCE)
     assert proof.t == pytest.approx(10.0, abs=1e-2)
+
+
+def _straight(start: Array, end: Array) -> Trajectory:
+    """Return a line flown in 1 s, with the eight coefficients of a planned piece."""
+    coefficients = np.zeros((1, 4, 8))
+    coefficients[0, :2, 0], coefficients[0, :2, 1] = start, end - start
+    return Trajectory(np.ones(1), coefficients)
+
+
+def test_a_pair_at_rest_is_found_beside_one_whose_box_is_nearer() -> None:
+    """Box and midpoint of a pair at rest are one distance; computed twice, it differs in its last bit.
+
+    The third vehicle passes on a diagonal: its box holds the pair at rest, from which it stays 2 m away.
+    """
+    passing = _straight(np.array([-4.0, 0.0]), np.array([0.0, -4.0]))
+    for here, there in np.random.default_rng(0).uniform(-0.4, 0.4, (200, 2, 2)):
+        at_rest = _straight(here, here), _straight(there, there)
+        for curves in (at_rest, (*at_rest, passing)):
+            proof = certify(SwarmPlan(NAMES[: len(curves)], curves), Cylinder(0.01, 1.1))
+            assert proof.pair == NAMES[:2]
+            gap = float(np.hypot(*(here - there))) - 0.01
+            assert proof.clearance == pytest.approx(gap, abs=TOLERANCE)
 
 
 def test_a_graze_of_a_tenth_of_a_millimetre_is_told_from_a_touch() -> None:

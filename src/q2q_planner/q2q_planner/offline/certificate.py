@@ -64,7 +64,7 @@ def certify(plan: SwarmPlan, zone: Zone, enough: float = -np.inf) -> Certificate
     if count > MOST_STRETCHES:
         words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
         return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
-    stretches = _stretches(shared, lathe)
+    stretches = _stretches(shared, lathe, rounding)
     found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, lathe), enough=enough)
     pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
     piece = stretches.piece[found.row]
@@ -93,14 +93,17 @@ class _Stretches:
     """Control points of the relative position [m], (stretches, 3, order)."""
 
 
-def _stretches(shared: SharedPieces, lathe: Lathe) -> _Stretches:
-    """Return the stretches that may contain the least distance: their boxes are nearer than some midpoint."""
+def _stretches(shared: SharedPieces, lathe: Lathe, rounding: float) -> _Stretches:
+    """Return the stretches that may contain the least distance: their boxes are nearer than some midpoint.
+
+    Box and midpoint of vehicles at rest are one distance, computed twice: `rounding` [m] covers both errors.
+    """
     points = control_points(shared.coefficients, shared.durations[:, None, None])  # (pieces, n, 3, order)
     first, second = np.triu_indices(points.shape[1], 1)
     apart = _box_gaps(points, first, second, lathe)  # (pieces, pairs)
     likely = np.unravel_index(np.argsort(apart, axis=None)[:LIKELY], apart.shape)
     least = lathe.nearest(_midpoints(_relative(points, likely, first, second)))[1].min()
-    piece, pair = near = np.nonzero(apart <= least)
+    piece, pair = near = np.nonzero(apart <= least + rounding)
     return _Stretches(first[pair], second[pair], piece, _relative(points, near, first, second))
 
 
