@@ -202,6 +202,20 @@ def test_a_late_frame_lets_no_hold_and_no_glide_jump_back() -> None:
     assert player.glide().granted
 
 
+def test_a_hold_that_is_called_again_while_it_brakes_brakes_as_the_first_one_does() -> None:
+    once, often = (PlanPlayer(PLAN, 0.0, GlideParams(), wait=False) for _ in range(2))
+    for player in (once, often):
+        player.update(frame(3.0, GROUND))
+        assert player.hold().reason == "at rest in 1.0 s"
+    for k in range(1, 21):
+        t = 3.0 + 0.1 * k
+        np.testing.assert_array_equal(often.update(frame(t, GROUND)).acc, once.update(frame(t, GROUND)).acc)
+        assert often.hold().reason == f"at rest in {max(1.0 - 0.1 * k, 0.0):.1f} s"
+    assert often.glide().granted
+    often.update(frame(5.5, GROUND))
+    assert often.hold().reason == "at rest in 1.0 s"  # it brakes the glide
+
+
 def test_a_clock_that_is_set_back_by_less_than_a_late_frame_is_followed_once_it_goes_on() -> None:
     player = PlanPlayer(PLAN, 0.0, GlideParams(), wait=False)
     for t in (*(STEP * k for k in range(301)), *(2.5 + STEP * k for k in range(20))):

@@ -10,7 +10,7 @@ the newest stamp, whatever late frames come after it. If the clock is set back, 
 first tick begins anew, and one that was called goes on.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
@@ -38,6 +38,8 @@ class Played:
     plan: SwarmPlan
     start: float
     """Stamp of its start [s]."""
+    stops: bool = False
+    """Whether it brakes another one."""
 
     @property
     def start_ns(self) -> int:
@@ -111,12 +113,14 @@ class PlanPlayer:
         return Reply(granted=True, reason=f"the plan has started and takes {self._plan.duration:.1f} s")
 
     def hold(self) -> Reply:
-        """Brake along what is played."""
+        """Brake along what is played, if it does not brake already."""
         if self.played is None or self._last is None:
             return Reply(granted=False, reason="nothing is played")
-        stopping = brake_plan(self.played.plan, self._now() - self.played.start)
-        self.played = Played(stopping, self._now())
-        return Reply(granted=True, reason=f"at rest in {stopping.duration:.1f} s")
+        now = self._now()
+        if not self.played.stops:
+            self.played = Played(brake_plan(self.played.plan, now - self.played.start), now, stops=True)
+        left = max(self.played.start + self.played.plan.duration - now, 0.0)
+        return Reply(granted=True, reason=f"at rest in {left:.1f} s")
 
     def _is_late(self, t: float) -> bool:
         """Return whether a frame at t [s] is older than the last one, and the clock was not set back."""
@@ -130,7 +134,7 @@ class PlanPlayer:
         if self.played is None or self._last is None or t > self._last.t - SET_BACK_S:
             return
         if self._wait:
-            self.played = Played(self.played.plan, self.played.start + t - self._last.t)
+            self.played = replace(self.played, start=self.played.start + t - self._last.t)
         elif self._at_first_tick:
             self.played = None
 
