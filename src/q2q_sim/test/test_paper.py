@@ -212,6 +212,19 @@ def test_the_fingerprint_is_the_same_for_the_same_code():
     assert fingerprint() == fingerprint()
 
 
+@pytest.mark.parametrize("shipped", ["q2q_model/config/law.q2q", "q2q_sim/config/room.air"])
+def test_a_shipped_model_or_air_that_changes_changes_the_fingerprint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, shipped: str
+):
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    file = tmp_path / "share" / shipped
+    file.parent.mkdir(parents=True)
+    file.write_bytes(b"1")
+    before = fingerprint()
+    file.write_bytes(b"2")
+    assert fingerprint() != before
+
+
 def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
     file = draw_panel(
         tmp_path / "learning" / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))]

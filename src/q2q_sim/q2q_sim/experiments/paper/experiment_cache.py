@@ -5,10 +5,11 @@ from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 
+from q2q_model.files.shipped_folder import shipped_folder
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
-SUFFIXES = (".py", ".yaml", ".q2q")
+SUFFIXES = (".py", ".yaml", ".q2q", ".air")
 """Packages whose code and data affect the results."""
 
 
@@ -57,8 +58,9 @@ def fingerprint() -> str:
     total = sha256()
     for package in PACKAGES:
         root = Path(import_module(package).__path__[0])
-        for path in sorted(root.rglob("*")):
-            if path.suffix in SUFFIXES and "ros" not in path.relative_to(root).parts:
-                total.update(str(path.relative_to(root)).encode())
-                total.update(path.read_bytes())
+        for folder in (root, shipped_folder(root)):
+            for path in sorted(folder.rglob("*")):
+                if path.suffix in SUFFIXES and "ros" not in path.relative_to(folder).parts:
+                    total.update(str(path.relative_to(folder)).encode())
+                    total.update(path.read_bytes())
     return total.hexdigest()
