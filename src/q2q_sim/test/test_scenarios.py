@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.trajectory import plan_file
 from q2q_model.tunable import tunable_of
 from q2q_model.vehicle.constants import (
     CRAZYFLIE_2_0,
@@ -14,6 +15,7 @@ from q2q_model.vehicle.constants import (
     vehicle_by_name,
 )
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
@@ -211,6 +213,32 @@ def test_a_file_of_the_users_own_is_read_and_a_broken_one_refused(tmp_path: Path
     own.write_text("duration: -3\nvehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}\n")
     with pytest.raises(ValueError, match=r"^scenario mine: duration = -3"):
         library.load(str(own))
+
+
+def test_in_another_air_vehicles_replace_a_plan_and_a_plan_vehicles(tmp_path: Path) -> None:
+    ways = Waypoint(0.0, (0.0, 0.0, 2.0)), Waypoint(7.0, (3.0, 0.0, 2.0))
+    plan_file.save(tmp_path / "plan.json", minimum_snap_plan([VehicleWaypoints("cf9", ways)]))
+    cf1 = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}"
+    own = tmp_path / "mine.yaml"
+    for text, names, durations in (
+        (f"{cf1}\nin_air: {{plan: plan.json}}\n", ("cf1", "cf9"), (3.0, 7.0)),
+        (f"plan: plan.json\nin_air: {{{cf1}}}\n", ("cf9", "cf1"), (7.0, 3.0)),
+        ("plan: plan.json\nin_air: {wake: paper}\n", ("cf9", "cf9"), (7.0, 7.0)),
+    ):
+        own.write_text(text)
+        flown = library.load(str(own))
+        assert flown.in_air is not None
+        assert (*flown.names, *flown.in_air.names) == names
+        assert (flown.duration, flown.in_air.duration) == durations
+        assert [one.plan is None for one in (flown, flown.in_air)] == [name == "cf1" for name in names]
+    own.write_text(f"{cf1}\nplan: plan.json\n")
+    with pytest.raises(ValueError, match="vehicles and plan are both given"):
+        library.load(str(own))
+
+
+def test_a_document_without_a_file_names_no_plan() -> None:
+    with pytest.raises(ValueError, match=r"plan = 'mine.json': only the file of a scenario names a plan"):
+        scenario_from_document("mine", {"plan": "mine.json"})
 
 
 def test_every_override_of_a_shipped_scenario_is_a_field_of_its_block() -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certified_file import load_plan
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
@@ -43,12 +42,6 @@ def _read(path: Path) -> Scenario:
     if parsed is None:
         raise ValueError(f"scenario file {path} is empty: write description, duration and vehicles")
     try:
-        return scenario_from_document(path.stem, parsed, _plan(parsed, path.parent))
+        return scenario_from_document(path.stem, parsed, lambda named: load_plan(path.parent / named))
     except ValueError as error:
         raise ValueError(f"scenario {path.stem}: {error}") from error
-
-
-def _plan(parsed: object, folder: Path) -> SwarmPlan | None:
-    """Return the plan that a document names; its path is relative to the document's folder."""
-    named = parsed.get("plan") if isinstance(parsed, Mapping) else None
-    return load_plan(folder / named) if isinstance(named, str) else None

@@ -9,18 +9,18 @@
     wake: paper               # the true downwash: none, paper, measured
     air: room.air             # in place of wake and disturbance: a shipped name, a .air file, module:Class
     air_without: [residual]   # terms of that air that are switched off
-    in_air: {vehicle: crazyflie_2_0}   # keys that replace those above where the flight names another air
+    in_air: {vehicle: crazyflie_2_0}   # keys that replace the others where the flight names another air
     attitude: firmware        # loop on board: paper (section 5.1) or firmware (the emulated stock controller)
     model: paper_law          # of the controllers: none, a shipped name, a .q2q file
     room: ideal               # q2q_sim.scenarios.room_profiles; vicon, radio, imu, disturbance below override
-    single values reading: stop_and_go      # of eq. (17): stop_and_go or free
+    reading: stop_and_go      # of eq. (17): stop_and_go or free
     vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # without t: times as from `plan`
     plan: mine.json           # in place of vehicles: a plan file, beside this file
     overrides: {pid: {thrust_max: 6.6}}
     faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -38,6 +38,9 @@ from q2q_sim.faults.faults import Fault, check_sizes
 from q2q_sim.scenarios.block_overrides import merge_overrides, override_params
 from q2q_sim.scenarios.room_profiles import profile_by_name
 from q2q_sim.scenarios.scenario import AttitudeLoop, Scenario
+
+MOTIONS = frozenset({"vehicles", "plan"})
+"""Keys of which a document has one: where the vehicles fly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +69,15 @@ class _Document:
     faults: tuple[Fault, ...] = ()
 
 
-def scenario_from_document(name: str, document: object, plan: SwarmPlan | None = None) -> Scenario:
-    """Return the scenario of a parsed YAML document; `plan` is the content of its plan file.
+def no_plan_file(named: str) -> SwarmPlan:
+    """Raise ValueError: a document without a file has no plan beside it."""
+    raise ValueError(f"plan = {named!r}: only the file of a scenario names a plan, which lies beside it")
+
+
+def scenario_from_document(
+    name: str, document: object, load_plan: Callable[[str], SwarmPlan] = no_plan_file
+) -> Scenario:
+    """Return the scenario of a parsed YAML document; `load_plan` returns the plan that it names.
 
     Only `vehicles` or `plan` is required: a file of waypoints alone is a scenario.
 
@@ -77,6 +87,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
     given = from_plain(_Document, document, "")
     room = profile_by_name(given.room)
     vehicle = vehicle_by_name(given.vehicle, given.firmware)
+    plan = load_plan(given.plan) if given.plan else None
     waypoints = _waypoints(given, with_limits_of(FlightLimits(), vehicle), plan)
     last = max(float(one.times[-1]) for one in waypoints)
     check_sizes(given.faults)
@@ -91,7 +102,7 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
         wake=given.wake,
         air=given.air,
         air_without=given.air_without,
-        in_air=scenario_from_document(name, document_in_air(document), plan) if given.in_air else None,
+        in_air=scenario_from_document(name, document_in_air(document), load_plan) if given.in_air else None,
         attitude=given.attitude,
         model=given.model,
         vicon=override_params(room.vicon, given.vicon, "vicon"),
@@ -104,10 +115,14 @@ def scenario_from_document(name: str, document: object, plan: SwarmPlan | None =
 
 
 def document_in_air(document: object) -> dict[str, object]:
-    """Return a scenario's document with the keys of its `in_air` in place of its own."""
+    """Return a scenario's document with the keys of its `in_air` in place of its own.
+
+    Vehicles replace a plan, and a plan vehicles.
+    """
     entries = from_plain(dict[str, object], document, "")
     in_air = from_plain(dict[str, object], entries.pop("in_air", {}), "in_air")
-    return entries | in_air
+    replaced = MOTIONS if MOTIONS & in_air.keys() else frozenset()
+    return {key: value for key, value in entries.items() if key not in replaced} | in_air
 
 
 def _waypoints(
