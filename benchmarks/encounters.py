@@ -51,13 +51,22 @@ def rows_of(verdicts: Sequence[EncounterVerdict]) -> list[Row]:
         Row("in which the promise's conditions hold", len(held), ""),
         Row("  time in the zone", sum(one.zone_time for one in held), "s"),
         Row("  in which a promise was broken all the same", sum(one.broken for one in held), ""),
-        Row("  least distance to the zone", min(one.clearance for one in held) * 1e3, "mm"),
-        Row("  largest lateral shift", max(one.shift for one in held), "m"),
+        *_extremes(held),
         Row("  whose references end clear of each other", sum(one.arrived is not None for one in held), ""),
         Row("    all back at them 1 s later", sum(one.arrived is True for one in held), ""),
         Row("with a broken promise, announced", len(failed), ""),
         Row("time in the zone, announced", sum(one.zone_time - one.silent_time for one in verdicts), "s"),
         Row("time in the zone, not announced", sum(one.silent_time for one in verdicts), "s"),
+    ]
+
+
+def _extremes(held: Sequence[EncounterVerdict]) -> list[Row]:
+    """Return the rows of the worst of some encounters; none without encounters."""
+    if not held:
+        return []
+    return [
+        Row("  least distance to the zone", min(one.clearance for one in held) * 1e3, "mm"),
+        Row("  largest lateral shift", max(one.shift for one in held), "m"),
     ]
 
 

@@ -136,7 +136,12 @@ def flown(seeds: range, count: int, tube: RiskTube, attitude: AttitudeLoop = "pa
 
 
 def tube_rows(flights: Sequence[Strays], tube: RiskTube) -> list[Row]:
-    """Return how far vehicles strayed in flights, the tube of half of ALPHA, and how many left that given."""
+    """Return how far vehicles strayed in flights, the tube of half of ALPHA, and how many left that given.
+
+    No more than their number if there are none.
+    """
+    if not flights:
+        return [Row("flights", 0, "")]
     aside = np.concatenate([one.horizontal for one in flights])
     height = np.concatenate([one.vertical for one in flights])
     left = (aside > tube.horizontal) | (height > tube.vertical)

@@ -2,13 +2,17 @@
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import bench
+import encounters
+import risk
 from area_process import AreaError, read_rows
 from beside import beside, environment_outside
+from q2q_planner.experiments.encounters import EncounterVerdict
 from row import Row
 
 Capture = pytest.CaptureFixture[str]
@@ -126,3 +130,23 @@ def test_rows_of_other_versions_are_read(tmp_path: Path):
         file.write_text(broken)
         with pytest.raises(AreaError, match="cannot be read"):
             read_rows(file)
+
+
+def test_series_in_which_no_encounter_and_no_flight_counts_have_no_row_of_their_worst():
+    late = EncounterVerdict(
+        vehicles=2,
+        apart=False,
+        conditions_hold=False,
+        zone_time=0.5,
+        silent_time=0.0,
+        broken=True,
+        clearance=-0.1,
+        arrived=None,
+        shift=0.0,
+    )
+    lone = [(row.name, row.value) for row in encounters.rows_of([late])]
+    assert ("time in the zone, announced", 0.5) in lone
+    met = encounters.rows_of([late, replace(late, conditions_hold=True)])
+    extra = [(row.name, row.value) for row in met if row.name not in dict(lone)]
+    assert extra == [("  least distance to the zone", -100.0), ("  largest lateral shift", 0.0)]
+    assert risk.tube_rows([], risk.TUBE) == [Row("flights", 0, "")]
