@@ -5,14 +5,19 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import osqp
 import pytest
 
 import bench
 import encounters
+import planning
 import risk
 from area_process import AreaError, read_rows
 from beside import beside, environment_outside
 from q2q_planner.experiments.encounters import EncounterVerdict
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, snap_cost
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from row import Row
 
 Capture = pytest.CaptureFixture[str]
@@ -150,3 +155,20 @@ def test_series_in_which_no_encounter_and_no_flight_counts_have_no_row_of_their_
     extra = [(row.name, row.value) for row in met if row.name not in dict(lone)]
     assert extra == [("  least distance to the zone", -100.0), ("  largest lateral shift", 0.0)]
     assert risk.tube_rows([], risk.TUBE) == [Row("flights", 0, "")]
+
+
+def test_osqp_is_set_up_once_for_three_axes_and_finds_our_cost(monkeypatch: pytest.MonkeyPatch):
+    set_up = []
+
+    class Counted(osqp.OSQP):
+        def setup(self, *args: object, **options: object) -> None:
+            set_up.append(self)
+            super().setup(*args, **options)
+
+    monkeypatch.setattr(osqp, "OSQP", Counted)
+    times, points = np.array([0.0, 1.5, 4.0]), np.array([[0.0, 0.0, 1.0], [1.0, -0.5, 2.0], [0.3, 0.4, 1.2]])
+    ways = tuple(Waypoint(t, tuple(point)) for t, point in zip(times.tolist(), points.tolist(), strict=True))
+    ours = snap_cost(minimum_snap(VehicleWaypoints("cf1", ways), "free"))
+    found = planning.cost_by_osqp(planning.coefficient_problem(times, points))
+    assert found == pytest.approx(ours, rel=1e-9)  # polished
+    assert len(set_up) == 1
