@@ -35,6 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if not (args.list or args.real or args.scenario):
         raise ValueError("give a scenario: `scripts/fly --list` names them")
+    if args.real and args.scenario:
+        raise ValueError(f"{args.scenario} and --real {args.real}: give one of them")
     if args.scenario:
         scenario_files.check(args.scenario)
     if args.air:

@@ -7,6 +7,7 @@ Exits with 0 if every flight passes, 1 if one fails, 2 if the command line is wr
 simulator itself did in one. Options of the program come after `--`.
 """
 
+import math
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from q2q_model.commands.command_line import (
     CommandLine,
     UsageError,
     Work,
+    finite_number,
     output_file,
     output_folder,
     outside_ros,
@@ -32,6 +34,8 @@ EXAMPLE = """  scripts/licence my_flight.py --out out/licence
 MOST_JOBS = 64
 MOST_SCANNED = 15
 """Vehicles of one radio."""
+OF_ONE = ("start", "scan", "crazyflies", "arming", "room", "air", "limit", "out", "junit")
+"""Options of the licence of one program; those of a score have theirs from its folder."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -59,7 +63,8 @@ def _prepare(after_dashes: list[str], args: Namespace) -> Work:
     _add_words(args, after_dashes)
     if bool(args.script) == bool(args.score):
         raise UsageError("give either a program or --score FOLDER")
-    if min(args.room) <= 0.0:
+    _check_partners(args)
+    if not all(0.0 < size < math.inf for size in args.room):
         raise ValueError(f"--room {args.room}: sizes above 0 m are allowed")
     if not 0.0 < args.limit <= 3000.0:
         raise ValueError(f"--limit {args.limit}: above 0 to 3000 s is allowed")
@@ -72,6 +77,18 @@ def _prepare(after_dashes: list[str], args: Namespace) -> Work:
     from q2q_sim.experiments.licence.licence_program import judge_program, score_programs
 
     return judge_program if args.script else score_programs
+
+
+def _check_partners(args: Namespace) -> None:
+    """Raise UsageError for an option that would change nothing, with or without --score."""
+    if not args.score:
+        if args.only:
+            raise UsageError("--only needs --score, whose programs it names")
+        return
+    line = parser()
+    for name in OF_ONE:
+        if getattr(args, name) != line.get_default(name):
+            raise UsageError(f"--{name} is of one program, and --score judges a folder's: give one of them")
 
 
 def parser() -> CommandLine:
@@ -117,7 +134,7 @@ def _add_vehicles(made: CommandLine) -> None:
         nargs=3,
         action="append",
         default=[],
-        type=float,
+        type=finite_number,
         metavar=("X", "Y", "YAW"),
         help="start of each vehicle in turn, by URI [m, deg]; default: rows along y, 1 m apart",
     )
