@@ -170,6 +170,28 @@ def test_every_node_that_scales_thrust_has_the_same_vehicle_and_firmware(
     assert (f"vehicle={vehicle}" in facts) == bool(given or twin == "true")
 
 
+@pytest.mark.parametrize(("given", "flown"), [
+    ({}, ("crazyflie_2_0", "thrust_upgrade")),
+    ({"firmware": "stock_2025_09"}, ("crazyflie_2_0", "stock_2025_09")),
+    ({"vehicle": "crazyflie_2_1"}, ("crazyflie_2_1", "thrust_upgrade")),
+    ({"vehicle": "crazyflie_brushless"}, ("crazyflie_brushless", "stock")),  # it has no such firmware
+    ({"twin": "false"}, ("crazyflie_2_0", "stock")),
+])  # fmt: skip
+def test_a_twin_flies_vehicle_and_firmware_of_its_scenario_unless_others_are_given(
+    room: dict[str, str], tmp_path: Path, given: dict[str, str], flown: tuple[str, str]
+):
+    own = tmp_path / "own.yaml"
+    points = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 3, pos: [1, 0, 1]}]}\n"
+    own.write_text(f"vehicle: crazyflie_2_0\nfirmware: thrust_upgrade\n{points}")
+    asked = {"scenario": str(own), "twin": "true"} | given
+    specs = crazyswarm_nodes(defaults(CRAZYSWARM_ARGUMENTS) | room | asked)
+    told = [spec.parameters for spec in specs if "vehicle" in spec.parameters]
+    assert {(one["vehicle"], one["firmware"]) for one in told} == {flown}
+    facts = next(one.parameters["facts"] for one in specs if "facts" in one.parameters)
+    assert isinstance(facts, tuple)
+    assert (f"firmware={flown[1]}" in facts) == (asked["twin"] == "true")
+
+
 def test_a_firmware_that_the_vehicle_does_not_have_is_refused_before_any_node_starts(room: dict[str, str]):
     given = defaults(ROOM_ARGUMENTS) | room | {"vehicle": "crazyflie_brushless", "firmware": "thrust_upgrade"}
     with pytest.raises(ValueError, match=r"firmware 'thrust_upgrade' of crazyflie_brushless: known are"):

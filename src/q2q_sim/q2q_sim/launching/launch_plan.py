@@ -13,7 +13,7 @@ from q2q_control.pid.gains_file import TUNED, load_gains
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.tunable import ParameterValue
-from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, firmware_of, vehicle_by_name
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, Vehicle, firmware_of, vehicle_by_name
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 from q2q_planner.offline.certified_file import load_plan
 from q2q_sim.flight.running_nodes import RECORDER
@@ -21,6 +21,7 @@ from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_sp
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import REPLANNERS
+from q2q_sim.scenarios.scenario_variants import with_choices, with_firmware
 
 YES, NO = "true", "false"
 
@@ -85,7 +86,7 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("vehicle", "", f"vehicle constants; empty: the twin's, or {DEFAULT_VEHICLE}", ("", *VEHICLES)),
-    FIRMWARE,
+    Argument("firmware", "", f"its thrust per PWM; empty: the twin's, or {STOCK}", ("", *FIRMWARES)),
     Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
     Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
     Argument("motion_capture", "", "motion_capture.yaml of server and bridge, in place of poses_version"),
@@ -154,6 +155,7 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     """
     folder = _checked(given)
     twin, vehicle = given["twin"] == YES, _bridged_vehicle(given)
+    flown: dict[str, ParameterValue] = {"vehicle": vehicle.name, "firmware": firmware_of(vehicle) or STOCK}
     bridge: dict[str, ParameterValue] = {
         "crazyflies": given["crazyflies"],
         "backend": "cflib" if twin else given["backend"],
@@ -162,15 +164,12 @@ def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         "poses_version": _whole(given["poses_version"], "poses_version"),
         "motion_capture": given["motion_capture"],
         "aware": given["aware"] == YES,
-        "vehicle": vehicle,
-        "firmware": given["firmware"],
     }
-    room: dict[str, ParameterValue] = {"scenario": given["scenario"], "vehicle": vehicle, "crtp": True}
-    room |= {"firmware": given["firmware"]}
+    room: dict[str, ParameterValue] = {"scenario": given["scenario"], "crtp": True}
     return [
         *_control_loop(given, folder, _twin_facts(given)),
-        NodeSpec("q2q_control", "crazyswarm", bridge),
-        *([NodeSpec("q2q_sim", "simulator", room)] if twin else []),
+        NodeSpec("q2q_control", "crazyswarm", bridge | flown),
+        *([NodeSpec("q2q_sim", "simulator", room | flown)] if twin else []),
         *_viewers(given),
     ]
 
@@ -207,7 +206,7 @@ def _checked(given: Mapping[str, str]) -> Path:
         raise ValueError(f"motion_capture:={tracking}: there is no such file")
     load_plan(Path(given["plan"]))
     find_model(given["model"])
-    vehicle_by_name(given["vehicle"] or DEFAULT_VEHICLE, given["firmware"])
+    vehicle_by_name(given["vehicle"] or DEFAULT_VEHICLE, given["firmware"] or STOCK)
     folder = folder_of(given["folder"])
     if (folder / "bag").exists():
         raise ValueError(f"bag {folder / 'bag'} exists: choose another folder or delete it")
@@ -217,21 +216,17 @@ def _checked(given: Mapping[str, str]) -> Path:
 
 def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
     """Return the metadata of a flight beside Crazyswarm2; the vehicle is known if given, or a twin's."""
+    twin, vehicle = given["twin"] == YES, _bridged_vehicle(given)
+    known = FlightFacts(vehicle.name, firmware_of(vehicle)) if twin or given["vehicle"] else FlightFacts()
+    return replace(known, scenario=given["scenario"] if twin else "", model=given["model"])
+
+
+def _bridged_vehicle(given: Mapping[str, str]) -> Vehicle:
+    """Return the vehicle and firmware given, else those of the twin's scenario, else the default ones."""
     if given["twin"] == YES:
-        vehicle = vehicle_by_name(_bridged_vehicle(given), given["firmware"])
-        known = FlightFacts(vehicle.name, firmware_of(vehicle), scenario=given["scenario"])
-    elif given["vehicle"]:
-        known = FlightFacts(given["vehicle"], given["firmware"])
-    else:
-        known = FlightFacts()
-    return replace(known, model=given["model"])
-
-
-def _bridged_vehicle(given: Mapping[str, str]) -> str:
-    """Return the vehicle given, else that of the twin's scenario, else the default."""
-    if given["vehicle"]:
-        return given["vehicle"]
-    return library.load(given["scenario"]).vehicle.name if given["twin"] == YES else DEFAULT_VEHICLE
+        flown = with_choices(library.load(given["scenario"]), given["vehicle"], "")
+        return with_firmware(flown, given["firmware"]).vehicle
+    return vehicle_by_name(given["vehicle"] or DEFAULT_VEHICLE, given["firmware"] or STOCK)
 
 
 def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) -> list[NodeSpec]:
