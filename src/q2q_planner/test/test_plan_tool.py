@@ -18,6 +18,9 @@ from q2q_planner.offline import certificate
 from q2q_planner.offline.altitude_response import altitude_rms
 from q2q_planner.offline.certified_file import load_plan
 from q2q_planner.offline.downwash_zone import STEP
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.tools.export import write_samples
 
 SECTION_4_1 = """
 vehicles:
@@ -98,6 +101,17 @@ def test_exports_hold_the_plan(crossing: Path, tmp_path: Path) -> None:
     numbers = np.array(pieces, dtype=float)
     assert numbers[:, 0] == pytest.approx(plan.trajectories[0].durations, abs=0.0)
     assert numbers[:, 1:].reshape(-1, 4, 8) == pytest.approx(plan.trajectories[0].coefficients, abs=0.0)
+
+
+@pytest.mark.parametrize("end", [0.07, 1.11, 1.1, 1.115, 0.1 + 0.2])  # 1.11 / 0.01 is 111.00000000000001
+def test_a_table_has_no_instant_twice(end: float, tmp_path: Path) -> None:
+    ways = Waypoint(0.0, (0.0, 0.0, 1.0)), Waypoint(end, (0.1, 0.0, 1.0))
+    write_samples(tmp_path / "plan.csv", minimum_snap_plan([VehicleWaypoints("cf1", ways)]))
+    with (tmp_path / "plan.csv").open() as file:
+        times = [float(row["t"]) for row in csv.DictReader(file)]
+    assert times[-1] == end
+    assert np.diff(times)[:-1] == pytest.approx(0.01, abs=1e-9)
+    assert 1e-3 < times[-1] - times[-2] < 0.01 + 1e-9
 
 
 def test_an_upload_read_as_crazyswarm2_does_flies_the_plan(crossing: Path, tmp_path: Path) -> None:

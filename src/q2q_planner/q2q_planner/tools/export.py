@@ -6,6 +6,7 @@ the ascending coefficients of x, y, z, yaw, degree 7 each (crazyflie_py, `uav_tr
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -36,12 +37,18 @@ def write_samples(path: Path, plan: SwarmPlan) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
-        for tick in range(int(np.ceil(plan.duration / SAMPLE_STEP)) + 1):
-            setpoint = setpoint_at(plan, min(tick * SAMPLE_STEP, plan.duration))
+        for t in sample_times(plan.duration):
+            setpoint = setpoint_at(plan, t)
             for row, name in enumerate(plan.names):
                 moves = (*setpoint.pos[row], *setpoint.vel[row], *setpoint.acc[row])
                 numbers = (*moves, setpoint.yaw[row], setpoint.yaw_rate[row])
                 table.writerow([repr(setpoint.t), name, *(repr(float(number)) for number in numbers)])
+
+
+def sample_times(duration: float) -> list[float]:
+    """Return the times of the samples [s]: every SAMPLE_STEP, and the end."""
+    steps = ceil(duration / SAMPLE_STEP - 1e-6)  # rounding of a duration adds no step
+    return [*(step * SAMPLE_STEP for step in range(steps)), duration]
 
 
 def check_upload_of(swarm: Sequence[VehicleWaypoints], folder: Path, others: Iterable[Path | None]) -> None:
