@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
+from q2q_model.documents.yaml_text import parse_yaml
 from q2q_model.signals.values import Array
 
 
@@ -60,6 +61,14 @@ def test_a_document_becomes_the_values_it_gives_in_their_types() -> None:
     np.testing.assert_array_equal(read.table, [[1.0, 2.0], [3.0, 4.0]])
     assert (read.names, read.rest) == (("a", "b"), {"any": [1, "x"]})
     assert from_plain(Document, {"paths": {}, "limit": None}, "file") == Document({})
+
+
+@pytest.mark.parametrize("name", ["on", "no", "null", "~"])
+def test_a_name_that_yaml_reads_as_another_value_is_refused_and_in_quotes_taken(name: str) -> None:
+    expected = r"paths.*: a name \(in quotes: on, off, yes, no, null\) is expected$"
+    with pytest.raises(ValueError, match=expected):
+        from_plain(Document, parse_yaml(f"paths: {{{name}: []}}"), "file")
+    assert from_plain(Document, parse_yaml(f"paths: {{'{name}': []}}"), "file").paths == {name: ()}
 
 
 def test_scalars_and_arrays_of_numpy_are_numbers_and_lists_of_python() -> None:

@@ -35,7 +35,7 @@ _REPR.maxdict, _REPR.maxlist, _REPR.maxstring, _REPR.maxlong = 3, 4, LONGEST, LO
 
 
 class _Key:
-    """Type of a key: any scalar, as text."""
+    """Type of a key: text, or a number as text."""
 
 
 class _Cell:
@@ -99,7 +99,7 @@ def _converter(extra: bool) -> Converter:
     for kind, expected in ((bool, "true or false"), (int, "a whole number"), (str, "text")):
         made.register_structure_hook(kind, _after_check(kind, expected, lambda value, _: value))
     made.register_structure_hook(float, _number)
-    made.register_structure_hook(_Key, lambda key, _: str(key))
+    made.register_structure_hook(_Key, _name)
     made.register_structure_hook(
         _Cell, lambda cell, _: made.structure(cell, Array if isinstance(cell, list | np.ndarray) else float)
     )
@@ -126,6 +126,13 @@ def _after_check(accepted: type | UnionType, expected: str, hook: Hook) -> Hook:
         return hook(value, kind)
 
     return read
+
+
+def _name(key: object, _: object) -> str:
+    """Return a key as text; raise _UnexpectedError for `on`, `no`, `null`, which YAML reads as others."""
+    if key is None or isinstance(key, bool):
+        raise _UnexpectedError(key, "a name (in quotes: on, off, yes, no, null)")
+    return str(key)
 
 
 def _finite(value: float, _: object) -> float:

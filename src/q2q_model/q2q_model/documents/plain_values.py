@@ -41,8 +41,8 @@ def from_plain(kind: type[T], plain: object, where: str, *, extra: bool = False)
     """Return parsed YAML or JSON as a dataclass, or as a dict or tuple of some.
 
     Numbers are finite; an integer is read as float where a float is expected; scalars and arrays of NumPy are
-    read as numbers and lists; the keys of a mapping become text. `Annotated[kind, "[x, y, z] in metres"]`
-    words what is expected.
+    read as numbers and lists; numbers as keys of a mapping become text.
+    `Annotated[kind, "[x, y, z] in metres"]` words what is expected.
 
     Args:
         kind: type of the result.
