@@ -236,6 +236,11 @@ def test_in_another_air_vehicles_replace_a_plan_and_a_plan_vehicles(tmp_path: Pa
         library.load(str(own))
 
 
+@pytest.mark.parametrize(("given", "read"), [(None, ""), ("", ""), ("one line", "one line"), (12, "12")])
+def test_a_description_that_is_left_empty_is_empty(given: object, read: str) -> None:
+    assert scenario_from_document("mine", GOOD | {"description": given}).description == read
+
+
 def test_a_document_without_a_file_names_no_plan() -> None:
     with pytest.raises(ValueError, match=r"plan = 'mine.json': only the file of a scenario names a plan"):
         scenario_from_document("mine", {"plan": "mine.json"})

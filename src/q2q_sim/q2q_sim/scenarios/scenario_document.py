@@ -93,7 +93,7 @@ def scenario_from_document(
     check_sizes(given.faults)
     return Scenario(
         name=name,
-        description=str(given.description),
+        description="" if given.description is None else str(given.description),
         duration=last if given.duration is None else given.duration,
         vehicle=vehicle,
         waypoints=waypoints,
