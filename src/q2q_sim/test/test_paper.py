@@ -208,6 +208,11 @@ def test_a_cached_outcome_without_its_picture_is_no_result(tmp_path: Path):
     assert cache.load("one") is None
 
 
+def test_the_numbers_name_the_module_of_their_experiments():
+    text = Path(reproduction.__file__).with_name("paper.yaml").read_text()
+    assert f"in {reproduction.__name__};" in text
+
+
 def test_the_fingerprint_is_the_same_for_the_same_code():
     assert fingerprint() == fingerprint()
 
