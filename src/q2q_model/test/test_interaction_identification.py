@@ -88,6 +88,21 @@ def test_the_losss_gradient_is_that_of_finite_differences():
         assert (up - down) / 2 == pytest.approx(gradient @ step, rel=1e-4)
 
 
+def test_flights_of_two_and_of_three_vehicles_share_one_loss():
+    both, third = records()[:2]
+    columns = ("pos", "vel", "axis", "ref", "commanded_acc", "feed_forward", "added_acc")
+    doubled = {name: getattr(third, name)[:, [0, 1, 1]] for name in columns}
+    three = replace(third, names=("cf1", "cf2", "cf3"), **doubled)
+    three.pos[:, 2, 0] += 0.1  # a second source, beside the first
+    flights, model = [flight_terms(one, LOOP, REACH) for one in (both, three)], random_model(8)
+    alone, together = [trajectory_loss(model, [one]) for one in flights], trajectory_loss(model, flights)
+    assert [mse.shape for mse in together.mse] == [(2,), (3,)]
+    for mse, one in zip(together.mse, alone, strict=True):
+        np.testing.assert_array_equal(mse, one.mse[0])
+    assert together.loss == pytest.approx((alone[0].loss + alone[1].loss) / 2, rel=1e-12)
+    np.testing.assert_allclose(together.gradient, (alone[0].gradient + alone[1].gradient) / 2, rtol=1e-9)
+
+
 def test_a_start_near_the_solution_changes_nothing_but_time():
     flights, model = terms(), random_model(8)
     first = trajectory_loss(model, flights)

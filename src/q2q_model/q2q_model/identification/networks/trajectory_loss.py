@@ -76,8 +76,8 @@ class FlightTerms:
 class LossValue:
     """Value, gradient and parts of the loss."""
 
-    mse: Array
-    """Mean square error of each vehicle of each flight [m^2], (flights, n)."""
+    mse: tuple[Array, ...]
+    """Mean square error of each vehicle of each flight [m^2], (n,) each."""
     loss: float
     """Mean over flights of the sum over vehicles [m^2]."""
     gradient: Array
@@ -144,13 +144,14 @@ def trajectory_loss(
     ]
     solved = [_solve(model, one, start) for one, start in zip(terms, starts, strict=True)]
     etas = tuple(_sum_over_sources(one, at.eta) for one, at in zip(terms, solved, strict=True))
-    mse = np.stack([mean_square(one, eta) for one, eta in zip(terms, etas, strict=True)])
+    mse = tuple(mean_square(one, eta) for one, eta in zip(terms, etas, strict=True))
     parts = [
         pullback(model, at, _adjoint(one, at, eta)) / one.ticks
         for one, at, eta in zip(terms, solved, etas, strict=True)
     ]
     gradient = np.asarray(np.sum(parts, axis=0) / len(terms))
-    return LossValue(mse=mse, loss=float(mse.sum(axis=1).mean()), gradient=gradient, etas=etas)
+    loss = float(np.mean([one.sum() for one in mse]))
+    return LossValue(mse=mse, loss=loss, gradient=gradient, etas=etas)
 
 
 def mean_square(one: FlightTerms, eta: Array) -> Array:

@@ -86,7 +86,7 @@ def learning(folder: Path) -> ExperimentOutcome:
     decay = fit_decay(records)
     terms = [flight_terms(one, loop, (WIDE * ZONE.eps, WIDE * ZONE.d)) for one in records]
     model = fit_networks(terms)
-    mse = trajectory_loss(model, terms).mse.mean(axis=0)
+    mse = np.mean(trajectory_loss(model, terms).mse, axis=0)  # all flights are of two
     step_size, seconds = timed_adam(terms)
     eta = predicted_push(model, records[SHOWN])
     found = {
