@@ -33,21 +33,21 @@ STEP = 0.01
 NAMES = ("low", "top")
 
 
-def unit_process(rng: np.random.Generator, ticks: int) -> Array:
+def unit_process(rng: np.random.Generator, ticks: int, step: float = STEP) -> Array:
     """Return an Ornstein-Uhlenbeck process of variance 1, (ticks,)."""
-    keep = PROCESS.share(STEP)
+    keep = PROCESS.share(step)
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(ticks)))
 
 
-def flown(seed: int) -> list[ForceSamples]:
-    """Return the pushes of a vehicle under another that passes to and fro, with residual and noise."""
-    rng, t = np.random.default_rng(seed), STEP * np.arange(6000)
+def flown(seed: int, step: float = STEP, sway: float = 0.5) -> list[ForceSamples]:
+    """Return 6000 pushes of a vehicle under another that passes to and fro, with residual and noise."""
+    rng, t = np.random.default_rng(seed), step * np.arange(6000)
     pos = np.zeros((t.size, 2, 3))
     pos[:, :, 2] = [1.0, 1.5]
-    pos[:, 1, 0] = 0.5 * np.sin(0.9 * t)
-    motion = Motion(t, pos, np.gradient(pos, STEP, axis=0), np.tile([0.0, 0.0, 1.0], (t.size, 2, 1)))
+    pos[:, 1, 0] = sway * np.sin(0.9 * t)
+    motion = Motion(t, pos, np.gradient(pos, step, axis=0), np.tile([0.0, 0.0, 1.0], (t.size, 2, 1)))
     push = eta_along(LAW, motion)[..., 2]
-    push[:, 0] += PROCESS.std(push[:, 0]) * unit_process(rng, t.size)
+    push[:, 0] += PROCESS.std(push[:, 0]) * unit_process(rng, t.size, step)
     push += PROCESS.noise * rng.standard_normal(push.shape)
     good = np.ones(push.shape, dtype=bool)
     record = ForceRecord(f"flight{seed}", NAMES, motion, push, good, ~good)
@@ -62,6 +62,20 @@ def test_the_fit_finds_the_process_that_residuals_were_made_with() -> None:
         deviation = (span.high - span.value) / 2.5706  # t of five, 97.5 %
         assert abs(span.value - truth) < 4.0 * deviation, name
         assert deviation < 0.8 * truth, name  # noise, the least of them, hides below the process
+
+
+@pytest.mark.parametrize("rates", [(50.0,), (33.0,), (20.0,), (100.0, 20.0)])
+def test_slow_and_mixed_rates_find_the_same_process(rates: tuple[float, ...]) -> None:
+    """At 20 Hz no lag is shorter than 50 ms; one of 0 would take the noise for residual."""
+    steps = [1.0 / rates[seed % len(rates)] for seed in range(6)]
+    found = fit_residual(LAW, [one for seed in range(6) for one in flown(seed, steps[seed], sway=0.32)])
+    assert found is not None
+    assert found.process.time_s == pytest.approx(PROCESS.time_s, rel=0.2)  # two deviations, of 6 flights
+    assert found.process.noise == pytest.approx(PROCESS.noise, rel=0.3)
+
+
+def test_a_rate_with_two_short_lags_shows_no_process() -> None:
+    assert fit_residual(LAW, [one for seed in range(6) for one in flown(seed, 0.1)]) is None
 
 
 def test_few_flights_give_the_wider_intervals_of_students_t() -> None:

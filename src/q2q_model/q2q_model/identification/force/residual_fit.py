@@ -2,7 +2,8 @@
 
 With the deviation floor_0 + slope_0 |eta| of the residuals (as in jet_fit, without a scale for tails), the
 normalised residual z = r / deviation has the autocorrelation c exp(-h / T): c is the share of its variance
-that is correlated, the rest is noise of the measurement. c and T are a least-squares fit over lags h, and
+that is correlated, the rest is noise of the measurement. c and T are a least-squares fit over the lags h of
+whole ticks nearest to `LAGS`, never 0, where the noise is, weighted by their pairs, and
 
     floor = sqrt(c) floor_0,   slope = sqrt(c) slope_0,   noise = sqrt(1 - c) rms r
 
@@ -12,6 +13,7 @@ with the quantile of Student's t of one degree of freedom less than there are pa
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import curve_fit
@@ -26,9 +28,12 @@ from q2q_model.identification.intervals import LEVEL, Interval
 from q2q_model.signals.values import Array
 
 LAGS = np.arange(0.02, 0.16, 0.01)
-"""[s]: from the first that filters of the measurement do not correlate to twice the correlation time."""
+"""Wanted lags [s]: from the first that filters of the measurement do not correlate to twice the correlation
+time."""
 FEWEST = 500
 """Fewest exposed rows: 5 s at 100 Hz."""
+FEWEST_LAGS = 3
+"""Fewest lags: one more than unknowns."""
 FEWEST_PARTS = 3
 """Fewest parts of a jackknife."""
 LEAST_NOISE = 1e-3
@@ -60,8 +65,22 @@ class _Part:
     """[m/s^2], (k,)."""
 
 
+class _LagSums(NamedTuple):
+    """Pairs of rows one lag apart, (L,) each."""
+
+    times: Array
+    """Lag [s], in whole milliseconds: parts of one rate share their lags."""
+    products: Array
+    """Sum of z z' [-]."""
+    pairs: Array
+    """Number of pairs [-]."""
+
+
 def fit_residual(model: InteractionModel, samples: Sequence[ForceSamples]) -> ResidualFit | None:
-    """Return the process fitted to exposed rows; None for fewer than `FEWEST`, or without correlation."""
+    """Return the process fitted to exposed rows.
+
+    None for fewer than `FEWEST`, for fewer than `FEWEST_LAGS`, as below 16 Hz, or without correlation.
+    """
     parts = [_part(model, one) for one in samples if one.exposed.any()]
     if len(parts) < FEWEST_PARTS:
         parts = [piece for part in parts for piece in _pieces(part)]
@@ -99,15 +118,13 @@ def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
         np.concatenate([getattr(part, name) for part in parts]) for name in ("push", "residual")
     )
     floor, slope = deviation_of(push, np.abs(residual))
-    sums = np.sum([_products(part, floor, slope) for part in parts], axis=0)  # (L, 2)
+    lags = _lag_sums(parts, floor, slope)
     size = float(np.mean((residual / (floor + slope * push)) ** 2))
-    if (sums[:, 1] < 1.0).any():
+    if lags.times.size < FEWEST_LAGS:
         return None
-    correlation = sums[:, 0] / sums[:, 1] / size
+    correlation, scatter = lags.products / lags.pairs / size, 1.0 / np.sqrt(lags.pairs)
     try:
-        (share, time), _ = curve_fit(
-            _decaying, LAGS, correlation, (0.8, 0.08), bounds=([0.0, 0.01], [1.0, 5.0])
-        )
+        (share, time), _ = curve_fit(_decaying, lags.times, correlation, FIRST, scatter, bounds=(LOW, HIGH))
     except RuntimeError:  # no convergence
         return None
     noise = float(np.sqrt((1.0 - share) * np.mean(residual**2)))
@@ -119,14 +136,25 @@ def _decaying(lag: Array, share: float, time: float) -> Array:
     return np.asarray(share * np.exp(-lag / time))
 
 
-def _products(part: _Part, floor: float, slope: float) -> Array:
-    """Return for each lag the sum of z z' and the number of pairs, (L, 2)."""
+def _lag_sums(parts: Sequence[_Part], floor: float, slope: float) -> _LagSums:
+    """Return the sums over all parts at the lags of which any part has pairs."""
+    found = [_products(part, floor, slope) for part in parts]
+    times, where = np.unique(np.concatenate([one.times for one in found]), return_inverse=True)
+    products, pairs = np.zeros(times.size), np.zeros(times.size)
+    np.add.at(products, where, np.concatenate([one.products for one in found]))
+    np.add.at(pairs, where, np.concatenate([one.pairs for one in found]))
+    return _LagSums(times[pairs > 0], products[pairs > 0], pairs[pairs > 0])
+
+
+def _products(part: _Part, floor: float, slope: float) -> _LagSums:
+    """Return the sums of a part at its lags of at least one tick."""
     z = part.residual / (floor + slope * part.push)
-    found = np.zeros((LAGS.size, 2))
-    for row, lag in enumerate(np.rint(LAGS / part.period)):
+    ticks = np.unique(np.maximum(np.rint(LAGS / part.period), 1.0))
+    found = _LagSums(np.round(ticks * part.period, 3), np.zeros(ticks.size), np.zeros(ticks.size))
+    for k, lag in enumerate(ticks):
         later = np.searchsorted(part.tick, part.tick + lag).clip(0, part.tick.size - 1)
         pair = part.tick[later] == part.tick + lag
-        found[row] = (z * z[later])[pair].sum(), pair.sum()
+        found.products[k], found.pairs[k] = (z * z[later])[pair].sum(), pair.sum()
     return found
 
 
