@@ -166,16 +166,16 @@ def first_order_lag(values: Array, t: Array, lag: float) -> Array:
     known = _filled(t, values)
     if lag <= 0.0:
         return known
-    keep = np.exp(-float(np.median(np.diff(t))) / lag)
+    keep = np.exp(-np.diff(t) / lag)
     return _first_order(np.ascontiguousarray(known), keep)
 
 
 @compiled
-def _first_order(values: Array, keep: float) -> Array:
-    """Return y_k = keep y_(k-1) + (1 - keep) values_k, (T, n), from the steady state of the first value."""
+def _first_order(values: Array, keep: Array) -> Array:
+    """Return y_k = keep_k y_(k-1) + (1 - keep_k) values_k, (T, n), beginning settled; keep is (T - 1,)."""
     out = values.copy()
     for k in range(1, values.shape[0]):
-        out[k] = keep * out[k - 1] + (1.0 - keep) * values[k]
+        out[k] = keep[k - 1] * out[k - 1] + (1.0 - keep[k - 1]) * values[k]
     return out
 
 
