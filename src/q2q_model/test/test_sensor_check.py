@@ -61,6 +61,17 @@ def test_accelerations_in_units_of_g_are_told_by_their_slope():
     assert number(r"slope of (\S+)", told) < 1.0 / GRAVITY < number(r"slope of \S+ to (\S+)", told)
 
 
+@pytest.mark.parametrize("scale", [1.0, 2.0])
+def test_of_vehicles_that_only_hover_no_slope_is_told(scale: float):
+    """Commands vary by a hundredth of the noise: whatever the units, their slope is that of the noise."""
+    hover, told = made_flight(Pass(loop=STIFF, noise=1e-6, seconds=16.0)), []
+    for seed in range(6):
+        noise = 0.1 * np.random.default_rng(seed).standard_normal((*hover.thrust.shape, 1)) * UP
+        flight = replace(hover, specific_force_body=hover.specific_force_body + noise)
+        told += sensor_notes([with_force(flight, scale)], CRAZYFLIE_2_0)
+    assert told == []
+
+
 def test_the_weight_is_also_told_where_no_accelerometer_was_recorded():
     flight = made_flight(MADE)
     blind = replace(flight, specific_force_body=np.full_like(flight.specific_force_body, np.nan))

@@ -6,7 +6,9 @@ sides and their deviations, the two regression lines enclose s:
 
     r dev(f) / dev(U1 b_z / m) <= s <= dev(f) / dev(U1 b_z / m) / r
 
-The first is too small in gusts, which commands answer, and the second with noise of the accelerometer.
+The first is too small in gusts, which commands answer, and the second with noise of the accelerometer. In
+place of r stands its lower bound tanh(artanh r - 1.96 / N^1/2) for N independent rows: where the thrust
+hardly varies, as in hover, it is 0, and the slope may be any.
 """
 
 from collections.abc import Sequence
@@ -24,6 +26,9 @@ MOST_OFFSET = 0.1 * GRAVITY
 """Largest offset of a vehicle of the given mass [m/s^2]: at most 0.67 in recorded flights of 34 g."""
 SLOPES = (0.7, 1.3)
 """Bounds of the slope [-]: the lines of recorded flights enclose some slope of 0.9 to 1.1."""
+Z95 = 1.96
+CORRELATED = 25
+"""Rows that count as one: at 100 Hz a quarter of a second, over which gusts and their answers last."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,9 +93,12 @@ def _agreements(flight: Flight, vehicle: Vehicle) -> list[_Agreement]:
 
 
 def _slopes(lift: Array, force: Array) -> tuple[float, float]:
-    """Return the slopes of both regression lines; 0 and infinite if they do not rise together."""
+    """Return the slopes of both regression lines; 0 and infinite if the two may not rise together."""
     lift, force = lift - lift.mean(), force - force.mean()
     along = float(lift @ force)
     if along <= 0.0:
         return 0.0, np.inf
-    return along / float(lift @ lift), float(force @ force) / along
+    wide = float(np.sqrt((force @ force) / (lift @ lift)))
+    r, doubt = along / float(lift @ lift) / wide, float(np.tanh(Z95 * np.sqrt(CORRELATED / lift.size)))
+    rising = (r - doubt) / (1.0 - r * doubt)  # tanh(artanh r - artanh doubt)
+    return (rising * wide, wide / rising) if rising > 0.0 else (0.0, np.inf)
