@@ -96,7 +96,7 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
 
 
 @needs_bags
-def test_evaluate_takes_the_thrust_lag_that_the_model_was_fitted_with(found: Path, tmp_path: Path):
+def test_evaluate_takes_the_thrust_lag_of_the_vehicle_that_flew(found: Path, tmp_path: Path):
     model = load(found / "model.q2q")
     assert model.gains is not None
     other = replace(model, gains=replace(model.gains, lag=0.12))
@@ -104,7 +104,7 @@ def test_evaluate_takes_the_thrust_lag_that_the_model_was_fitted_with(found: Pat
     out = tmp_path / "scores.json"
     words = ["--model", str(tmp_path / "other.q2q"), str(FLIGHTS[0]), "--json", str(out)]
     assert evaluate.main(words) == 0
-    assert json.loads(out.read_text())["thrust_lag_s"] == 0.12
+    assert json.loads(out.read_text())["thrust_lag_s"] == CRAZYFLIE_2_0.thrust_lag
 
 
 @needs_bags

@@ -7,7 +7,6 @@ from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.force.downwash_force import (
@@ -33,13 +32,12 @@ def run(args: Namespace) -> int:
     bags, left_out = bags_among(args.bags)
     recordings, repairs = read_recordings(bags, topic_map(args.topics))
     flown = common_vehicle(bags, args.vehicle)
-    lag = _lag(model, flown.vehicle)
-    samples = _samples(recordings, flown.vehicle, lag)
+    samples = _samples(recordings, flown.vehicle)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
     taught = {name for name in scores if is_among(name, model.fit.flights if model.fit else ())}
     text = {
-        "thrust_lag_s": lag,
+        "thrust_lag_s": flown.vehicle.thrust_lag,
         "flights": {name: asdict(one) | {"in_fit": name in taught} for name, one in scores.items()},
         "pooled": asdict(pooled),
     }
@@ -47,7 +45,8 @@ def run(args: Namespace) -> int:
         write_json(text, args.json)
     notes = [*left_out, *filter(None, [flown.note]), *(f"repaired: {repair}" for repair in repairs)]
     notes += sensor_notes([one.flight for one in recordings], flown.vehicle)
-    for note in [*notes, *lag_note([one for one in recordings if samples[one.flight.name]], lag)]:
+    notes += lag_note([one for one in recordings if samples[one.flight.name]], flown.vehicle.thrust_lag)
+    for note in notes:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
         print(_line(name, one) + (f", {IN_FIT}" if name in taught else ""))
@@ -55,16 +54,11 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _lag(model: ModelFile, vehicle: Vehicle) -> float:
-    """Return the thrust lag that the model was fitted with, else the vehicle's [s]."""
-    return model.gains.lag if model.gains and model.gains.lag > 0.0 else vehicle.thrust_lag
-
-
-def _samples(recordings: Sequence[Recording], vehicle: Vehicle, lag: float) -> dict[str, list[ForceSamples]]:
+def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
     found: dict[str, list[ForceSamples]] = {}
     measured = False
     for one in recordings:
-        record = force_record(one, vehicle, lag)
+        record = force_record(one, vehicle, vehicle.thrust_lag)
         if record is None:
             print(f"evaluate: {one.flight.name} has no measured force: not scored", file=sys.stderr)
         elif remark := remark_on_unmeasured(record):
