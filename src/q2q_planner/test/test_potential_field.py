@@ -143,6 +143,15 @@ def test_a_late_stamp_keeps_the_error_of_the_last_one() -> None:
     np.testing.assert_allclose(late.pos - setpoint_at(plan, 5.16).pos, error, atol=1e-12)
 
 
+def test_a_late_stamp_changes_nothing_of_the_ticks_after_it() -> None:
+    plan, calm, disturbed = crossing(), PotentialField(), PotentialField()
+    for k in range(900):
+        if k in {520, 540}:
+            disturbed.update(setpoint_at(plan, 4.9), None)
+        expected = calm.update(setpoint_at(plan, k * 0.01), None)
+        assert np.array_equal(disturbed.update(setpoint_at(plan, k * 0.01), None).pos, expected.pos)
+
+
 def test_setpoints_that_are_not_finite_leave_the_errors_finite() -> None:
     """For 0.1 s amid the encounter the first vehicle has none: it pushes nobody, and no error jumps."""
     plan, replanner, ticks = crossing(), PotentialField(PAPER), []

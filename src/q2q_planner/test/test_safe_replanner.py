@@ -149,6 +149,17 @@ def test_late_frames_and_a_clock_set_back_move_no_shifted_setpoint() -> None:
         assert not broken.any()
 
 
+@pytest.mark.parametrize("late", [(100,), (140, 110), tuple(range(80, 90))])
+def test_late_frames_change_nothing_of_the_ticks_after_them(late: tuple[int, ...]) -> None:
+    plan, calm, disturbed = swap(), SafeReplanner(PARAMS), SafeReplanner(PARAMS)
+    for k in range(600):
+        if k == 300:
+            for old in late:
+                assert disturbed.update(setpoint_at(plan, old * TICK), None).t == old * TICK
+        expected = calm.update(setpoint_at(plan, k * TICK), None)
+        assert np.array_equal(disturbed.update(setpoint_at(plan, k * TICK), None).pos, expected.pos)
+
+
 def test_vehicles_that_start_inside_each_others_zone_say_so_and_part() -> None:
     close = minimum_snap_plan(
         [

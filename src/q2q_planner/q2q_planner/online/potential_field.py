@@ -45,6 +45,7 @@ from q2q_planner.online.setpoint_error import (
     settle,
     shift_reference,
 )
+from q2q_planner.online.tick_clock import TickClock
 
 STEP = 0.01
 """Longest step of the integrator [s]: one tick at 100 Hz."""
@@ -90,6 +91,7 @@ class PotentialField:
     def __init__(self, params: PotentialFieldParams | None = None) -> None:
         """Start on the reference."""
         self.params = params or PotentialFieldParams()
+        self._clock = TickClock()
         self.reset()
 
     def configure(self, params: PotentialFieldParams) -> None:
@@ -100,17 +102,20 @@ class PotentialField:
         """Forget the modified trajectories; the next update starts on the reference."""
         self._error = no_error(())
         self._on_reference = True
-        self._before: SwarmSetpoint | None = None
+        self._clock.reset()
+        self._before: SwarmSetpoint | None = None  # newest
         self._answer: SwarmSetpoint | None = None
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:  # noqa: ARG002
         """Return the modified setpoints of the tick.
 
-        A repeated stamp returns the same setpoints; one that goes back keeps the error; a gap over
-        LONGEST_GAP either way restarts on the reference; other gaps are integrated.
+        A repeated stamp returns the same setpoints; a late one, or the first of a clock that was set back,
+        keeps the error; a gap over LONGEST_GAP either way restarts on the reference; other gaps are
+        integrated.
         """
         if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
+        late = self._clock.is_late(setpoint.t)
         if self._on_reference and not self.params.enabled:  # neither a push nor an error to integrate
             self._before = self._answer = setpoint
             return setpoint
@@ -125,7 +130,8 @@ class PotentialField:
         self._error = settle(self._error, np.asarray(push.any(axis=1)))
         self._on_reference = not (self._error.pos.any() or self._error.vel.any())
         acc = push - self.params.k_d * self._error.vel - self.params.k_p * self._error.pos
-        self._before, self._answer = setpoint, shift_reference(setpoint, self._error, acc)
+        self._before = before if late else setpoint
+        self._answer = shift_reference(setpoint, self._error, acc)
         return self._answer
 
 

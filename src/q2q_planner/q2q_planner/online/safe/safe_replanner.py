@@ -78,6 +78,7 @@ from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_unc
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
 from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion, wanted_motion
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
+from q2q_planner.online.tick_clock import TickClock
 
 TURN = 0.01
 """Time for which the same vehicle of a pair yields first [s]: one tick."""
@@ -91,6 +92,7 @@ class SafeReplanner:
         """Start on the reference."""
         self.configure(params or SafeReplannerParams())
         self._last_known = LastKnownStates()
+        self._clock = TickClock()
         self.reset()
 
     def reset(self) -> None:
@@ -98,6 +100,7 @@ class SafeReplanner:
         self._committed: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
         self._last_known.reset()
+        self._clock.reset()
         self._lost = LostVehicles()
         self._forget_proofs()
 
@@ -117,12 +120,15 @@ class SafeReplanner:
         """Return the modified setpoints of the tick.
 
         The first ones start on the reference; where a vehicle is tracked off it, where that is measured.
-        A repeated stamp returns the same setpoints; one that goes back, of a late frame or a clock set
-        back, leaves the motions where they are; a gap over LONGEST_GAP either way restarts on the
-        reference. `state` None assumes ideal tracking and no external vehicles.
+        A repeated stamp returns the same setpoints, and a late one the newest, under its own stamp; where
+        the clock is set back the motions are left where they are; a gap over LONGEST_GAP either way
+        restarts on the reference. `state` None assumes ideal tracking and no external vehicles.
         """
-        if is_repeated(self._answer, setpoint.t, setpoint.names):
-            return self._answer
+        last = self._answer
+        if is_repeated(last, setpoint.t, setpoint.names):
+            return last
+        if self._clock.is_late(setpoint.t) and last is not None:
+            return answer_for_all(setpoint, last)
         if state is not None:
             self._last_known.update(state)
         reference = reference_rows(setpoint)

@@ -1,0 +1,32 @@
+"""Late ticks, and clocks that are set back."""
+
+import pytest
+
+from q2q_planner.online.replanner import LONGEST_GAP
+from q2q_planner.online.tick_clock import TickClock
+
+
+def late_ones(stamps: list[float]) -> list[float]:
+    """Return the stamps that are late."""
+    clock = TickClock()
+    return [t for t in stamps if clock.is_late(t)]
+
+
+def test_a_tick_older_than_one_before_is_late_and_newer_or_equal_ones_are_not() -> None:
+    assert late_ones([1.0, 1.01, 1.01, 0.7, 1.02, 1.01, 1.03]) == [0.7, 1.01]
+
+
+def test_old_stamps_that_rise_for_a_tenth_of_a_second_are_a_clock_set_back() -> None:
+    old = [0.5 + 0.01 * k for k in range(20)]
+    assert late_ones([1.0, *old]) == pytest.approx(old[:10])
+
+
+def test_a_stamp_far_back_is_another_flight() -> None:
+    assert late_ones([10.0, 10.0 - LONGEST_GAP - 0.1, 10.0 - LONGEST_GAP]) == []
+
+
+def test_after_a_reset_no_tick_is_late() -> None:
+    clock = TickClock()
+    assert not clock.is_late(1.0)
+    clock.reset()
+    assert not clock.is_late(0.5)
