@@ -33,11 +33,16 @@ LEFT_BEHIND = 0.5
 
 
 class LostVehicles:
-    """Which vehicles of a swarm were lost at the last tick."""
+    """Vehicles of a swarm that were lost at the last tick."""
 
     def __init__(self) -> None:
         self._names: Names = ()
         self._lost: Mask = np.zeros(0, np.bool_)
+
+    @property
+    def now(self) -> Mask:
+        """Return which vehicles were measured once and are lost at the last tick of `found`, (n,)."""
+        return self._lost
 
     def found(self, known: KnownStates) -> Mask:
         """Return the vehicles that were lost and are measured now, (n,)."""

@@ -13,7 +13,8 @@ whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_ma
 1. at the first tick, or when a vehicle appears, is measured again or far from its modified trajectory
    (`found_again`), two can no longer brake outside their zone;
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
-   the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it;
+   the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it. Or
+   it was measured once, but not for `forget`; one never measured counts as flying its trajectory;
 3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
    accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake. This is not measured:
    vehicles near it report it once its state leaves no motion that is proven. Or its last known state is older
@@ -160,8 +161,14 @@ class SafeReplanner:
         choice = _choice(committed, traffic, wanted, self._proven, params)
         self._committed, decision = decide(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
-        broken = ((choice == BROKEN) | off | decision.outside | unheard) & params.enabled
-        return _answer(setpoint, self._committed, broken, decision.acc)
+        broken = (choice == BROKEN) | off | self._forgotten(known, committed) | decision.outside | unheard
+        return _answer(setpoint, self._committed, broken & params.enabled, decision.acc)
+
+    def _forgotten(self, known: KnownStates | None, committed: CommittedMotion) -> Mask:
+        """Return which vehicles were measured once, but not for `forget`, (n,)."""
+        if known is None:
+            return np.zeros(len(committed.names), np.bool_)
+        return self._lost.now & (known.age > self.params.forget)
 
     def _with_found(
         self, committed: CommittedMotion, known: KnownStates, state: SwarmState
