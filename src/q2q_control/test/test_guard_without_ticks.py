@@ -25,6 +25,7 @@ from guarded_flights import (
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.tick_watch import TickWatch
+from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import GRAVITY
 
 
@@ -85,6 +86,30 @@ def test_without_ticks_a_swarm_that_flew_brakes_to_rest_and_one_that_hovered_sta
         assert most == pytest.approx(np.arctan(min(speed / BRAKING_S, BRAKING_MAX) / GRAVITY))
 
 
+@pytest.mark.parametrize("frames", [(0.19,), (0.19,) * 12, (0.19, 0.16)])
+def test_live_old_frames_change_nothing_that_the_wall_clock_commands(frames: tuple[float, ...]) -> None:
+    """They get its command, down to the cut; the reckoning goes by the timer, however many frames come."""
+    calm, disturbed = guarded(Level()), guarded(Level())
+    for k in range(20):
+        moving = replace(state_at(k * TICK), vel=np.tile([1.0, 0.0, 0.0], (2, 1)))
+        for guard in (calm, disturbed):
+            guard.update(moving, setpoint_at(k * TICK), None)
+            guard.without_tick(0.0)  # a timer asks
+    for k in range(1, 510):
+        due, same = calm.without_tick(k * TICK), disturbed.without_tick(k * TICK)
+        again = [disturbed.update(replace(moving, t=t), setpoint_at(t), None) for t in frames]
+        if due is not None and same is not None:
+            assert same.t == due.t
+            assert [one.t for one in again] == list(frames)
+            assert all(_values(one) == _values(due) for one in (same, *again))
+    assert due is not None
+    assert due.status.tolist() == [CUT, CUT]
+
+
 def test_nothing_is_sent_before_the_first_tick_ever() -> None:
     assert guarded().without_tick(10.0) is None
     assert TickWatch(guarded(), PARAMS).due(state_at(0.0), 10.0) is None
+
+
+def _values(command: SwarmCommand) -> list[list[float]]:
+    return [part.tolist() for part in (command.thrust, command.roll, command.pitch, command.status)]

@@ -26,7 +26,8 @@ A tick older than the last one gets the last command again, as HOLD, under its o
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
 the controller is reset, ages continue. A jump back by more than SET_BACK_S is a new flight: everything is
 reset but an emergency. The same tick again gets the same command, and if it comes for level_s
-(standing_clock) that of a missing tick, short of landing: a simulator that is halted lets nobody fall.
+(standing_clock) that of a missing tick, short of landing: a simulator that is halted lets nobody fall. Live,
+where a timer asks for the commands of missing ticks, old and repeated ticks get the newest of these.
 """
 
 from collections.abc import Callable
@@ -89,6 +90,8 @@ class Guard:
         self._braking = DeadReckonedBraking(hover_thrust)
         self._evasion = DescentEvasion()
         self._last: SwarmCommand | None = None
+        self._missing: SwarmCommand | None = None  # newest one since then, of a missing tick
+        self._timed = False  # a timer asks for those: live
         self._was_nominal = False  # in the last tick everybody was measured, commanded and on
         self._clock_reset = ClockResetDetector()
         self._clock = StandingClock()
@@ -130,6 +133,7 @@ class Guard:
                 return repeated
             last = self._last
         self._clock_reset.reset()
+        self._missing = None
         if last is not None and (not self._was_nominal or self._evasion.active):
             cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
             absent = InFallback(self._blind(state, last), cut)
@@ -150,7 +154,7 @@ class Guard:
 
     def without_tick(self, age: float) -> SwarmCommand | None:
         """Return the command due `age` [s] after the last tick; None before hold_s."""
-        last = self._last
+        last, self._timed = self._last, True
         return None if last is None or age < self._params.hold_s else self._fallen_back(last, age)
 
     def _fallen_back(self, last: SwarmCommand, age: float) -> SwarmCommand:
@@ -161,19 +165,22 @@ class Guard:
         self._was_nominal = False
         descending = descended(held, ages, self._down, self._params, self._hover_thrust)
         self._braking.advance(None, None, held.t)
-        return self._braking.update(None, descending)
+        self._missing = self._braking.update(None, descending)
+        return self._missing
 
     def _repeated(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Return the command of a tick t [s] that is not newer; None to compute it."""
         stood, late = self._clock.stand(last.t), t < last.t
-        self._braking.wait()
+        counted = self._timed and self._missing is not None  # by the timer
+        if not counted:
+            self._braking.wait()
         if late and (last.t - t > SET_BACK_S or self._clock_reset.rise(t)):
             self._set_back(last, t)
             return None
-        if stood > self._params.level_s + ROUNDING:
-            braked = self.without_tick(min(stood, nextafter(self._params.land_s, 0.0)))
-            return None if braked is None else replace(braked, t=t)
-        return _again(last, t) if late else None
+        if stood > self._params.level_s + ROUNDING and not self._timed:
+            braked = self._fallen_back(last, min(stood, nextafter(self._params.land_s, 0.0)))
+            return replace(braked, t=t)
+        return _again(self._missing or last, t) if late or counted else None
 
     def _set_back(self, last: SwarmCommand, t: float) -> None:
         """Shift stored stamps to the new clock, whose first is t [s], or reset."""
@@ -187,7 +194,8 @@ class Guard:
         self._last = replace(last, t=t)
 
     def _forget(self) -> None:
-        self._last, self._names = None, ()
+        self._last = self._missing = None
+        self._names = ()
         self._was_nominal = False
         self._clock = StandingClock()
         self._braking.reset()
