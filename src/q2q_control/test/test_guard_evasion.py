@@ -71,6 +71,22 @@ def test_a_vehicle_evades_a_lost_one_as_soon_as_it_is_lost_until_that_is_cut(
     assert abs([moved(k * TICK, after_cut) for k in range(200, 750)][-1]) < 0.01
 
 
+@pytest.mark.parametrize("gap", [0.05, 0.5, 2.0])
+def test_vehicles_that_flew_level_without_ticks_climb_where_they_are_measured_again(gap: float) -> None:
+    controller = Scripted(OK, OK)
+    guard = guarded(controller)
+    for k in range(5):
+        guard.update(state_at(k * TICK), setpoint_at(k * TICK), None)
+    assert guard.without_tick(gap) is not None
+    before = state_at(0.0).pos
+    sunk, plan = before - [0.2, 0.1, 0.4], before + np.array([0.6, 0.0, 0.0])
+    for k in range(2):
+        t = 0.05 + gap + k * TICK
+        guard.update(replace(state_at(t), pos=sunk), replace(setpoint_at(t), pos=plan), None)
+    climbing = np.column_stack((sunk[:, :2], plan[:, 2]))
+    np.testing.assert_array_equal(controller.given[-1].pos, climbing if gap > PARAMS.level_s else plan)
+
+
 def test_a_vehicle_that_was_fast_in_calm_flight_brakes_once_nobody_sees_it() -> None:
     controller = Scripted(OK, OK)
     guard = guarded(controller)

@@ -133,11 +133,11 @@ class Guard:
                 return repeated
             last = self._last
         self._clock_reset.reset()
-        self._missing = None
         if last is not None and (not self._was_nominal or self._evasion.active):
             cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
-            absent = InFallback(self._blind(state, last), cut)
+            absent = InFallback(self._blind(state, self._missing or last), cut)
             setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
+        self._missing = None
         self._braking.advance(state, interference, setpoint.t)
         flown = self._braking.predicted(state) if np.count_nonzero(state.status) else state  # TRACKED is 0
         command = self._controller.update(flown, setpoint, interference)
