@@ -22,6 +22,7 @@ from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_model.signals.values import (
     Interference,
     SwarmCommand,
+    TrackStatus,
 )
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -125,3 +126,26 @@ def test_the_lift_that_a_vehicle_hovered_with_is_what_it_begins_to_fly_level_wit
     controller.status, controller.share = (LEVEL, OK), 1.0
     output = guard.update(state_at(3.0, (TICK, seen[1])), setpoint_at(3.0), downwash)
     assert output.thrust[0] == pytest.approx(1.1 * HOVER, rel=1e-3)
+
+
+def test_a_pose_that_is_no_number_of_one_above_counts_as_none_below_it() -> None:
+    """cf1 is lost under the predicted downwash of cf2, which another controls; one pose of that is NaN."""
+    downwash = Interference(
+        0.0, NAMES, np.array([[0.0, 0.0, -1.0], [0.0] * 3]), np.zeros((2, 3)), np.zeros(2, np.uint8)
+    )
+
+    def lift(x: float, status: TrackStatus) -> list[float]:
+        """Return the thrusts of cf1 [N] around a tick with such an x [m] and status of cf2."""
+        controller = Scripted(OK)
+        guard, made = guarded(controller), []
+        for k in range(60):
+            odd, age = k == 30, max(k - 10, 0) * TICK
+            controller.status = (LEVEL if k > 10 else OK,)
+            state = state_at(k * TICK, (age, 0.0), coast=0.0)
+            state.pos[1] = [x if odd else 0.1, 0.0, 1.5]
+            state.status[1] = status if odd else TrackStatus.TRACKED
+            made.append(float(guard.update(state, setpoint_at(k * TICK), downwash).thrust[0]))
+        return made[25:]
+
+    assert lift(np.nan, TrackStatus.TRACKED) == lift(0.1, TrackStatus.LOST)
+    assert np.isfinite(lift(np.nan, TrackStatus.TRACKED)).all()

@@ -212,7 +212,8 @@ def _measured_others(state: SwarmState, names: Names) -> Places:
     """Return where a state shows vehicles that are not among `names`."""
     if state.names == names:
         return Places((), np.zeros((0, 3)))
-    rows = np.flatnonzero((index_of(state.names, names) < 0) & (state.status == TRACKED))
+    measured = (state.status == TRACKED) & np.isfinite(state.pos).all(axis=1)
+    rows = np.flatnonzero(measured & (index_of(state.names, names) < 0))
     return Places(tuple(state.names[row] for row in rows), state.pos[rows])
 
 
