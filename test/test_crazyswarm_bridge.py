@@ -160,7 +160,7 @@ def test_full_states_carry_setpoint_and_downwash_once_the_procedure_lets_them(
 ) -> None:
     node = _Node(poses_in="", aware=True)
     Crazyswarm(node)
-    monkeypatch.setattr(ProcedureServices, "accepts", lambda *_: True)
+    monkeypatch.setattr(ProcedureServices, "streams", True)
     setpoint, downwash = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
     setpoint = replace(
         setpoint, pos=np.arange(6.0).reshape(2, 3), acc=np.ones((2, 3)), yaw_rate=np.array([0.1, 0.2])
@@ -199,7 +199,7 @@ def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.Monkey
     Crazyswarm(node)
     node.give(one_command())
     assert node.out["cf1/cmd_vel_legacy"].messages == []
-    monkeypatch.setattr(ProcedureServices, "accepts", lambda *_: True)
+    monkeypatch.setattr(ProcedureServices, "streams", True)
     node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
     (twist,) = node.out["cf1/cmd_vel_legacy"].messages

@@ -74,13 +74,18 @@ class Bench:
             self.seen_at = self.seen_at if self.blind else self.t
             if not self.ignore_signals:
                 self.heard_at = self.t
-                self.procedure.accepts(self.setpoint_pos)
+                self.procedure.take_setpoint(self.setpoint_pos)
             self.procedure.update(self.observe(), self.outcome, self.t)
             self.outcome = None
             for order in self.procedure.state.take_orders():
                 self._obey(order)
             self.replies += self.procedure.state.take_replies()
             self.log += self.procedure.state.take_log()
+
+    def streams(self) -> bool:
+        """Return whether the setpoints are flown now."""
+        self.procedure.take_setpoint(self.setpoint_pos)
+        return self.procedure.streams
 
     def answer(self) -> Reply:
         """Return the one reply that came."""
@@ -115,7 +120,7 @@ class Bench:
     def move(self, pos: Array) -> None:
         """Move vehicles and setpoints somewhere, within what a setpoint may move in a tick."""
         for share in np.linspace(0.0, 1.0, 50):
-            self.procedure.accepts(self.setpoint_pos + share * (pos - self.setpoint_pos))
+            self.procedure.take_setpoint(self.setpoint_pos + share * (pos - self.setpoint_pos))
         self.pos, self.setpoint_pos = pos.copy(), pos.copy()
 
 

@@ -7,6 +7,7 @@ import pytest
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_model.node.health import Health
 from q2q_model.node.rehearsal import rehearsal
+from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 NAMES = ("cf1", "cf2")
@@ -17,20 +18,19 @@ COMMAND, SETPOINT, DRAFT, STATE = (
 
 @dataclass
 class _Procedure:
-    """Procedure that follows setpoints, or none."""
+    """Procedure that streams setpoints, or does not."""
 
-    grants: bool = True
-    seen: list[SwarmState] = field(default_factory=list)
-    heard: list[SwarmCommand] = field(default_factory=list)
+    streams: bool = True
+    seen: list[Signal] = field(default_factory=list)
 
     def store_state(self, state: SwarmState) -> None:
         self.seen.append(state)
 
     def store_command(self, command: SwarmCommand) -> None:
-        self.heard.append(command)
+        self.seen.append(command)
 
-    def accepts(self, _: SwarmSetpoint) -> bool:
-        return self.grants
+    def store_setpoint(self, setpoint: SwarmSetpoint) -> None:
+        self.seen.append(setpoint)
 
 
 def test_a_setpoint_waits_for_the_downwash_of_its_own_tick() -> None:
@@ -53,18 +53,27 @@ def test_a_setpoint_alone_is_a_tick_where_no_downwash_is_compensated() -> None:
     assert (whole.flown, whole.setpoint, whole.downwash) == (True, SETPOINT, None)
 
 
-@pytest.mark.parametrize("grants", [True, False])
-def test_a_command_is_flown_where_the_last_setpoint_was_followed(grants: bool) -> None:
-    ticks, procedure = FlownTicks("command", Health(), aware=True), _Procedure(grants)
-    ticks.procedure = procedure
-    before = ticks.take("command", 10, COMMAND)
-    assert procedure.heard == [COMMAND]
-    assert before is not None
-    assert (before.flown, before.command) == (False, COMMAND)
+@pytest.mark.parametrize("streams", [True, False])
+def test_a_command_is_flown_while_the_procedure_streams(streams: bool) -> None:
+    ticks = FlownTicks("command", Health(), aware=True)
+    ticks.procedure = procedure = _Procedure(streams)
     assert ticks.take("reference_safe", 10, SETPOINT) is None
-    after = ticks.take("command", 20, COMMAND)
-    assert after is not None
-    assert after.flown is grants
+    whole = ticks.take("command", 20, COMMAND)
+    assert procedure.seen == [SETPOINT, COMMAND]
+    assert whole is not None
+    assert (whole.flown, whole.command) == (streams, COMMAND)
+
+
+@pytest.mark.parametrize(("mode", "rest"), [("setpoint", DRAFT), ("command", COMMAND)])
+def test_no_tick_is_flown_that_a_landing_has_overtaken(mode: str, rest: Signal) -> None:
+    """One packet after it made the vehicle ignore the landing, hover, and fall 2 s later."""
+    ticks = FlownTicks(mode, Health(), aware=True)
+    ticks.procedure = procedure = _Procedure()
+    ticks.take("reference_safe", 10, SETPOINT)
+    procedure.streams = False  # `land`, before the rest of the tick comes
+    whole = ticks.take("interference" if mode == "setpoint" else "command", 10, rest)
+    assert whole is not None
+    assert not whole.flown
 
 
 def test_states_go_to_the_procedure_and_make_no_tick() -> None:

@@ -13,6 +13,11 @@ def at(*x: float) -> Array:
     return np.array([[one, 0.0, 1.0] for one in x])
 
 
+def flies(stream: SetpointStream, pos: Array) -> bool:
+    stream.take(pos)
+    return stream.flies
+
+
 def setpoint(names: Names, pos: Array) -> SwarmSetpoint:
     none = np.zeros(len(names))
     return SwarmSetpoint(0.0, names, pos, 0.0 * pos, 0.0 * pos, none, none, none.astype(np.uint8))
@@ -21,23 +26,21 @@ def setpoint(names: Names, pos: Array) -> SwarmSetpoint:
 def test_a_jump_over_an_absence_is_one() -> None:
     stream = SetpointStream(jump=0.3, lost_s=2.0)
     stream.start()
-    for pos in (at(0.0, 1.0), at(0.2, np.nan), at(0.4, np.nan)):
-        assert stream.accepts(pos)
-    assert stream.accepts(at(0.6, 1.25))
-    assert stream.accepts(at(0.8, np.nan))
-    assert not stream.accepts(at(1.0, 1.6))
+    for pos in (at(0.0, 1.0), at(0.2, np.nan), at(0.4, np.nan), at(0.6, 1.25), at(0.8, np.nan)):
+        assert flies(stream, pos)
+    assert not flies(stream, at(1.0, 1.6))
     assert "0.35 m" in stream.take_fault(0.0)
 
 
 def test_a_fault_of_a_stream_that_was_stopped_is_none_of_the_next() -> None:
     stream = SetpointStream(jump=0.3, lost_s=2.0)
     stream.start()
-    assert stream.accepts(at(0.0))
-    assert not stream.accepts(at(1.0))
+    assert flies(stream, at(0.0))
+    assert not flies(stream, at(1.0))
     stream.stop()
     stream.start()
     assert stream.take_fault(0.0) == ""
-    assert stream.accepts(at(1.1))
+    assert flies(stream, at(1.1))
 
 
 def test_a_setpoint_of_nobody_is_none_of_each() -> None:

@@ -37,8 +37,12 @@ class ProcedureInputs(Protocol):
     def store_command(self, command: SwarmCommand) -> None:
         """Store a controller's command."""
 
-    def accepts(self, setpoint: SwarmSetpoint) -> bool:
-        """Store a setpoint; return whether to fly it."""
+    def store_setpoint(self, setpoint: SwarmSetpoint) -> None:
+        """Store a setpoint."""
+
+    @property
+    def streams(self) -> bool:
+        """Return whether ticks are flown now."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +57,13 @@ class FlownTick:
 
 
 class FlownTicks:
-    """Tick join of a mode's topics, and the procedure's last decision."""
+    """Tick join of a mode's topics; a tick is flown if the procedure streams when it is complete."""
 
     def __init__(self, mode: str, health: Health, *, aware: bool) -> None:
         """Join the topics of a mode; `health` counts ticks."""
         self._topics = tick_topics(mode, aware=aware)
         self._join: TickJoin[Signal] = TickJoin(tuple(self._topics))
         self._health = health
-        self._accepted = False
         self.procedure: ProcedureInputs | None = None
         """Flight procedure; None permits no tick."""
 
@@ -75,8 +78,8 @@ class FlownTicks:
             self.procedure.store_state(value)
         if self.procedure is not None and isinstance(value, SwarmCommand):
             self.procedure.store_command(value)
-        if isinstance(value, SwarmSetpoint):
-            self._accepted = self.procedure is not None and self.procedure.accepts(value)
+        if self.procedure is not None and isinstance(value, SwarmSetpoint):
+            self.procedure.store_setpoint(value)
         if topic not in self._topics:
             return None
         whole = self._join.put(topic, stamp_ns, value)
@@ -88,4 +91,5 @@ class FlownTicks:
         command = next((one for one in whole if isinstance(one, SwarmCommand)), None)
         setpoint = next((one for one in whole if isinstance(one, SwarmSetpoint)), None)
         downwash = next((one for one in whole if isinstance(one, Interference)), None)
-        return FlownTick(self._accepted, command, setpoint, downwash)
+        flown = self.procedure is not None and self.procedure.streams
+        return FlownTick(flown, command, setpoint, downwash)

@@ -88,9 +88,14 @@ class PilotedFlight:
         """Store the plan that is waiting."""
         self._view.plan = plan
 
-    def accepts(self, setpoint: SwarmSetpoint, t: float) -> bool:
-        """Store a setpoint received at time t [s]; return whether to fly it."""
-        return self._procedure.accepts(self._view.store_setpoint(setpoint, t))
+    def store_setpoint(self, setpoint: SwarmSetpoint, t: float) -> None:
+        """Store a setpoint received at time t [s]."""
+        self._procedure.take_setpoint(self._view.store_setpoint(setpoint, t))
+
+    @property
+    def streams(self) -> bool:
+        """Return whether ticks are flown now."""
+        return self._procedure.streams
 
     def call(self, call: Call, t: float) -> Reply | None:
         """Make a call at time t [s]; return its reply, or None if that comes later (`replies`)."""

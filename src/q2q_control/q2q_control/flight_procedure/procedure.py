@@ -90,9 +90,14 @@ class FlightProcedure:
             self._begin_landing(observation, t, again=True)
         return seconds
 
-    def accepts(self, setpoint_pos: Array) -> bool:
-        """Return whether to fly setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
-        return self._flight.stream.accepts(setpoint_pos)
+    def take_setpoint(self, setpoint_pos: Array) -> None:
+        """Take the setpoints' positions (n, 3) [m]; NaN is a vehicle without one."""
+        self._flight.stream.take(setpoint_pos)
+
+    @property
+    def streams(self) -> bool:
+        """Return whether ticks are flown now: setpoints are streamed and have not jumped."""
+        return self._flight.stream.flies
 
     def _refusal(self, call: Call, observation: Observation) -> str:
         """Return why a call is refused; empty if it is granted."""

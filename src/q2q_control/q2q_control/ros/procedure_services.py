@@ -60,9 +60,14 @@ class ProcedureServices:
         """Store a controller's command."""
         self._flight.store_command(command)
 
-    def accepts(self, setpoint: SwarmSetpoint) -> bool:
-        """Store a setpoint; return whether to fly it."""
-        return self._flight.accepts(setpoint, monotonic())
+    def store_setpoint(self, setpoint: SwarmSetpoint) -> None:
+        """Store a setpoint."""
+        self._flight.store_setpoint(setpoint, monotonic())
+
+    @property
+    def streams(self) -> bool:
+        """Return whether ticks are flown now."""
+        return self._flight.streams
 
     def offer(self, name: str, act: Act) -> None:
         """Offer one act of the executor as a service, while vehicles stand on the ground."""

@@ -18,16 +18,20 @@ class SetpointStream:
         self._last: Array | None = None  # each vehicle's last position
         self._fault = ""
 
-    def accepts(self, setpoint_pos: Array) -> bool:
-        """Return whether to fly setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
+    @property
+    def flies(self) -> bool:
+        """Return whether setpoints are streamed and have not jumped."""
+        return self.on and not self._fault
+
+    def take(self, setpoint_pos: Array) -> None:
+        """Take setpoints at these positions (n, 3) [m]; NaN is a vehicle without one."""
         last = setpoint_pos if self._last is None else self._last
         self._last = np.where(np.isnan(setpoint_pos), last, setpoint_pos)
-        if not self.on or self._fault:
-            return False
+        if not self.flies:
+            return
         moved = float(np.nan_to_num(np.linalg.norm(setpoint_pos - last, axis=-1)).max(initial=0.0))
         if moved > self._jump:
             self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the most"
-        return not self._fault
 
     def start(self) -> None:
         """Start the stream; a fault of the last one counts no more."""
