@@ -206,6 +206,15 @@ def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.Monkey
     assert twist.linear.x == pytest.approx(-math.degrees(0.2))
 
 
+@pytest.mark.usefixtures("packages")
+def test_a_stick_that_is_not_finite_is_not_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+    node = _Node(mode="command")
+    Crazyswarm(node)
+    monkeypatch.setattr(ProcedureServices, "streams", True)
+    node.give(replace(one_command(), thrust=np.array([0.3, math.nan])))
+    assert [len(node.out[f"{name}/cmd_vel_legacy"].messages) for name in NAMES] == [1, 0]
+
+
 def test_a_controllers_own_sticks_are_those_that_the_default_server_takes() -> None:
     """Positive angular.z turned vehicles the other way: the server passes it on as the rate to the right."""
     node = _Node()

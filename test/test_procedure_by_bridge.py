@@ -129,6 +129,15 @@ def test_an_emergency_by_the_bridge_stops_the_motors(monkeypatch: pytest.MonkeyP
     assert "the step is stopped" in room.call(Call.TAKE_OFF).reason
 
 
+GENTLE = 0.8
+"""Sink rate of no fall [m/s]: a landing's peaks at 2.19 times its mean of 1 m in 3 s, a fall's at 4."""
+
+
+def fastest_sink(room: ProcedureRoom) -> float:
+    """Return the fastest sink rate of the last 5 s [m/s]."""
+    return float(-np.diff(room.height[-500:], axis=0).min() / TICK_S)
+
+
 def ended(room: ProcedureRoom, server: Server) -> float:
     """End the node, and let the room's time pass while it lands; return how long it would at most [s]."""
     assert server.bridge is not None
@@ -137,6 +146,22 @@ def ended(room: ProcedureRoom, server: Server) -> float:
     while server.bridge.land() > 0.0 and room.now() < latest:
         room.tick()
     return seconds
+
+
+def test_vehicles_land_before_they_fall_where_no_downwash_comes_any_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Setpoints came, none was sent: the firmware cut the motors after 2 s."""
+    room, _ = by_bridge(monkeypatch, SHORT)
+    room.wait(1.5)
+    assert all(room.call(call).granted for call in (Call.TAKE_OFF, Call.FLY))
+    said_in_order(room)
+    room.speaks.remove("interference")
+    room.wait(8.0)
+    assert any("step landing: nothing sent to cf1 for 1.0" in line for line in room.node.lines)
+    assert said_in_order(room) == ["notify_setpoints_stop", "land", "arm"]
+    assert room.height[-1].max() < 0.02
+    assert fastest_sink(room) < GENTLE
 
 
 HOVER, FLIGHT = (Call.TAKE_OFF,), (Call.TAKE_OFF, Call.FLY)
@@ -157,8 +182,7 @@ def test_a_bridge_that_is_ended_in_flight_lands_vehicles_where_they_are(
     assert ended(room, server) == LONGEST_S
     assert said_in_order(room) == ["notify_setpoints_stop", "land", "arm"]
     assert room.height[-1].max() < 0.02
-    fastest = -np.diff(room.height[-500:], axis=0).min() / TICK_S
-    assert fastest < 0.8  # [m/s]; a landing's peaks at 2.19 times its mean of 1 m in 3 s, a fall's at 4
+    assert fastest_sink(room) < GENTLE
     assert ended(room, server) == 0.0  # on the ground nothing is sent
     assert said_in_order(room) == []
 

@@ -175,7 +175,16 @@ def test_setpoints_that_stay_away_land_all() -> None:
     bench.ignore_signals = True
     bench.wait(8.0)
     assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
-    assert any("no setpoint for 2.0" in line for line in bench.log)
+    assert any("no setpoint for 1.0" in line for line in bench.log)
+
+
+def test_a_vehicle_to_which_nothing_is_sent_lands_all() -> None:
+    bench = up_to(Step.FLIGHT)
+    first, second = bench.reports
+    bench.reports = first, replace(second, silent_s=1.01)
+    bench.wait(8.0)
+    assert bench.acts == [Act.STOP_STREAM, Act.LAND, Act.DISARM]
+    assert any("step landing: nothing sent to cf2 for 1.01 s" in line for line in bench.log)
 
 
 def test_land_takes_over_from_a_fly_that_is_under_way() -> None:

@@ -43,6 +43,13 @@ def test_a_vehicle_is_in_the_air_by_its_newest_status_and_unknown_by_a_stale_one
     assert one.report(13.1, connected=True).airborne is None
 
 
+def test_a_vehicle_is_silent_since_a_setpoint_was_last_sent_to_it() -> None:
+    one = vehicle()
+    assert one.report(5.0, connected=True).silent_s == math.inf
+    one.take_sent(5.0)
+    assert one.report(5.5, connected=True).silent_s == 0.5
+
+
 def test_parameters_of_the_file_count_more_than_those_that_the_server_read_before_it_set_them() -> None:
     one = vehicle(ctrlMel__mass=0.041)
     one.take_parameters(TOLD)

@@ -43,6 +43,7 @@ class ServerVehicle:
         self._vehicle, self._required, self._file = vehicle, required, file
         self._volt, self._info, self._status_at = nan, 0, -inf
         self._pos, self._pos_at = UNKNOWN, -inf
+        self._sent_at = -inf
         self._held = dict(file)
 
     @property
@@ -58,6 +59,10 @@ class ServerVehicle:
         """Store the onboard estimate x, y, z [m], world, received at time t [s]; another length gives NaN."""
         self._pos = (pos[0], pos[1], pos[2]) if len(pos) == 3 else UNKNOWN
         self._pos_at = t
+
+    def take_sent(self, t: float) -> None:
+        """Take note that a setpoint or command was sent at time t [s]."""
+        self._sent_at = t
 
     def take_parameters(self, reported: Mapping[str, float]) -> None:
         """Store the parameters that the server reports; the file's override them."""
@@ -77,6 +82,7 @@ class ServerVehicle:
         silent = VehicleReport(
             self.name,
             connected=connected,
+            silent_s=t - self._sent_at,
             wrong=first_difference(required, self._held) if complete else None,
             onboard=self._onboard(t),
             hover_ratio=self._hover_ratio(),

@@ -28,6 +28,8 @@ class VehicleReport:
     """It flies, and does not land by itself."""
     stopped: bool = False
     """Its motors were stopped in this flight."""
+    silent_s: float = math.nan
+    """Time since a setpoint or command was last sent to it [s]; NaN if its executor handles that itself."""
     wrong: str | None = None
     """First error of its parameters; empty if there is none."""
     onboard: tuple[float, float, float] | None = None

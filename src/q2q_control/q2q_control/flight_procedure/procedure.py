@@ -16,10 +16,10 @@
 
 Nothing moves without a call. A refused call changes nothing. A granted call is answered when it is done, has
 failed, or was superseded: `land` supersedes all but itself, `hold` supersedes `fly`, `emergency` all.
-`start` skips take-off and glide, for vehicles already at their setpoints. In flight, a jump or a gap of the
-setpoints lands all vehicles. From a hold, `land` first glides back to the plan's first points, where the next
-flight can begin (land_home); so it does from any step if vehicles overlap horizontally. A second `land` lands
-them where they are.
+`start` skips take-off and glide, for vehicles already at their setpoints. In flight, all vehicles land when
+setpoints jump or stay away, or with Crazyswarm2 when nothing is sent to a vehicle. From a hold, `land` first
+glides back to the plan's first points, where the next flight can begin (land_home); so it does from any step
+if vehicles overlap horizontally. A second `land` lands them where they are.
 """
 
 from q2q_control.flight_procedure.checks.refusals import unchecked
@@ -145,11 +145,12 @@ class FlightProcedure:
         flight.land(observation, t)
 
     def _guard(self, observation: Observation, t: float) -> None:
-        """Land if setpoints jump or are missing; follow vehicles that land by themselves."""
+        """Land if setpoints jump, are missing or are not sent; follow vehicles that land by themselves."""
         stream = self._flight.stream
         if not stream.on:
             return
-        fault = stream.take_fault(observation.setpoint_age)
+        unsent = {f"nothing sent to {one.name}": one.silent_s for one in observation.vehicles}
+        fault = stream.take_fault({"no setpoint": observation.setpoint_age} | unsent, t)
         if not any(one.flies for one in observation.vehicles):
             stream.on, self.state.waiting = False, None
             self._leave_alone(observation, t)

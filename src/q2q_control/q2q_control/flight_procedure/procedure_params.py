@@ -68,8 +68,14 @@ class FlightProcedureParams:
         0.15, "largest mismatch of the thrust sent at hover and the vehicle's own", low=0.01, high=1.0
     )
     jump: float = tunable(0.3, "largest move of a setpoint in one tick", unit="m", low=0.01, high=5.0)
+    # the firmware levels after 0.5 s and cuts after 2 s (COMMANDER_WDT_TIMEOUT_STABILIZE, _SHUTDOWN): half is
+    # left for the services that stop the stream and land
     lost_s: float = tunable(
-        2.0, "time without a setpoint in flight after which all land", unit="s", low=0.1, high=60.0
+        1.0,
+        "time without a setpoint in flight, or with crazyswarm without one sent, after which all land",
+        unit="s",
+        low=0.1,
+        high=60.0,
     )
 
     def __post_init__(self) -> None:

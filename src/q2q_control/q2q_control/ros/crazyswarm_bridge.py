@@ -104,8 +104,8 @@ class Crazyswarm:
         )
 
     def _wire_procedure(self) -> ProcedureServices:
-        executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))
-        services = ProcedureServices(self._node, self._names, executor, self._params)
+        self._executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))
+        services = ProcedureServices(self._node, self._names, self._executor, self._params)
         self._ticks.procedure = self._services = services
         for name, act in (
             ("arm", Act.ARM),
@@ -126,9 +126,10 @@ class Crazyswarm:
         if tick is None or not tick.flown:
             return
         if tick.command is not None:
-            self._commands.send_command(tick.command)
+            self._executor.take_sent(self._commands.send_command(tick.command))
         elif tick.setpoint is not None:
-            self._commands.send_setpoint(stamp_ns, tick.setpoint, tick.downwash)
+            sent = self._commands.send_setpoint(stamp_ns, tick.setpoint, tick.downwash)
+            self._executor.take_sent(sent)
 
     def _on_poses(self, message: PosesMessage) -> None:
         if self._poses is None:

@@ -1,5 +1,6 @@
 """Publishers of Crazyswarm2's setpoints: `<name>/cmd_full_state` or `<name>/cmd_vel_legacy`."""
 
+import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 from rclpy.node import Node
 from std_msgs.msg import Header
@@ -45,21 +46,23 @@ class CrazyswarmCommands:
         advice = "stop them, or set legacy_hz:=0 on a controller"
         return f"other nodes publish setpoints of these vehicles ({others}): {advice}" if others else ""
 
-    def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, downwash: Interference | None) -> None:
-        """Publish every known vehicle's full state, if it is finite."""
+    def send_setpoint(self, stamp_ns: int, setpoint: SwarmSetpoint, downwash: Interference | None) -> Names:
+        """Publish every known vehicle's full state, if it is finite; return whose were."""
+        rows = zip(setpoint.names, full_states(setpoint, downwash), strict=True)
+        sent = {name: one for name, one in rows if one is not None and name in self._writers}
         header = header_at(stamp_ns)
-        for name, full_state in zip(setpoint.names, full_states(setpoint, downwash), strict=True):
-            if full_state is not None and name in self._writers:
-                self._writers[name].publish(self._message(header, full_state))
+        for name, full_state in sent.items():
+            self._writers[name].publish(self._message(header, full_state))
+        return tuple(sent)
 
-    def send_command(self, command: SwarmCommand) -> None:
-        """Publish every known vehicle's RPYT setpoint."""
-        rows = legacy_twists(command, *self._legacy).tolist()
-        for name, (x, y, yaw_rate, pwm) in zip(command.names, rows, strict=True):
-            if name in self._writers:
-                self._writers[name].publish(
-                    Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate))
-                )
+    def send_command(self, command: SwarmCommand) -> Names:
+        """Publish every known vehicle's RPYT setpoint, if it is finite; return whose were."""
+        rows = zip(command.names, legacy_twists(command, *self._legacy), strict=True)
+        sent = {name: row for name, row in rows if name in self._writers and np.isfinite(row).all()}
+        for name, row in sent.items():
+            x, y, yaw_rate, pwm = row.tolist()
+            self._writers[name].publish(Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate)))
+        return tuple(sent)
 
     def _message(self, header: Header, full_state: FullState) -> object:
         x, y, z = full_state.pos

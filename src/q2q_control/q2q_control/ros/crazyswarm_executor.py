@@ -25,6 +25,7 @@ from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_control.ros.server_vehicles import ServerVehicles
 from q2q_model.node.reply import Reply
 from q2q_model.signals.stamps import stamp_from_time, stamp_parts
+from q2q_model.signals.values import Names
 
 
 class CrazyswarmExecutor:
@@ -84,6 +85,10 @@ class CrazyswarmExecutor:
             self._future = None
         reply, self._reply = self._reply, None
         return reply
+
+    def take_sent(self, names: Names) -> None:
+        """Take note that a setpoint or command was sent to these vehicles."""
+        self._vehicles.take_sent(names)
 
     def reports(self) -> tuple[VehicleReport, ...]:
         """Return the report of every vehicle; they count as connected while the server runs."""

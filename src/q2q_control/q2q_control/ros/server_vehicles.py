@@ -24,6 +24,7 @@ from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_model.ros.topics.qos import OUTSIDE
+from q2q_model.signals.values import Names
 
 SERVER = "crazyflie_server"
 ONBOARD = "onboard"
@@ -72,6 +73,13 @@ class ServerVehicles:
                 (one, self._parameters.call_async(_question(one))) for one in self._vehicles.vehicles
             ]
         return self._vehicles.reports(now, connected=connected)
+
+    def take_sent(self, names: Names) -> None:
+        """Take note that a setpoint or command was sent to these vehicles."""
+        now = monotonic()
+        for one in self._vehicles.vehicles:
+            if one.name in names:
+                one.take_sent(now)
 
     def armed(self, ordered: float, t: float) -> bool:
         """Return whether all vehicles have armed since time `ordered` [s]."""

@@ -38,7 +38,7 @@ def _succeed(flight: ActiveFlight, act: Act, observation: Observation, reason: s
         state.enter(Step.ARMING if flight.joins else Step.TAKE_OFF, t)
         flight.give(Act.STREAM if flight.joins else Act.TAKE_OFF, observation, t)
     elif act is Act.STREAM:
-        flight.stream.start()
+        flight.stream.start(t)
         if flight.joins:
             state.enter(Step.FLIGHT, t)
             state.answer(granted=True, reason="flying the present setpoints")

@@ -1,4 +1,6 @@
-"""Stream of setpoints to vehicles, which ends at a jump or a gap of the setpoints."""
+"""Stream of setpoints to vehicles, which ends at a jump or a gap of what comes or of what is sent."""
+
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -15,6 +17,7 @@ class SetpointStream:
         """Setpoints are streamed."""
         self.before = False
         """They were streamed before the stream was last stopped."""
+        self._since = -np.inf  # start of the stream
         self._last: Array | None = None  # each vehicle's last position
         self._fault = ""
 
@@ -33,16 +36,22 @@ class SetpointStream:
         if moved > self._jump:
             self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the most"
 
-    def start(self) -> None:
-        """Start the stream; a fault of the last one counts no more."""
-        self.on, self._fault = True, ""
+    def start(self, t: float) -> None:
+        """Start the stream at time t [s]; a fault of the last one counts no more."""
+        self.on, self._fault, self._since = True, "", t
 
     def stop(self) -> None:
         """Stop the stream."""
         self.before, self.on = self.on, False
 
-    def take_fault(self, age: float) -> str:
-        """Return and clear the fault, with the last setpoint `age` [s] old; empty if there is none."""
-        silent = f"no setpoint for {age:.2f} s" if age > self._lost_s else ""
-        fault, self._fault = self._fault or silent, ""
+    def take_fault(self, ages: Mapping[str, float], t: float) -> str:
+        """Return and clear the fault at time t [s]; empty if there is none.
+
+        Args:
+            ages: what is missing, and its age [s]; NaN if it may be. Ages count from the stream's start.
+            t: present time [s].
+        """
+        within = {what: min(age, t - self._since) for what, age in ages.items()}
+        silent = (f"{what} for {age:.2f} s" for what, age in within.items() if age > self._lost_s)
+        fault, self._fault = self._fault or next(silent, ""), ""
         return fault
