@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from procedure_bench import END, FIRST, HOME, Bench, up, up_to
+from procedure_bench import END, FIRST, HOME, PLAN, Bench, up, up_to
 
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
 from q2q_control.flight_procedure.steps import Act, Call, Step
@@ -125,6 +125,14 @@ def test_a_glide_that_cannot_be_certified_leaves_the_vehicles_hovering() -> None
     assert bench.asked(Call.FLY) == Reply(granted=False, reason=words)
     assert bench.procedure.step is Step.HOVER
     assert not bench.streams()
+
+
+def test_a_plan_that_leaves_the_room_is_refused_in_the_air_too() -> None:
+    bench = up_to(Step.HOVER)
+    bench.plan = replace(PLAN, high=END + np.array([9.0, 0.0, 0.0]))  # trajectory was started again
+    reply = bench.asked(Call.FLY)
+    assert reply == Reply(granted=False, reason="cf1 would fly x from 0.00 to 10.00 m: the room is -3 to 3 m")
+    assert (bench.sent, bench.procedure.step) == ([], Step.HOVER)
 
 
 def test_setpoints_far_from_the_vehicles_are_not_taken_over() -> None:

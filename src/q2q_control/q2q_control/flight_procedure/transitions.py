@@ -6,6 +6,7 @@ from q2q_control.flight_procedure.checks.refusals import (
     airborne_refusal,
     cut_refusal,
     join_refusal,
+    room_refusal,
     state_refusal,
     take_off_refusal,
 )
@@ -52,7 +53,8 @@ def check_refusal(
     if call is Call.FLY:
         unfit = airborne_refusal(observation) or cut_refusal(observation)
         unfit = unfit or state_refusal(observation, landing)
-        return unfit or ("" if observation.plan else "no plan is waiting")
+        unplanned = "" if observation.plan else "no plan is waiting"
+        return unfit or unplanned or room_refusal(observation, params)
     return ""
 
 

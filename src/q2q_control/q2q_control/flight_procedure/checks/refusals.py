@@ -40,7 +40,7 @@ def take_off_refusal(observation: Observation, params: FlightProcedureParams, la
         lambda: _first(_standing(observation, params)),
         lambda: apart_refusal(observation.names, observation.pos, params.apart),
         lambda: _first(_places(observation, params)),
-        lambda: _first(_extent(observation, params)),
+        lambda: room_refusal(observation, params),
     )
     return _first(check() for check in checks)
 
@@ -86,6 +86,11 @@ def setpoint_refusal(observation: Observation, near: float, landing: LandingPara
             found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
             return f"{name} {found}: {near:.2f} m is the most; call take_off, then fly"
     return ""
+
+
+def room_refusal(observation: Observation, params: FlightProcedureParams) -> str:
+    """Return which vehicle the waiting plan would lead out of the room."""
+    return _first(_extent(observation, params))
 
 
 def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
