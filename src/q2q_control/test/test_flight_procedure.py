@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from procedure_bench import END, FIRST, HOME, PLAN, Bench, up, up_to
+from procedure_bench import END, FIRST, HOME, PLAN, STEP, Bench, up, up_to
 
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams
 from q2q_control.flight_procedure.steps import Act, Call, Step
@@ -236,6 +236,17 @@ def test_a_start_joins_setpoints_at_the_vehicles_and_none_that_are_far() -> None
     bench.stuck = {Act.STREAM}
     assert bench.asked(Call.START, 1.0).granted
     assert bench.acts == [Act.ARM, Act.STREAM]
+
+
+def test_a_start_that_is_landed_as_its_stream_begins_lands_before_it_disarms() -> None:
+    bench = Bench()
+    bench.call(Call.START)
+    while Act.STREAM not in bench.acts:
+        bench.wait(STEP)
+    assert bench.procedure.step is Step.ARMING
+    assert bench.call(Call.LAND) is None
+    bench.wait(6.0)
+    assert bench.acts == [Act.ARM, Act.STREAM, Act.STOP_STREAM, Act.LAND, Act.DISARM]
 
 
 def test_a_dry_run_sends_nothing_and_says_what_would_be_sent() -> None:

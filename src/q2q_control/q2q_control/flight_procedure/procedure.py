@@ -129,8 +129,9 @@ class FlightProcedure:
 
     def _begin_landing(self, observation: Observation, t: float, *, again: bool) -> None:
         """Land; from a hold, or if vehicles overlap, after a glide, unless called `again`."""
-        flight = self._flight
-        if self.step is Step.ARMING:
+        flight, waiting = self._flight, self.state.waiting
+        streams = waiting is not None and waiting.act is Act.STREAM  # after `start`: vehicles may fly
+        if self.step is Step.ARMING and not streams:
             self.state.enter(Step.DISARMING, t)
             flight.give(Act.DISARM, observation, t)
             return
