@@ -110,6 +110,10 @@ class Guard:
         self._controller.reset()
         self._forget()
 
+    def begin_flight(self) -> None:
+        """Reset the controller, whose commands are flown from now on; ages and cut motors remain."""
+        self._controller.reset()
+
     @property
     def emergency(self) -> bool:
         """Return whether an emergency has cut all motors."""

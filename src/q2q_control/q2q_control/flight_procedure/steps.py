@@ -29,6 +29,10 @@ ON_GROUND = frozenset({Step.OFFLINE, Step.CONNECTED, Step.CHECKED})
 FLYING = frozenset({Step.TAKE_OFF, Step.HOVER, Step.GLIDE, Step.FLIGHT, Step.HOLD})
 
 
+FOLLOWS_SETPOINTS = frozenset({Step.GLIDE, Step.FLIGHT, Step.HOLD})
+"""Setpoints, or the commands that follow them, are flown."""
+
+
 class Call(Enum):
     """Request of a pilot."""
 

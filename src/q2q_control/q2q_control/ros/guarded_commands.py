@@ -1,11 +1,14 @@
-"""Guard of a controller node: an emergency service and, live, a watch on the wall clock.
+"""Guard of a controller node: an emergency service, the hand-over in flight and, live, a watch on the clock.
 
 Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
+When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller starts anew.
 """
 
+from functools import partial
 from time import monotonic
 
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 from std_srvs.srv import Empty
 
@@ -14,16 +17,20 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch
+from q2q_control.flight_procedure.hand_over import HandOver
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.far_setpoints import FarSetpointMonitor
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.tick_wiring import TickWiring
+from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 EMERGENCY = "all/emergency"
 """Name of the emergency service, as in Crazyswarm2."""
+PROCEDURES = ("radio/status", "crazyswarm/status")
+"""Statuses of the flight procedure; one of these nodes flies the vehicles."""
 PERIOD_S = 0.01
 """Period of the checks [s]: one tick."""
 _SATURATED = int(CommandStatus.SATURATED)  # numpy takes 5 us to read an enumeration
@@ -54,11 +61,13 @@ class GuardedCommands:
         return command
 
     def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
-        """Offer the emergency service, count fallbacks and, live, start the watch."""
+        """Offer the emergency service, await hand-overs, count fallbacks and, live, start the watch."""
         self._node, self._wiring = node, wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         wiring.check_each_second(self._look_for_far_setpoints)
+        for topic in PROCEDURES:
+            node.create_subscription(DiagnosticStatus, topic, partial(self._follow, HandOver()), LATCHED)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, PERIOD_S, self._check)
@@ -70,6 +79,11 @@ class GuardedCommands:
         if self._watch is not None:
             self._watch = TickWatch(self._guard, self._watch.params)
         self._stamp_delay = StampDelayMonitor()
+
+    def _follow(self, hand_over: HandOver, status: DiagnosticStatus) -> None:
+        """Start the controller anew when commands begin to be flown."""
+        if hand_over.take(status.message):
+            self._guard.begin_flight()
 
     def _look_for_far_setpoints(self) -> None:
         """Tell vehicles that are far from their setpoints."""

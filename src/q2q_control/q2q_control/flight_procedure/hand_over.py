@@ -1,0 +1,27 @@
+"""Hand-over to setpoints, as a controller sees it: by the steps that the flight procedure reports.
+
+A controller commands from its first tick on, and its observer and integrals take these commands for flown. On
+the ground and in the onboard climb they are not: what is learned there is wrong.
+"""
+
+from q2q_control.flight_procedure.steps import FOLLOWS_SETPOINTS, Step
+
+_FOLLOWS = {step.value for step in FOLLOWS_SETPOINTS}
+_LANDING = Step.LANDING.value
+
+
+class HandOver:
+    """Whether commands were flown in the last step that a procedure has reported."""
+
+    def __init__(self) -> None:
+        """Start without a report, as in a flight that has begun."""
+        self._flown = True
+
+    def take(self, step: str) -> bool:
+        """Take a reported step; return whether commands begin to be flown in it.
+
+        After a landing they go on to be flown, where setpoints could not be stopped.
+        """
+        begins = step in _FOLLOWS and not self._flown
+        self._flown = step in _FOLLOWS or step == _LANDING
+        return begins

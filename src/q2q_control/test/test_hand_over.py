@@ -1,0 +1,91 @@
+"""A controller starts anew where its commands begin to be flown."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.flight_procedure.hand_over import HandOver
+from q2q_control.flight_procedure.steps import Step
+from q2q_control.inputs.controller import Controller
+from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.receding import Mpc
+from q2q_control.pid.gains_file import load_gains
+from q2q_control.pid.observed_pid import ObservedPid
+from q2q_control.pid.pid import Pid
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.vehicle.constants import CRAZYFLIE_2_1
+
+HOVER = CRAZYFLIE_2_1.hover_thrust
+CONTROLLERS: dict[str, Callable[[], Controller]] = {
+    "pid": lambda: Pid(load_gains("tuned"), CRAZYFLIE_2_1),
+    "observed": lambda: ObservedPid(load_gains("tuned"), TrackerParams(), CRAZYFLIE_2_1),
+    "mpc": lambda: Mpc(MpcParams(), CRAZYFLIE_2_1, NoInteraction()),
+}
+BEGINS = [
+    ([Step.CHECKED, Step.ARMING, Step.TAKE_OFF, Step.HOVER, Step.GLIDE, Step.FLIGHT], Step.GLIDE),
+    ([Step.CHECKED, Step.ARMING, Step.FLIGHT], Step.FLIGHT),
+    ([Step.HOLD, Step.GLIDE, Step.FLIGHT, Step.HOLD], None),
+    ([Step.FLIGHT, Step.LANDING, Step.HOLD], None),
+    ([Step.FLIGHT, Step.LANDING, Step.DISARMING, Step.CONNECTED], None),
+]
+
+
+def at_rest(t: float, height: float, climb: float, beside: float) -> tuple[SwarmState, SwarmSetpoint]:
+    """Return the tick of a vehicle whose setpoint is `beside` it [m]."""
+    zero, pos, level = np.zeros((1, 3)), np.array([[0.0, 0.0, height]]), np.array([[0.0, 0.0, 0.0, 1.0]])
+    one, vel = np.zeros(1, np.uint8), np.array([[0.0, 0.0, climb]])
+    state = SwarmState(t, ("cf1",), pos, vel, level, zero, np.zeros(1), one)
+    return state, SwarmSetpoint(
+        t, ("cf1",), pos + np.array([beside, 0.0, 0.0]), zero, zero, np.zeros(1), np.zeros(1), one
+    )
+
+
+def climbed(guard: Guard) -> float:
+    """Let a vehicle stand beside its setpoint, then climb on board in 2 s; return the time [s]."""
+    for k in range(1000):
+        guard.update(*at_rest(0.01 * k, 0.0, 0.0, 0.1), None)
+    for k in range(200):
+        s = 0.005 * k
+        height = 0.5 * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        climb = 0.25 * s * s * (30.0 - 60.0 * s + 30.0 * s * s)
+        guard.update(*at_rest(10.0 + 0.01 * k, height, climb, 0.0), None)
+    return 12.0
+
+
+def after(guard: Guard, t: float) -> SwarmCommand:
+    """Return the fifth command from time t [s] on, of a vehicle at rest at its setpoint."""
+    return [guard.update(*at_rest(t + 0.01 * k, 0.5, 0.0, 0.0), None) for k in range(5)][-1]
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_a_vehicle_hovers_from_the_hand_over_on(name: str) -> None:
+    """Observers had learned 3 m/s^2 in the climb, integrals 2 m/s^2 in a minute beside the setpoint."""
+    guard = Guard(CONTROLLERS[name](), FallbackParams(), HOVER)
+    t = climbed(guard)
+    guard.begin_flight()
+    command = after(guard, t)
+    assert command.thrust[0] == pytest.approx(HOVER, rel=1e-3)  # the MPC's solution is that exact
+    np.testing.assert_allclose((command.roll[0], command.pitch[0]), 0.0, atol=1e-6)
+
+
+def test_motors_that_were_cut_stay_cut() -> None:
+    guard = Guard(CONTROLLERS["pid"](), FallbackParams(), HOVER)
+    t = climbed(guard)
+    guard.cut()
+    guard.begin_flight()
+    assert after(guard, t).status[0] == CommandStatus.CUT
+
+
+@pytest.mark.parametrize(("steps", "begins"), BEGINS)
+def test_commands_begin_to_be_flown_once_a_flight(steps: list[Step], begins: Step | None) -> None:
+    hand_over = HandOver()
+    assert [step for step in steps if hand_over.take(step.value)] == ([] if begins is None else [begins])
+
+
+def test_a_controller_that_is_started_in_flight_has_nothing_to_forget() -> None:
+    assert not HandOver().take(Step.FLIGHT.value)
