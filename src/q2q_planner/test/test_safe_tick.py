@@ -55,14 +55,14 @@ def test_who_is_not_measured_any_more_for_forget_has_broken_the_promise_until_it
     replanner, broken = SafeReplanner(PARAMS), []
     for k in range(300):
         t, still = k * TICK, closing(3.0, 0.0)
-        gone = t - 1.0 if 1.0 < t < 2.0 else 0.0
+        gone = t - 0.995 if 100 <= k < 200 else 0.0
         rest, level = np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
         age = np.array([gone, np.inf])
         state = SwarmState(t, PAIR, still.pos, rest, level, rest, age, np.zeros(2, np.uint8))
         answer = replanner.update(replace(still, t=t), state)
         assert answer.status[1] == SetpointStatus.NOMINAL
         broken += [k] if answer.status[0] == BROKEN else []
-    assert broken == list(range(round((1.0 + PARAMS.forget) / TICK) + 1, 200))
+    assert broken == list(range(100 + round(PARAMS.forget / TICK), 200))
 
 
 def test_who_meets_somebody_is_wanted_no_faster_than_it_may_accelerate() -> None:
