@@ -82,6 +82,24 @@ def test_the_jet_and_its_travel_are_found() -> None:
     assert abs(found.term.upper_ratio) < 0.05  # the upper vehicle of these flights feels nothing
 
 
+def test_the_values_told_of_a_jet_are_those_of_its_term_and_within_the_search(pairs: list[AirRecord]) -> None:
+    found = jet_term([replace(one, measured=one.measured & (one.motion.t < 12.0)[:, None]) for one in pairs])
+    assert found is not None
+    told, term = {one.path: one for one in found.values}, found.term
+    axis = float(push_in_table(term, np.array([0.4]), np.zeros(1))[0])
+    assert told["jet.push_mps2"].value == axis
+    for name, (low, high) in {
+        "travel_speed_mps": (1.0, 1e3),
+        "carried": (0.0, 1.5),
+        "slope": (0.0, 1.5),
+    }.items():
+        one = told[f"jet.{name}"]
+        assert one.value == getattr(term, name)
+        assert one.ends is None or low <= one.ends[0] <= one.value <= one.ends[1] <= high, name
+    assert told["jet.push_mps2"].ends is not None
+    assert told["jet.push_mps2"].ends[0] < axis < told["jet.push_mps2"].ends[1]
+
+
 def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> None:
     """Sources that hover neither tilt nor move: where they were and what air they carried is not seen."""
     flights = []

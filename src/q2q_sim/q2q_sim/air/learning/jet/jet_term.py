@@ -6,6 +6,9 @@ the Jacobian J = (X, Z) of coefficients above zero and travel, and the misses e,
 
     (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + lambda R)^-1 (sum w_g J_g' e_g - lambda R beta)
 
+with a travel beyond its bounds at them. The ridge on beta is left out of the score, so that the intervals
+hold what it takes from the push where little was flown; the values are those of the estimate.
+
 An item of the travel is not shown if even alone, with the scores z_g' e_g of the blocks,
 
     1.96 (sum over g of (z_g' e_g)^2)^1/2 / z' z > half of its bounds,
@@ -186,21 +189,27 @@ class _Fit:
         missed = self._y + self._push(self.travel)
         rough = np.zeros((jacobian.shape[1], jacobian.shape[1]))
         rough[: active.size, : active.size] = self._penalty * ROUGHNESS[np.ix_(active, active)]
-        travel = np.array(self.travel)
-        start = np.concatenate([self.beta[active], travel[self.shown]])
+        smoothed = rough[:, : active.size] @ self.beta[active]
         score = block_sums(jacobian * missed[:, None], self._blocks)
         count = int(self._blocks.max()) + 1
         squares = np.stack([_square(jacobian[self._blocks == k]) for k in range(count)])
-        axis = spline_values(np.array([REFERENCE]), np.zeros(1))[0, active]
+        least, most = np.array(BOUNDS).T
 
         def estimate(weight: Array) -> Array:
-            square = np.tensordot(weight, squares, 1) + rough + RIDGE * np.eye(start.size)
-            x = start + np.linalg.solve(square, weight @ score - rough @ start)
-            drawn = travel.copy()
-            drawn[self.shown] = x[active.size :]
-            return np.array([axis @ x[: active.size], 1.0 / max(drawn[0], STILL), *drawn[1:]])
+            square = np.tensordot(weight, squares, 1) + rough + RIDGE * np.eye(len(rough))
+            step = np.linalg.solve(square, weight @ score - smoothed)
+            beta, travel = self.beta.copy(), np.array(self.travel)
+            beta[active] += step[: active.size]
+            travel[self.shown] += step[active.size :]
+            travel = np.clip(travel, least, most)
+            return self._told(beta, Travel(*travel))
 
-        return estimate_spread(estimate, count)
+        return replace(estimate_spread(estimate, count), value=self._told(self.beta, self.travel))
+
+    def _told(self, beta: Array, travel: Travel) -> Array:
+        """Return the push at REFERENCE on the axis, the travel speed, carried and slope, (4,)."""
+        push = push_table(beta, self.flown)[np.searchsorted(GAPS, REFERENCE), 0]
+        return np.array([push, 1.0 / max(travel.slowness, STILL), travel.carried, travel.slope])
 
     def _derivative(self, k: int) -> Array:
         """Return the derivative of -P with respect to item k of the travel, (m,)."""
