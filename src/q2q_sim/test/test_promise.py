@@ -41,6 +41,11 @@ from q2q_sim.scenarios.room_profiles import IDEAL
 from q2q_sim.scenarios.scenario import Scenario
 
 CONDITIONS = PromiseCase().conditions
+BLANK = EncounterRecord(
+    seed=0, vehicles=2, apart_at_start=True, horizontal=0.05, vertical=0.02, clearance=0.1,
+    announced=True, ticks=100, broken_ticks=0, arrived=None, in_reach=None,
+)  # fmt: skip
+"""Flight in which nothing happens."""
 
 
 @pytest.mark.parametrize(("n", "alpha"), [(19, 0.05), (60, 0.05), (99, 0.01), (250, 0.01)])
@@ -198,16 +203,12 @@ def test_the_numbers_of_flights_none_of_which_counts_are_json() -> None:
 
 def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(tmp_path: Path) -> None:
     """The last line is cut off, as by a kill while it is written."""
-    blank = EncounterRecord(
-        seed=0, vehicles=2, apart_at_start=True, horizontal=0.05, vertical=0.02, clearance=0.1,
-        announced=True, ticks=100, broken_ticks=0, arrived=None, in_reach=None,
-    )  # fmt: skip
     file, flown = tmp_path / "flights.jsonl", list[int]()
 
     def fly_seeds(seeds: Sequence[int]) -> Iterator[EncounterRecord]:
         for seed in seeds:
             flown.append(seed)
-            yield replace(blank, seed=seed)
+            yield replace(BLANK, seed=seed)
 
     case = PromiseCase()
     assert [one.seed for one in resume_flights(range(3), case, file, fly_seeds)] == [0, 1, 2]
@@ -241,3 +242,16 @@ def test_the_command_prints_a_tube_and_writes_its_numbers(
     printed = capsys.readouterr().out
     assert f"{1e3 * learned.horizontal:.0f} mm horizontally" in printed
     assert json.loads(numbers.read_text())["verdict"]["entries_under_conditions"] == 0
+
+
+def test_the_numbers_of_flights_that_give_no_tube_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The count is enough for a tube, but of these flights none began under its conditions."""
+    flown = [replace(BLANK, seed=seed, apart_at_start=False) for seed in range(3)]
+    monkeypatch.setattr(promise_flights, "_flown", lambda *_: flown)
+    numbers = tmp_path / "promise.json"
+    words = ["--count", "3", "--alpha", "0.7", "--learn", str(tmp_path / "tube.json")]
+    assert main([*words, "--json", str(numbers)]) == 1
+    assert "flights" in capsys.readouterr().err
+    assert json.loads(numbers.read_text())["verdict"]["flights"] == 3

@@ -44,6 +44,8 @@ def run(args: Namespace) -> int:
     document: dict[str, Json] = {"first": args.first, "verdict": verdict_json(found)}
     document["replanner"] = to_plain(case.params)
     document["tube"] = to_plain(tube) if tube else None
+    if args.json:
+        write_json(document, args.json)
     if args.learn:
         learned = learn_tube(largest_errors(records), args.alpha, case.conditions)
         print(
@@ -51,8 +53,6 @@ def run(args: Namespace) -> int:
             f" horizontally, {1e3 * learned.vertical:.0f} mm vertically"
         )
         write_json(to_plain(learned), args.learn)
-    if args.json:
-        write_json(document, args.json)
     return int(found.entries.events > 0)
 
 
