@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_sim.commands.robustness import AIRS
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
 from q2q_sim.experiments.robustness.fill_robustness import (
     FlightDraws,
@@ -29,6 +30,7 @@ from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFli
 from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
 from q2q_sim.scenarios import library
 
+DOCS = Path(__file__).resolve().parents[3] / "docs"
 FLIGHTS = asked_flights(["ring", "bent"], 1, 5)
 
 
@@ -110,3 +112,10 @@ def test_a_flight_in_which_nobody_was_under_another_has_no_such_error(
     found = fly_perturbed(PerturbedFlight("ring", PERTURBATIONS[0], "pid", corrects=True, draws=1, seed=0))
     assert np.isnan(found.under)
     assert found.left < 0.005
+
+
+def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
+    shown, kept = (DOCS / "robustness.md").read_text(encoding="utf-8"), read(DOCS / "robustness.json")
+    assert kept.draws is not None
+    flights = asked_flights(list(AIRS), kept.draws.each, kept.draws.seed)
+    assert page(kept.errors, flights, shown.split("`")[1]) == shown
