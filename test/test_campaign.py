@@ -13,6 +13,7 @@ from q2q_sim.experiments.campaign.engine import run_outcomes
 from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, cut_document, draw_run
 from q2q_sim.experiments.campaign.run_outcome import (
     CRASH,
+    DIED,
     TWIN,
     RunOutcome,
     as_document,
@@ -155,13 +156,15 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
     asked = ["--seed", "10", "--out", str(tmp_path)]
     assert campaign.main(["--runs", "2", *asked]) == 0
     with (tmp_path / "runs.jsonl").open("a") as log:
-        log.write('{"seed": 12, "thr')  # killed while writing
-    assert campaign.main(["--runs", "4", *asked]) == 1
-    assert flown == [10, 11, 12, 13]
-    assert campaign.main(["--runs", "4", "--air", "bent", *asked]) == 2
-    assert flown == [10, 11, 12, 13]
+        for seed, what in ((12, "died"), (13, DIED)):  # 12 as earlier versions kept what another run killed
+            log.write(json.dumps(as_document(replace(ended(seed, BROKEN), what=what))) + "\n")
+        log.write('{"seed": 14, "thr')  # killed while writing
+    assert campaign.main(["--runs", "5", *asked]) == 1
+    assert flown == [10, 11, 12, 14]
+    assert campaign.main(["--runs", "5", "--air", "bent", *asked]) == 2
+    assert flown == [10, 11, 12, 14]
     lines = capsys.readouterr()
-    assert "seeds of violations: [12]" in lines.out
+    assert "seeds of violations: [12, 13]" in lines.out
     assert "tilt: cf1 at 1.00 s: 0.5" in lines.err
     assert "runs.jsonl holds runs in the air of each scenario: give another --out" in lines.err
 

@@ -1,14 +1,51 @@
-"""Parallel work ends with whoever asked for it."""
+"""Parallel work loses nothing by a process that dies, and ends with whoever asked for it."""
 
+import gc
 import multiprocessing
+import os
 import time
+from collections.abc import Generator
+from importlib import import_module
+from pathlib import Path
 
+import pytest
+
+from q2q_sim.experiments.campaign import engine
 from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
+
+TWO = ParallelRuns("local", 2)
+DEADLY = """
+import os
+import signal
+
+def work(number):
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+"""
+"""Work that kills its process on number 3."""
 
 
 def test_after_an_interruption_no_process_works_on() -> None:
     """Ctrl-C closes the generator; a pool that is not waited for may do all that is left."""
-    results = spread_work(ParallelRuns("local", 2), time.sleep, [0] * 100, lambda _, error: print(error))
-    next(iter(results))
+    results = spread_work(TWO, time.sleep, [0] * 100, print)
+    assert isinstance(results, Generator)
+    next(results)
     results.close()
     assert multiprocessing.active_children() == []
+
+
+def test_only_work_that_kills_its_process_alone_counts_as_died(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "deadly_work.py").write_text(DEADLY)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(engine, "freeze_imports", gc.freeze)  # without the imports of a campaign
+    work = import_module("deadly_work").work
+    assert sorted(spread_work(TWO, work, range(6), lambda number: -number)) == [-3, 0, 1, 2, 4, 5]
+
+
+def test_an_error_of_work_is_raised_as_it_is_by_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "freeze_imports", gc.freeze)
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        list(spread_work(TWO, os.close, [9999], lambda _: pytest.fail("counted as died")))

@@ -1,14 +1,15 @@
 """Parallel runs of a campaign: in processes of this machine, or by Dask on many."""
 
 import gc
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import as_completed
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
 from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
-from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
+from q2q_sim.experiments.campaign.run_outcome import CRASH, DIED, RunOutcome
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.scenarios.choices import ENGINES
@@ -20,8 +21,8 @@ pools: with max_tasks_per_child a pool may deadlock, https://github.com/python/c
 Result = TypeVar("Result")
 Work = Callable[[int], Result]
 """Work on a number, such as the run of a seed."""
-Died = Callable[[int, BaseException], Result]
-"""Result of work that ended with its process."""
+Died = Callable[[int], Result]
+"""Result of work on a number whose process died, alone with it."""
 
 
 def run_outcomes(
@@ -46,7 +47,7 @@ class ParallelRuns(NamedTuple):
 def spread_work(
     where: ParallelRuns, work: Work[Result], numbers: Sequence[int], died: Died[Result]
 ) -> Iterator[Result]:
-    """Yield the result of work on every number, in the order of completion.
+    """Yield the result of work on every number, in the order of completion; an error of work is raised.
 
     Raises:
         ValueError: an unknown engine, or one that is not installed.
@@ -63,24 +64,34 @@ def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Res
         yield from map(work, numbers)
         return
     for begin in range(0, len(numbers), jobs * RECYCLE):
-        yield from _by_pool(work, numbers[begin : begin + jobs * RECYCLE], jobs, died)
+        yield from _by_pools(work, numbers[begin : begin + jobs * RECYCLE], jobs, died)
 
 
-def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
-    with worker_pool(jobs, freeze_imports) as pool:
-        running = {pool.submit(work, number): number for number in numbers}
-        try:
-            for ended in as_completed(running):
-                error = ended.exception()
-                # Ctrl-C reaches every process; it is no crash of the work, and is raised here, too
-                if error is None or isinstance(error, KeyboardInterrupt):
-                    yield ended.result()
-                else:
-                    yield died(running[ended], error)
-        except BaseException:
-            # a pool that is not waited for may be collected before it cancels, and then does all that is left
-            pool.shutdown(wait=True, cancel_futures=True)
-            raise
+def _by_pools(work: Work[Result], left: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
+    """Yield the results; a pool in which a process died is replaced, and what it worked on is done alone."""
+    while left:
+        left = yield from _by_pool(work, left, jobs)
+        suspects, left = left[:jobs], left[jobs:]
+        for number in suspects:
+            if (yield from _by_pool(work, [number], 1)):
+                yield died(number)
+
+
+def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int) -> Generator[Result, None, Sequence[int]]:
+    """Yield results until a process dies; return the numbers without one, the first begun first."""
+    left, pool = dict(enumerate(numbers)), worker_pool(jobs, freeze_imports)
+    try:
+        running = {pool.submit(work, number): place for place, number in enumerate(numbers)}
+        for ended in as_completed(running):
+            result = ended.result()
+            del left[running[ended]]
+            yield result
+    except BrokenProcessPool:
+        pass
+    finally:
+        # a pool that is not waited for may be collected before it cancels, and then does all that is left
+        pool.shutdown(wait=True, cancel_futures=True)
+    return list(left.values())
 
 
 def freeze_imports() -> None:
@@ -88,10 +99,10 @@ def freeze_imports() -> None:
     gc.freeze()
 
 
-def _died(seed: int, error: BaseException) -> RunOutcome:
+def _died(seed: int) -> RunOutcome:
     """Return the crash of a run whose process died."""
-    what = Violation(CRASH, f"{type(error).__name__}: {error}"[:200], float("nan"), float("nan"), 0.0)
-    return RunOutcome(seed, through_nodes=False, what="died", violations=(what,), seconds=0.0)
+    what = Violation(CRASH, "its process died when flown alone", float("nan"), float("nan"), 0.0)
+    return RunOutcome(seed, through_nodes=False, what=DIED, violations=(what,), seconds=0.0)
 
 
 def _dask(work: Work[Result], numbers: Sequence[int], jobs: int) -> Iterator[Result]:

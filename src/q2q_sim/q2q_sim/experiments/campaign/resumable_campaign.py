@@ -18,6 +18,9 @@ from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, rea
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
+LEFT_BY_DEATH = "died"
+"""Description of runs that earlier campaigns kept as crashes where any process died: they are flown again."""
+
 
 def run(args: Namespace) -> int:
     """Fly the requested campaign; return 1 if a policy is violated.
@@ -42,7 +45,9 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
     runs = read_entries(log, from_document)
     _reject_other_air(log, runs, args.air)
     done = {
-        one.seed: one for one in runs if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes)
+        one.seed: one
+        for one in runs
+        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes) and one.what != LEFT_BY_DEATH
     }
     pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
     nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]

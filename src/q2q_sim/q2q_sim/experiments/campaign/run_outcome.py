@@ -10,6 +10,8 @@ CRASH = "crash"
 """Name, beside the policies, of a run that raised an error: the worst violation."""
 TWIN = "twin"
 """Name, beside the policies, of a run through the nodes that differs from closed_loop."""
+DIED = "died alone"
+"""Description of a run whose process died, alone with it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,6 +63,6 @@ def write_case_page(run: Run, violations: Sequence[Violation], file: Path) -> No
     write_replay(file, run.scenario, fly_pure(run).topics, violations)
 
 
-def record_of_dead_process(seed: int, _: BaseException) -> AttackRecord:
+def record_of_dead_process(seed: int) -> AttackRecord:
     """Return the record of an attack whose process died."""
     return AttackRecord(seed, length=0, runs=0, policies=(CRASH,), case="", seconds=0.0)

@@ -45,9 +45,9 @@ def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
     return BugScore(bug.name, runs, seed, *found, perf_counter() - began, air)
 
 
-def unscored(number: int, error: BaseException) -> BugScore:
+def unscored(number: int) -> BugScore:
     """Raise RuntimeError: a process died, which says nothing about the search."""
-    raise RuntimeError(f"the process that sought {SEEDED_BUGS[number].name} died: run again") from error
+    raise RuntimeError(f"the process that sought {SEEDED_BUGS[number].name} died: run again")
 
 
 def _first(flown: Iterator[tuple[Run, AttackedFlight]], runs: int) -> int:

@@ -73,9 +73,17 @@ def _flown(seeds: Sequence[int], case: PromiseCase, args: Namespace) -> list[Enc
 
 
 def _spread(seeds: Sequence[int], case: PromiseCase, jobs: int) -> Iterator[EncounterRecord]:
-    return spread_work(ParallelRuns("local", jobs), partial(fly_case, case=case), seeds, _died)
+    return spread_work(ParallelRuns("local", jobs), partial(_fly, case=case), seeds, _died)
 
 
-def _died(seed: int, error: BaseException) -> EncounterRecord:
-    """Raise the error of a flight, with its seed."""
-    raise RuntimeError(f"encounter {seed}: {error}") from error
+def _fly(seed: int, case: PromiseCase) -> EncounterRecord:
+    """Return the record of an encounter; an error names its seed."""
+    try:
+        return fly_case(seed, case)
+    except Exception as error:
+        raise RuntimeError(f"encounter {seed}: {error}") from error
+
+
+def _died(seed: int) -> EncounterRecord:
+    """Raise RuntimeError: the process died."""
+    raise RuntimeError(f"encounter {seed}: its process died when flown alone")
