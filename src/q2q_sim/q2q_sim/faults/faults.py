@@ -88,8 +88,10 @@ class Fault:
         if not kind.low <= self.size <= kind.high:
             bounds = f"{kind.low} to {kind.high} {kind.unit}".rstrip()
             raise ValueError(f"fault {self.kind}: size = {self.size}: allowed is {bounds}")
-        if self.kind == "swap" and len(self.vehicles) != 2:
-            raise ValueError(f"fault swap: vehicles = {list(self.vehicles)}: name exactly two vehicles")
+        if self.kind == "swap" and not len(self.vehicles) == len({*self.vehicles}) == 2:
+            raise ValueError(
+                f"fault swap: vehicles = {list(self.vehicles)}: name exactly two different vehicles"
+            )
         if kind.whole and self.vehicles:
             raise ValueError(f"fault {self.kind} acts on whole frames: name no vehicles")
 
