@@ -100,3 +100,23 @@ def test_a_false_state_breaks_the_belief_unless_it_is_coasting_or_a_sensor_lies_
     assert broken(false, lie) == set()
     outlier = replace(AROUND, faults=(Fault("outlier", 2.8, 0.3, SCENARIO.names, 0.12),))
     assert "belief" in broken(false, outlier)
+
+
+@pytest.mark.parametrize(("lost_s", "judged"), [(0.01, True), (0.4, True), (0.55, False)])
+def test_setpoints_lost_for_less_than_half_a_second_do_not_hide_who_does_not_come_back(
+    lost_s: float, judged: bool
+) -> None:
+    def lost(one: RecordedSignal) -> bool:
+        return one.topic == "reference_safe" and (one.signal.t + 0.005) % (0.4 + lost_s) > 0.4
+
+    away = only("truth", changed(SwarmState, 6.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
+    recorded = [away(one) for one in received() if not lost(one)]
+    assert ("return" in {one.policy for one in judge(evidence_of(recorded), AROUND)}) == judged
+
+
+def test_a_vehicle_seen_for_less_than_half_a_second_is_not_told_to_stay_away_from_its_setpoint() -> None:
+    away = only("truth", changed(SwarmState, 0.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
+    for duration, judged in ((0.49, False), (0.51, True)):
+        unseen = only("truth", changed(SwarmState, 0.0, 8.0 - duration - 0.005, pos=with_row(0, np.nan)))
+        found = judge(evidence_of(unseen(away(one)) for one in received()), AROUND)
+        assert (("return", "cf1") in {(one.policy, one.who) for one in found}) == judged

@@ -66,7 +66,7 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
     """Return the vehicles not back on their path `settle` after the last fault.
 
     A replanned motion that accelerates leaves its vehicle behind for a moment: what counts is the least
-    distance within `passing`.
+    distance within `passing`. Where positions or setpoints are missing for no longer, the last one counts.
     No command carries a vehicle that is overpowered, and none is known to in an unforeseen downwash: it has
     `settle` then.
     """
@@ -76,8 +76,18 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
     cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
     judged = np.where(calm[:, None] & ~cut & ~pushed, off, -np.inf)
-    lasting = _least_before(judged, max(round(limits.passing / evidence.tick), 1))
+    ticks = max(round(limits.passing / evidence.tick), 1)
+    lasting = _least_before(_across_gaps(judged, ticks), ticks)
     return worst_violations("return", evidence, lasting - limits.back, (lasting, limits.back))
+
+
+def _across_gaps(values: Array, ticks: int) -> Array:
+    """Return values (T, n) with the last one in gaps, NaN, that end within `ticks` of it."""
+    count, known = np.arange(len(values))[:, None], ~np.isnan(values)
+    last = np.maximum.accumulate(np.where(known, count, -1), axis=0)
+    following = np.minimum.accumulate(np.where(known, count, len(values) + ticks)[::-1], axis=0)[::-1]
+    short = (last >= 0) & (following - last <= ticks)
+    return np.where(short, np.take_along_axis(values, last, axis=0), values)
 
 
 def _least_before(values: Array, ticks: int) -> Array:
