@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.bag import BagReader
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import campaign_flight, random_run
 from q2q_sim.experiments.campaign.campaign_flight import JUDGED
@@ -201,7 +202,11 @@ def test_a_run_that_raises_is_a_crash_and_leaves_its_bag(
     assert [one.policy for one in found.violations] == [CRASH]
     assert "ZeroDivisionError: made up" in found.violations[0].who
     assert library.load(str(tmp_path / "5.yaml")).faults == draw_run(5).scenario.faults
+    whole = list(BagReader(tmp_path / "5").signals())
+    (tmp_path / "5" / "metadata.yaml").unlink()  # killed while it wrote, and flown again
+    campaign_flight.fly_and_judge(5, tmp_path)
     assert (tmp_path / "5" / "metadata.yaml").exists()
+    assert len(list(BagReader(tmp_path / "5").signals())) == len(whole)
 
 
 def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_loop(tmp_path: Path) -> None:

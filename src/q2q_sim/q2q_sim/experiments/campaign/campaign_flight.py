@@ -1,5 +1,6 @@
 """One run of a campaign by closed_loop, checked against the policies; a violation keeps bag and replay."""
 
+import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -130,7 +131,8 @@ def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> Non
     write_scenario(run, folder / f"{run.seed}.yaml")
     (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
     bag = folder / str(run.seed)
-    if signals and not bag.exists():
+    shutil.rmtree(bag, ignore_errors=True)
+    if signals:
         facts = scenario_facts(run.scenario, run.options, run.seed, f"{run.seed}.yaml")
         with BagWriter(bag, facts=facts) as writer:
             for one in signals:
