@@ -1,11 +1,30 @@
 """Finished work of a campaign in a file of JSON lines, from which an interrupted campaign resumes."""
 
+import fcntl
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import TextIO, TypeVar
 
 Entry = TypeVar("Entry")
+
+
+@contextmanager
+def sole_campaign(log: Path) -> Iterator[TextIO]:
+    """Yield a file to append to, which no other campaign may use until the block or the process ends.
+
+    Raises:
+        ValueError: another campaign uses it.
+    """
+    with log.open("a", encoding="utf-8") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as used:
+            raise ValueError(
+                f"{log} is written by another campaign: wait for it, or name another place"
+            ) from used
+        yield file
 
 
 def read_entries(log: Path, entry_from: Callable[[Mapping[str, object]], Entry]) -> list[Entry]:

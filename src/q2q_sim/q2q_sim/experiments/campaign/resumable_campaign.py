@@ -2,7 +2,7 @@
 
 import json
 from argparse import Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import run_outcomes
-from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries
+from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 
@@ -26,7 +26,7 @@ def run(args: Namespace) -> int:
     """Fly the requested campaign; return 1 if a policy is violated.
 
     Raises:
-        ValueError: the air or the file of finished runs is not valid, or is that of another air.
+        ValueError: the air or the file of finished runs is not valid, in use, or that of another air.
     """
     if args.air:
         find_air(args.air)
@@ -42,17 +42,11 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
     log, kept = args.out / "runs.jsonl", args.out / "violations"
     seeds = range(args.seed, args.seed + args.runs)
     by_nodes = set(seeds[: args.through_nodes])
-    runs = read_entries(log, from_document)
-    _reject_other_air(log, runs, args.air)
-    done = {
-        one.seed: one
-        for one in runs
-        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes) and one.what != LEFT_BY_DEATH
-    }
-    pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
-    nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
-    drop_incomplete_line(log)
-    with log.open("a", encoding="utf-8") as file, _bar() as bar:
+    with sole_campaign(log) as file, _bar() as bar:
+        done = _finished(log, args.air, by_nodes, seeds)
+        pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
+        nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
+        drop_incomplete_line(log)
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
         for outcome in _all(args, pure, nodes, kept):
             one = replace(outcome, air=args.air)
@@ -63,6 +57,17 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
             bar.update(task, advance=1, violations=sum(bool(each.violations) for each in done.values()))
     flown = [done[seed] for seed in seeds]
     return flown, sum(one.seconds for one in flown)
+
+
+def _finished(log: Path, air: str, by_nodes: Container[int], seeds: Sequence[int]) -> dict[int, RunOutcome]:
+    """Return the finished runs of `seeds`, of which some are to be flown through the nodes."""
+    runs = read_entries(log, from_document)
+    _reject_other_air(log, runs, air)
+    return {
+        one.seed: one
+        for one in runs
+        if one.seed in seeds and one.through_nodes >= (one.seed in by_nodes) and one.what != LEFT_BY_DEATH
+    }
 
 
 def _all(args: Namespace, pure: Sequence[int], nodes: Sequence[int], kept: Path) -> Iterable[RunOutcome]:

@@ -18,7 +18,7 @@ from rich.table import Table
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
-from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries
+from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
 from q2q_sim.experiments.guided.attack import LENGTH
 from q2q_sim.experiments.guided.attack_case import read_case
 from q2q_sim.experiments.guided.attack_record import (
@@ -32,18 +32,21 @@ from q2q_sim.experiments.guided.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 
 Entry = TypeVar("Entry", AttackRecord, BugScore)
+ATTACKS = "attacks.jsonl"
+"""File of finished attacks."""
 
 
 def run(args: Namespace) -> int:
     """Fly the requested guided campaign; return 1 if a property is violated.
 
     Raises:
-        ValueError: the air or a file of finished work is not valid.
+        ValueError: the air or a file of finished work is not valid or in use.
     """
     if args.air:
         find_air(args.air)
     args.out.mkdir(parents=True, exist_ok=True)
-    attacks, scores = list(_attacks(args)), list(_scores(args))
+    with sole_campaign(args.out / ATTACKS):
+        attacks, scores = list(_attacks(args)), list(_scores(args))
     total = summary(attacks, scores)
     print_totals(total)
     if args.json:
@@ -117,7 +120,7 @@ def print_totals(total: dict[str, object]) -> None:
 
 def _attacks(args: Namespace) -> Iterator[AttackRecord]:
     """Yield the record of every attack, flown now or before."""
-    log = args.out / "attacks.jsonl"
+    log = args.out / ATTACKS
     lengths = {args.seed + k: min(LENGTH, args.runs - k * LENGTH) for k in range(-(-args.runs // LENGTH))}
     done = {
         one.seed: one

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain, to_plain
-from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries
+from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord, PromiseCase
 
 
@@ -28,14 +28,14 @@ def resume_flights(
     """Yield the records of all seeds: those of the file, then the others, which are added to it as they end.
 
     Raises:
-        ValueError: the file has other content, or flights of another case.
+        ValueError: the file has other content, or flights of another case, or is in use.
     """
-    kept = {one.record.seed: one for one in read_entries(file, _from_document)}
-    if any(one.case != case for one in kept.values()):
-        raise ValueError(f"{file} holds flights of another tube, controller or air: name another --keep")
-    drop_incomplete_line(file)
-    yield from (kept[seed].record for seed in seeds if seed in kept)
-    with file.open("a", encoding="utf-8") as log:
+    with sole_campaign(file) as log:
+        kept = {one.record.seed: one for one in read_entries(file, _from_document)}
+        if any(one.case != case for one in kept.values()):
+            raise ValueError(f"{file} holds flights of another tube, controller or air: name another --keep")
+        drop_incomplete_line(file)
+        yield from (kept[seed].record for seed in seeds if seed in kept)
         for record in fly([seed for seed in seeds if seed not in kept]):
             log.write(json.dumps(to_plain(KeptFlight(case, record))) + "\n")
             log.flush()

@@ -1,0 +1,44 @@
+"""Finished work of a campaign belongs to one campaign at a time."""
+
+from pathlib import Path
+
+import pytest
+
+from q2q_sim.commands import campaign
+from q2q_sim.experiments.campaign.run_outcome import RunOutcome
+from q2q_sim.experiments.guided import attack_record
+from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
+
+
+def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    statuses: list[int] = []
+    asked = ["--runs", "1", "--out", str(tmp_path)]
+
+    def fly(seed: int, kept: Path, air: str) -> RunOutcome:  # noqa: ARG001
+        statuses.append(campaign.main(asked))
+        return RunOutcome(seed, through_nodes=False, what="made up", violations=(), seconds=0.0)
+
+    monkeypatch.setattr("q2q_sim.experiments.campaign.engine.fly_and_judge", fly)
+    assert campaign.main(asked) == 0
+    assert statuses == [2]
+    assert "runs.jsonl is written by another campaign: wait for it" in capsys.readouterr().err
+    assert campaign.main(asked) == 0
+    assert len((tmp_path / "runs.jsonl").read_text().splitlines()) == 1
+
+
+def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    statuses: list[int] = []
+    asked = ["--guided", "--runs", "1", "--bug-runs", "0", "--out", str(tmp_path)]
+
+    def fly(_: object) -> AttackedFlight:
+        statuses.append(campaign.main(asked))
+        return AttackedFlight(())
+
+    monkeypatch.setattr(attack_record, "fly_attacked", fly)
+    assert campaign.main(asked) == 0
+    assert statuses == [2]
+    assert "attacks.jsonl is written by another campaign: wait for it" in capsys.readouterr().err
