@@ -15,7 +15,7 @@ from q2q_model import palette
 from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.metrics import best_position
-from q2q_sim.report.panels import legend_above, panels
+from q2q_sim.report.panels import legend_above, literal, panels
 
 PADDING = 0.06
 """Space above and below the curves, as a share of their range."""
@@ -83,9 +83,9 @@ def draw(quantity: Quantity, curves: Sequence[PlotCurve], name: str) -> Figure:
                 values,
                 color=colour,
                 linewidth=trace.width,
-                label=trace.label if apart else curve.label,
+                label=trace.label if apart else literal(curve.label),
             )
-        panel.set_title(f"{name}: {quantity.title}" + (f", {curve.label}" if apart else ""))
+        panel.set_title(literal(f"{name}: {quantity.title}" + (f", {curve.label}" if apart else "")))
     for panel in axes:
         panel.set_ylabel(quantity.axis)
         panel.set_ylim(*_ends(quantity, curves, name))

@@ -1,6 +1,8 @@
 """Panels over each other in one style, legible on a phone: text of 11 points in a picture 5.4 inches wide."""
 
+import re
 from pathlib import Path
+from zlib import crc32
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -11,6 +13,8 @@ WIDTH, PANEL, MARGIN = 5.4, 2.3, 0.9
 DPI = 130
 LETTERS = 45
 """Most letters of a legend in one row."""
+MOST_LETTERS = 50
+"""Most letters of a vehicle's or flight's name in the name of a file."""
 STYLE = {
     "font.size": 11,
     "axes.titlesize": 11,
@@ -35,6 +39,21 @@ def legend_above(figure: Figure, axes: Axes) -> None:
     columns = len(labels) if sum(map(len, labels)) <= LETTERS else 2
     if handles:
         figure.legend(handles, labels, loc="outside upper center", fontsize=9, ncols=columns, frameon=False)
+
+
+def literal(words: str) -> str:
+    """Return words for matplotlib that it draws as they are: `$` begins no formula."""
+    return words.replace("$", r"\$")
+
+
+def picture_file(folder: Path, name: str, what: str = "") -> Path:
+    """Return the file of a picture in a folder, for any name of a vehicle or flight.
+
+    A name that is changed for the file ends in its checksum, so that no two names share a file.
+    """
+    stem = re.sub(r"[^\w.-]", "_", name)[:MOST_LETTERS]
+    distinct = stem if stem == name else f"{stem}_{crc32(name.encode()):08x}"
+    return folder / f"{distinct}{what and f'_{what}'}.png"
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from q2q_model import palette
 from q2q_model.signals.values import Array
-from q2q_sim.report.panels import legend_above, panels
+from q2q_sim.report.panels import legend_above, literal, panels
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ def prediction_figure(pushes: Sequence[PredictedPush]) -> Figure:
         axes.plot(one.t, under, color=palette.MEASURED, linewidth=2.2, label="measured, under another")
         axes.plot(one.t, one.predicted, color=palette.MODEL, linewidth=1.2, label="predicted", zorder=3.0)
         axes.set_ylabel("downwash z [m/s²]")
-        axes.set_title(one.vehicle)
+        axes.set_title(literal(one.vehicle))
     legend_above(figure, rows[0])
     rows[-1].set_xlabel("t [s]")
     return figure

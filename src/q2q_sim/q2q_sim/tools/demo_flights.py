@@ -16,7 +16,7 @@ from q2q_sim.processes.interruption import Interruption
 from q2q_sim.replay_page import replay_element, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, draw
 from q2q_sim.report.html_page import Heading, KeyNumber, Markup, PageVerdict, Part, Picture, page
-from q2q_sim.report.panels import save
+from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.run_table import MODE_WORDS, run_grid, run_notes, run_verdicts
 from q2q_sim.report.significant import centimetres
 from q2q_sim.report.vehicle_rows import drawn_vehicles
@@ -128,7 +128,7 @@ def draw_runs(runs: Sequence[FlightRun], out: Path) -> list[Picture]:
     curves = [PlotCurve(run.flight, MODE_WORDS[run.request.mode]) for run in runs]
     errors = {name: one.z_rmse_m for name, one in runs[0].metrics.vehicles.items()}
     return [
-        Picture(save(draw(KINDS[what], curves, name), out / f"{name}_{what}.png"), f"{name}: {what}")
+        Picture(save(draw(KINDS[what], curves, name), picture_file(out, name, what)), f"{name}: {what}")
         for what in DRAWN
         for name in drawn_vehicles(errors)
     ]

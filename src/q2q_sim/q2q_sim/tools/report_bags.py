@@ -25,7 +25,7 @@ from q2q_sim.replay_page import MOST_RUNS, replay_element, replay_run
 from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, draw
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
-from q2q_sim.report.panels import save
+from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.significant import significant_digits
 from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
@@ -137,9 +137,9 @@ def _draw(flights: Sequence[Reported], out: Path) -> list[Picture]:
     curves = [PlotCurve(one.flight, one.flight.name, one.vehicle.thrust_max) for one in flights]
     shown = drawn_vehicles({name: one.z_rmse_m for name, one in flights[0].metrics.vehicles.items()})
     return [
-        Picture(save(draw(quantity, curves, name), out / f"{name}_{what}.png"), f"{name}: {quantity.title}")
-        for what, quantity in figures.KINDS.items()
-        for name in figures.recorded_vehicles(quantity, curves)
+        Picture(save(draw(kind, curves, name), picture_file(out, name, what)), f"{name}: {kind.title}")
+        for what, kind in figures.KINDS.items()
+        for name in figures.recorded_vehicles(kind, curves)
         if name in shown
     ]
 

@@ -10,7 +10,7 @@ from q2q_model import palette
 from q2q_sim.experiments.validation.comparison import ErrorSums
 from q2q_sim.experiments.validation.error_spectrum import EDGES
 from q2q_sim.experiments.validation.validation import ValidatedFlight
-from q2q_sim.report.panels import legend_above, panels
+from q2q_sim.report.panels import legend_above, literal, panels
 
 CENTIMETRE = 100.0
 
@@ -22,7 +22,7 @@ def error_figure(one: ValidatedFlight) -> Figure:
     figure, rows = panels(len(vehicles), sharey=True)
     for axes, i in zip(rows, vehicles, strict=True):
         _draw_errors(axes, one, i)
-        axes.set_title(f"{one.flight.names[i]}: height error")
+        axes.set_title(literal(f"{one.flight.names[i]}: height error"))
         axes.set_ylabel("z − z_ref [cm]")
     legend_above(figure, rows[0])
     rows[-1].set_xlabel("t [s]")

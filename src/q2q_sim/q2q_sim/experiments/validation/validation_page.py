@@ -23,7 +23,7 @@ from q2q_sim.experiments.validation.validation import (
 from q2q_sim.experiments.validation.validation_replay import longest_under_wake, replayed_runs
 from q2q_sim.replay_page import replay_element
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
-from q2q_sim.report.panels import save
+from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.significant import significant_digits
 
 HEAD = (
@@ -66,7 +66,7 @@ def write_page(
         if any(part.power.any() for part in parts)
     ]
     curves = [
-        Picture(save(error_figure(one), out / f"{one.flight.name.replace('/', '_')}.png"), one.flight.name)
+        Picture(save(error_figure(one), picture_file(out, one.flight.name)), one.flight.name)
         for one in flights
         if any(part.n for part in (*one.under, *one.clear))
     ]

@@ -1,0 +1,42 @@
+"""A report of vehicles and flights of any name: where its pictures are written, and what they say."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from q2q_model.bag import BagWriter
+from q2q_model.signals.values import MocapFrame, SwarmState
+from q2q_sim.commands import report
+from q2q_sim.report.panels import picture_file
+
+ODD = ("../../up", "a/b", "c" * 300, r"cf$\foo$")
+
+
+def recorded_bag(path: Path, names: tuple[str, ...]) -> Path:
+    """Return a bag in which vehicles rise by 1 cm a tick, a metre apart."""
+    zero, pos = np.zeros((len(names), 3)), np.zeros((len(names), 3))
+    quat, none = np.tile([0.0, 0.0, 0.0, 1.0], (len(names), 1)), np.zeros(len(names))
+    pos[:, 0] = np.arange(len(names))
+    with BagWriter(path) as bag:
+        for k in range(20):
+            t, pos[:, 2] = 0.01 * k, 0.01 * k
+            bag.write_signal("/mocap", round(1e9 * t), MocapFrame(t, names, pos, quat))
+            state = SwarmState(t, names, pos, zero, quat, zero, none, none.astype(np.uint8))
+            bag.write_signal("/state", round(1e9 * t), state)
+    return path
+
+
+def test_no_name_of_a_vehicle_writes_outside_the_folder_of_the_report(tmp_path: Path) -> None:
+    names = (*ODD, str(tmp_path / "absolute" / "cf1"))
+    out = tmp_path / "some" / "deep" / "report"
+    bag = recorded_bag(tmp_path / "bag", names)
+    assert report.main([str(bag), "--vehicle", "crazyflie_2_0", "--out", str(out)]) == 0
+    pictures = set(tmp_path.rglob("*.png"))
+    assert {path.parent for path in pictures} == {out}
+    assert len(pictures) == len(names), "one altitude each, none written over another's"
+
+
+@pytest.mark.parametrize("name", ["cf1", "day-2.b", "名前"])
+def test_an_ordinary_name_is_that_of_its_picture(name: str, tmp_path: Path) -> None:
+    assert picture_file(tmp_path, name, "thrust") == tmp_path / f"{name}_thrust.png"
