@@ -100,6 +100,12 @@ def test_a_run_is_sampled_at_most_fifty_times_a_second_and_never_above_its_own_r
     assert packed_run(slow)["rate"] == pytest.approx(10.0)
 
 
+def test_one_wrong_stamp_is_refused_with_its_place_and_costs_no_memory(run: ReplayRun):
+    t = np.concatenate([run.t[:1], 1.7e9 + run.t[1:]])
+    with pytest.raises(ValueError, match=r"span 1\.7e\+09 s, with a gap of 1\.7e\+09 s after 0 s: .*20000 s"):
+        packed_run(replace(run, t=t))
+
+
 def test_twenty_noisy_vehicles_for_fifty_seconds_fit_a_page_at_the_full_rate():
     random = np.random.default_rng(1)
     t, shape = 0.01 * np.arange(5000), (5000, 20, 3)

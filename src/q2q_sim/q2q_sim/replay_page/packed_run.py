@@ -24,6 +24,8 @@ STEPS = {"pos": 5e-4, "quat": 5e-4, "ref": 5e-4, "mocap": 5e-4, "downwash": 5e-3
 """Rounding of each quantity, in its unit: half a millimetre, 0.06 degrees, 5 mm/s^2, half a percent."""
 MISSING = 65535
 """Code of a value that was not recorded."""
+MOST_SAMPLES = 1_000_000
+"""Most samples of a run: five and a half hours at the highest rate."""
 HOLE_S = 0.05
 """Distance from the nearest recorded tick beyond which a sample is missing [s]."""
 
@@ -31,7 +33,11 @@ Json = Mapping[str, object]
 
 
 def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> Json:
-    """Return a run as plain values for JSON, sampled at `rate_hz` or its own rate, whichever is lower."""
+    """Return a run as plain values for JSON, sampled at `rate_hz` or its own rate, whichever is lower.
+
+    Raises:
+        ValueError: the stamps span more than `MOST_SAMPLES`, as by a clock that was set.
+    """
     rate = min(rate_hz, _own_rate(run.t))
     rows, known = _even_rows(run.t, rate)
     channels = {name: values[rows] for name, values in _channels(run).items() if np.isfinite(values).any()}
@@ -83,11 +89,21 @@ def _own_rate(t: Array) -> float:
 
 def _even_rows(t: Array, rate: float) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Return the nearest row of each sample on an even grid, and whether one is near enough."""
+    _check_span(t, rate)
     grid = t[0] + np.arange(int((t[-1] - t[0]) * rate + 1e-6) + 1) / rate  # the last stamp too, if rounded
     right = np.clip(np.searchsorted(t, grid), 0, len(t) - 1)
     left = np.clip(right - 1, 0, None)
     rows = np.where(grid - t[left] <= t[right] - grid, left, right)
     return rows, np.abs(t[rows] - grid) <= max(HOLE_S, 1.0 / rate)
+
+
+def _check_span(t: Array, rate: float) -> None:
+    if (span := float(t[-1] - t[0])) * rate > MOST_SAMPLES:
+        at = int(np.argmax(np.diff(t)))
+        raise ValueError(
+            f"the stamps span {span:.6g} s, with a gap of {t[at + 1] - t[at]:.6g} s after {t[at]:.6g} s: "
+            f"at most {MOST_SAMPLES / rate:.6g} s are replayed (replay_page replays a part: --start, --end)"
+        )
 
 
 def _packed(values: Array, step: float) -> Json:
