@@ -42,12 +42,22 @@ def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
     assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written["/mocap"], strict=True))
 
 
-def test_a_file_whose_summary_has_no_channels_is_read_whole_and_said(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("left_out", "told"),
+    [
+        (("use_statistics", "repeat_channels", "repeat_schemas"), "its summary has no channels"),
+        (("repeat_channels", "repeat_schemas"), "0 of 1 channels are in the summary"),
+        (("repeat_channels",), "0 of 1 channels are in the summary"),
+        (("repeat_schemas",), "the summary lacks types of its channels"),
+    ],
+)
+def test_a_file_whose_summary_lacks_its_channels_is_read_whole_and_said(
+    left_out: tuple[str, ...], told: str, tmp_path: Path
+):
     written = write_bag(tmp_path / "bag", 30, {"/mocap": MocapFrame})["/mocap"]
     terse = tmp_path / "terse.mcap"
     with (tmp_path / "bag" / "bag_0.mcap").open("rb") as stream, terse.open("wb") as out:
-        left_out = {"use_statistics": False, "repeat_channels": False, "repeat_schemas": False}
-        writer = Writer(out, **left_out)
+        writer = Writer(out, **dict.fromkeys(left_out, False))
         writer.start("ros2")
         for schema, channel, message in make_reader(stream).iter_messages():
             assert schema is not None
@@ -58,7 +68,7 @@ def test_a_file_whose_summary_has_no_channels_is_read_whole_and_said(tmp_path: P
         writer.finish()
     reader = BagReader(terse)
     assert reader.topics == {"/mocap": "q2q_msgs/msg/MocapFrame"}
-    assert "its summary has no channels; recovered 30 messages" in reader.repairs[0]
+    assert f"{told}; recovered 30 messages" in reader.repairs[0]
     assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written, strict=True))
 
 

@@ -40,7 +40,7 @@ class NotIndexedError(ValueError):
 
 
 class DamagedIndexError(ValueError):
-    """Error for a file whose index lacks some of its chunks: readers that trust it would lose them."""
+    """Error for a file whose index lacks chunks, channels or types: readers that trust it would lose them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +127,12 @@ def _index(file: Path) -> IndexedFile:
         raise DamagedIndexError(f"{file}: {known} of {summary.statistics.chunk_count} chunks have an index")
     if known != summary.statistics.chunk_count or (summary.statistics.message_count and not known):
         raise NotIndexedError(f"{file} has messages without an index")
+    listed, schemas = len(summary.channels), summary.schemas.keys()
+    if listed < summary.statistics.channel_count:
+        told = f"{listed} of {summary.statistics.channel_count} channels are in the summary"
+        raise DamagedIndexError(f"{file}: {told}")
+    if any(one.schema_id not in schemas for one in summary.channels.values()):
+        raise DamagedIndexError(f"{file}: the summary lacks types of its channels")
     counts = summary.statistics.channel_message_counts
     channels = {
         number: _channel(channel, summary.schemas.get(channel.schema_id), counts.get(number, 0))
