@@ -25,8 +25,8 @@ class MocapQuality:
     """Fraction of all frames with the vehicle."""
     longest_gap_s: float
     """Longest time between two frames with the vehicle."""
-    rejected: int
-    """Measurements that the filter did not follow."""
+    rejected: float
+    """Number of measurements that the filter did not follow; NaN without its states."""
 
 
 def mocap_quality(flight: Flight) -> dict[str, MocapQuality]:
@@ -49,5 +49,5 @@ def _of(flight: Flight, rejected: NDArray[np.bool_], row: int) -> MocapQuality:
         rate_hz=float(1.0 / np.median(gaps)) if len(gaps) else 0.0,
         seen_share=float(seen.mean()) if len(seen) else 0.0,
         longest_gap_s=float(gaps.max()) if len(gaps) else float("inf"),
-        rejected=int(rejected[:, row].sum()),
+        rejected=int(rejected[:, row].sum()) if np.isfinite(flight.pos[:, row]).any() else np.nan,
     )

@@ -7,13 +7,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_model.bag import TopicMap
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
+from q2q_model.identification.filtered_states import with_filtered_states
 from q2q_model.identification.recording_files import flight_of_bag
-from q2q_model.signals.values import CommandStatus
+from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import Vehicle
@@ -83,7 +83,7 @@ def run(args: Namespace) -> int:
 
 def report_bag(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, name: str = "") -> Reported:
     """Return a bag's flight with its metrics, under a `name`; `topics` maps the topics of a foreign bag."""
-    read = flight_of_bag(bag, topics)
+    read = with_filtered_states(flight_of_bag(bag, topics))
     flight = replace(read, name=name or read.name)
     verdict = bag_verdict(bag, flight, flown.vehicle)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
@@ -113,12 +113,12 @@ def write(flights: Sequence[Reported], out: Path) -> None:
         Grid(HEAD, [row for one in flights for row in _tracking(one)]),
         *([pictures] if pictures else []),
         Heading("Commands and separation"),
-        Grid(HEAD_LIMITS, [row for one in flights for row in _limits(one)]),
+        Grid(HEAD_LIMITS, [row for one in flights for row in limit_rows(one)]),
         Heading("Motion capture"),
         Grid(HEAD_MOCAP, [row for one in flights for row in _mocap(one)]),
         *_nodes(flights),
     ]
-    lead = "Tracking against the plan, on the true positions where the bag has them."
+    lead = "Tracking against the plan, on the true positions where the bag has them, else on filtered ones."
     html = page(f"Flight {first.flight.name}", lead, parts)
     (out / "index.html").write_text(html, encoding="utf-8")
 
@@ -163,17 +163,18 @@ def _tracking(one: Reported) -> list[tuple[str, ...]]:
     return _lines(one, {name: [found[field] for field in TRACKING] for name, found in numbers.items()})
 
 
-def _limits(one: Reported) -> list[tuple[str, ...]]:
-    status, near = one.flight.command_status, (one.metrics.min_separation_m, one.metrics.zone_time_s)
+def limit_rows(one: Reported) -> list[tuple[str, ...]]:
+    """Return the rows of the second table: shares of limited commands, and how close the vehicles came."""
+    near = (one.metrics.min_separation_m, one.metrics.zone_time_s)
     return _lines(
         one,
         {
             name: [
-                _percent(status[:, row] == CommandStatus.SATURATED),
-                _percent(status[:, row] >= CommandStatus.HOLD),
+                _percent(status, status == CommandStatus.SATURATED),
+                _percent(status, status >= CommandStatus.HOLD),
                 *near,
             ]
-            for row, name in enumerate(one.flight.names)
+            for name, status in zip(one.flight.names, one.flight.command_status.T, strict=True)
         },
     )
 
@@ -203,5 +204,6 @@ def _nodes(flights: Sequence[Reported]) -> list[Part]:
     return [Heading("Nodes"), Grid(HEAD_NODES, rows)] if rows else []
 
 
-def _percent(condition: NDArray[np.bool_]) -> float:
-    return 100.0 * float(np.mean(condition)) if len(condition) else np.nan
+def _percent(status: Array, condition: Mask) -> float:
+    """Return the share of ticks with a condition; NaN without any command."""
+    return 100.0 * float(np.mean(condition)) if np.isfinite(status).any() else np.nan
