@@ -110,3 +110,11 @@ def test_a_vehicle_that_flew_in_one_flight_only_is_drawn_there(flight: Flight) -
     other = replace(flight, names=("cf1", "cf9"))
     figure = draw(KINDS["altitude"], [PlotCurve(flight, "first"), PlotCurve(other, "second")], "cf2")
     assert [line.get_label() for line in figure.axes[0].lines] == ["first", "reference"]
+
+
+def test_flights_of_different_days_lie_over_each_other_from_their_first_ticks(flight: Flight) -> None:
+    days = [replace(flight, t=flight.t + since) for since in (1.7e9, 1.7e9 + 3600.0)]
+    axes = draw(KINDS["altitude"], [PlotCurve(one, str(k)) for k, one in enumerate(days)], "cf1").axes[0]
+    assert len(axes.lines) == 3  # both and the reference
+    for line in axes.lines:
+        assert np.asarray(line.get_xdata()) == pytest.approx(flight.t, abs=1e-6)

@@ -79,7 +79,7 @@ def draw(quantity: Quantity, curves: Sequence[PlotCurve], name: str) -> Figure:
             colour = trace.colour if apart else palette.FLIGHTS[k % len(palette.FLIGHTS)]
             values = _of(curve.flight, name, trace.of)
             panel.plot(
-                curve.flight.t,
+                _since_first_tick(curve.flight),
                 values,
                 color=colour,
                 linewidth=trace.width,
@@ -114,6 +114,10 @@ def _saturated_at(flight: Flight) -> float:
     most = float(np.nanmax(computed, initial=-np.inf))
     cut = (flight.command_status == CommandStatus.SATURATED) & (flight.thrust == most)
     return most if cut.sum(axis=0).max(initial=0) > 1 else float("nan")
+
+
+def _since_first_tick(flight: Flight) -> Array:
+    return flight.t - flight.t[:1]
 
 
 def _horizontal_error(flight: Flight) -> Array:
@@ -166,7 +170,9 @@ def _draw_reference(axes: Axes, quantity: Quantity, flight: Flight, name: str) -
     """Draw the reference in front of the curves."""
     if quantity.reference is not None:
         values = _of(flight, name, quantity.reference)
-        axes.plot(flight.t, values, "--", color=palette.REFERENCE, label="reference", zorder=4.0)
+        axes.plot(
+            _since_first_tick(flight), values, "--", color=palette.REFERENCE, label="reference", zorder=4.0
+        )
 
 
 def _draw_limit(axes: Axes, limit: float, words: str) -> None:
