@@ -173,7 +173,7 @@ def test_a_part_of_a_bag_has_the_times_of_the_bag(tmp_path: Path, capsys: pytest
         told.append(capsys.readouterr().out.splitlines()[0])
         assert f'"since":{12.5 if part else 0.0}' in file.read_text(encoding="utf-8")
     assert told[0] == told[1]
-    assert "cf1 pushed 17 cm down at 21.3 s" in told[0]
+    assert "cf1 pushed 17 cm down at 21.6 s" in told[0]
 
 
 def test_four_runs_are_refused(run: ReplayRun):

@@ -10,14 +10,12 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import MEASURED_SPEED
-from q2q_sim.monitors.exposure import AFTER, exposed
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
-from q2q_sim.monitors.metrics import best_position, tick_period
+from q2q_sim.monitors.metrics import best_position
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.replay_page.sag_under_another import SAG_SHOWN, sag_under_another, sag_words
 
-SAG_SHOWN = 0.02
-"""Smallest height below the reference that is told [m]: a hover wanders as much."""
 MOST_SAGS = 4
 """Vehicles whose deepest sag is marked."""
 
@@ -103,6 +101,7 @@ def replay_run(
     if not np.isfinite(pos).any():
         raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
     verdict = verdict or verdict_of(flight, Circumstances(vehicle=vehicle))
+    sag = sag_words(flight, pos, _reference(flight), since)
     return ReplayRun(
         name=name or flight.name,
         names=flight.names,
@@ -115,7 +114,7 @@ def replay_run(
         downwash=_first_known(flight.true_eta, flight.eta),
         thrust=flight.thrust / vehicle.hover_thrust,
         arm=vehicle.arm,
-        verdict=f"{_sag_words(flight, pos, since)}; {'flown to the end' if verdict.ok else verdict}",
+        verdict=f"{sag}; {'flown to the end' if verdict.ok else verdict}",
         events=tuple(_events(flight, pos, verdict)),
         since=since,
     )
@@ -132,7 +131,7 @@ def _reference(flight: Flight) -> Array:
 
 def _events(flight: Flight, pos: Array, verdict: FlightVerdict) -> Iterator[ReplayEvent]:
     """Yield the deepest sags of vehicles under another, and the verdict's findings."""
-    sag = np.nan_to_num(_sag_under_another(flight, pos))
+    sag = np.nan_to_num(sag_under_another(flight, pos, _reference(flight)))
     deepest = np.argmax(sag, axis=0)
     depths = sag[deepest, np.arange(len(flight.names))]
     for row in np.argsort(-depths)[:MOST_SAGS]:
@@ -141,21 +140,3 @@ def _events(flight: Flight, pos: Array, verdict: FlightVerdict) -> Iterator[Repl
             yield ReplayEvent(float(flight.t[deepest[row]]), words)
     for one in verdict.findings:
         yield ReplayEvent(one.t, one.words)
-
-
-def _sag_words(flight: Flight, pos: Array, since: float) -> str:
-    sag = _sag_under_another(flight, pos)
-    if not np.isfinite(sag).any():
-        return "no vehicle passed under another"
-    tick, row = np.unravel_index(int(np.nanargmax(sag)), sag.shape)
-    depth = float(sag[tick, row])
-    if depth < SAG_SHOWN:
-        return "no vehicle pushed down"
-    t = since + flight.t[tick] - flight.t[0]
-    return f"{flight.names[row]} pushed {100.0 * depth:.0f} cm down at {t:.1f} s"
-
-
-def _sag_under_another(flight: Flight, pos: Array) -> Array:
-    """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
-    under = exposed(pos, round(AFTER / tick_period(flight)) if len(pos) > 1 else 0)
-    return np.where(under, _reference(flight)[:, :, 2] - pos[:, :, 2], np.nan)

@@ -1,0 +1,43 @@
+"""Sag of vehicles under another: height below the reference by which a downwash pushed them.
+
+A sag counts from the moment at which a vehicle is under another until AFTER seconds later, and goes on while
+the vehicle is below its reference, until the air counts as clear: it can grow for a second after the pass.
+"""
+
+import numpy as np
+
+from q2q_model.counted import counted
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import Array
+from q2q_sim.monitors.exposure import AFTER, FORGOTTEN, exposed
+from q2q_sim.monitors.metrics import tick_period
+
+SAG_SHOWN = 0.02
+"""Smallest height below the reference that is told [m]: a hover wanders as much."""
+
+
+def sag_under_another(flight: Flight, pos: Array, ref_pos: Array) -> Array:
+    """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
+    sag: Array = ref_pos[:, :, 2] - pos[:, :, 2]
+    ticks = 1.0 / tick_period(flight) if len(pos) > 1 else 0.0
+    under, decaying = exposed(pos, round(AFTER * ticks)), exposed(pos, round(FORGOTTEN * ticks))
+    count = np.arange(len(pos))[:, None]
+    last_under = np.maximum.accumulate(np.where(under, count, -1), axis=0)
+    last_back = np.maximum.accumulate(np.where(~under & ~(sag > 0.0), count, -1), axis=0)
+    return np.where(under | (decaying & (last_back < last_under)), sag, np.nan)
+
+
+def sag_words(flight: Flight, pos: Array, ref_pos: Array, since: float) -> str:
+    """Return who sagged deepest and when, `since` seconds after the start of the flight; or why nobody."""
+    under = exposed(pos, 0).any(axis=0)
+    if not under.any():
+        return "no vehicle passed under another"
+    sag = sag_under_another(flight, pos, ref_pos)
+    if not np.isfinite(sag).any():
+        return f"{counted(int(under.sum()), 'vehicle')} flew under another, without a reference for the sag"
+    tick, row = np.unravel_index(int(np.nanargmax(sag)), sag.shape)
+    depth = float(sag[tick, row])
+    if depth < SAG_SHOWN:
+        return "no vehicle pushed down"
+    t = round(since + float(flight.t[tick] - flight.t[0]), 6)  # a part rounds as the whole flight does
+    return f"{flight.names[row]} pushed {100.0 * depth:.0f} cm down at {t:.1f} s"
