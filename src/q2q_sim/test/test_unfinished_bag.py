@@ -130,5 +130,7 @@ def test_who_reads_a_cut_bag_later_learns_that_its_end_is_unknown(
     with pytest.warns(BagRepairWarning) as warned:
         evidence_in(bag)
     assert "no metadata" in str(warned[0].message)
-    replay_page.main([str(bag), "--vehicle", "crazyflie_2_0", "--out", str(tmp_path / "replay.html")])
-    assert "the recording was cut off at " in capsys.readouterr().out
+    words = [str(bag), "--vehicle", "crazyflie_2_0", "--out", str(tmp_path / "replay.html")]
+    for part, known in (([], False), (["--end", "100"], False), (["--end", "0.5"], True)):
+        replay_page.main([*words, *part])
+        assert ("the recording was cut off at " not in capsys.readouterr().out) == known

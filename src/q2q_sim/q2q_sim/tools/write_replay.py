@@ -49,10 +49,10 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     if flown.note:
         print(f"replay_page: {flown.note}", file=sys.stderr)
     part = part_of_flight(recording.flight, args.start, args.end)
-    whole = args.end is None and not is_table
+    to_the_end = part.t[-1] == recording.flight.t[-1]
     verdict = (
         bag_verdict(path, part, flown.vehicle)
-        if whole
+        if to_the_end and not is_table
         else verdict_of(part, Circumstances(vehicle=flown.vehicle, faults=flown_faults(path)))
     )
     since = float(part.t[0] - recording.flight.t[0])
