@@ -202,6 +202,23 @@ def test_a_layer_is_hidden_by_its_button(wide: OpenPage):
     assert coloured[1] < 0.8 * coloured[0]
 
 
+def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browser, address: str):
+    opened = OpenPage(browser, address, viewport={"width": 1400, "height": 900})
+    opened.page.locator("q2q-replay select[aria-label=camera]").select_option(label="follow cf2")
+    for width in (1400, 1000):
+        before = opened.state()["pictures"]
+        opened.page.set_viewport_size({"width": width, "height": 900 - width // 100})
+        opened.wait(f"{STATE}.pictures > {before}")
+        opened.draw_at(UNDER)
+        label = opened.page.locator("q2q-replay .label", has_text="cf2").first.bounding_box()
+        room = opened.page.locator("q2q-replay canvas.room").first.bounding_box()
+        assert label is not None
+        assert room is not None
+        middle = room["x"] + room["width"] / 2
+        assert label["x"] + label["width"] / 2 == pytest.approx(middle, abs=1.0)  # pixel
+    opened.page.context.close()
+
+
 def test_a_phone_has_large_buttons_and_nothing_beside_the_screen(browser: Browser, address: str):
     phone = OpenPage(
         browser, address, viewport={"width": 400, "height": 800}, is_mobile=True, has_touch=True,

@@ -88,12 +88,12 @@ export class SharedCamera {
     this.camera.position.add(step);
   }
 
-  /** Fit a canvas of this width over height. */
+  /** Fit a canvas of this width over height; a followed vehicle stays followed. */
   fit(aspect) {
     if (this.camera.aspect === aspect) return;
     this.camera.aspect = aspect;
     this.camera.updateProjectionMatrix();
-    if (this.view) this.look(this.view);
+    if (this.view && this.followed === null) this.look(this.view);
   }
 
   /** Return the distance at which the room's box fits the canvas, seen along a direction. */
