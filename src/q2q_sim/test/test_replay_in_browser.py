@@ -19,6 +19,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.replay_page import ReplayRun, replay_html, replay_run
+from q2q_sim.replay_page.script_archive import FOLDER
 from q2q_sim.scenarios import library
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -217,6 +218,27 @@ def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browse
         middle = room["x"] + room["width"] / 2
         assert label["x"] + label["width"] / 2 == pytest.approx(middle, abs=1.0)  # pixel
     opened.page.context.close()
+
+
+def test_the_strongest_push_is_that_of_one_tick(wide: OpenPage):
+    push = np.array([[3.0, 0.0, 0.0], [0.0, 0.0, -4.0]])
+    assert of_recorded_run(wide, "downwash", push, "run.strongestPush()") == pytest.approx(4.0)
+
+
+def of_recorded_run(page: OpenPage, channel: str, values: Array, expression: str) -> object:
+    """Return what JavaScript finds in a run of one vehicle, a tick a second, with one channel (T, 3)."""
+    module = (FOLDER / "player" / "recorded_run.js").read_text(encoding="utf-8")
+    alone = module.replace('import { tinted } from "./colours.js";', "")
+    return page.page.evaluate(
+        f"""async ([text, channel, columns]) => {{
+          const {{ RecordedRun }} = await import("data:text/javascript," + encodeURIComponent(text));
+          const facts = {{ names: ["cf1"], count: columns[0].length, rate: 1 }};
+          const values = new Float32Array(columns.flat());
+          const run = new RecordedRun(facts, {{ [channel]: {{ width: 3, values }} }});
+          return {expression};
+        }}""",
+        [alone, channel, values.T.tolist()],
+    )
 
 
 def test_a_phone_has_large_buttons_and_nothing_beside_the_screen(browser: Browser, address: str):

@@ -95,8 +95,15 @@ export class RecordedRun {
 
   /** Return the largest downwash on any vehicle at any tick [m/s^2]; 0 where none was recorded. */
   strongestPush() {
-    const lengths = [0, 1, 2].map((axis) => Math.max(...this.range("downwash", axis).map(Math.abs)));
-    return this.has("downwash") ? Math.hypot(...lengths) : 0;
+    let strongest = 0;
+    for (let vehicle = 0; vehicle < this.names.length && this.has("downwash"); vehicle++) {
+      const [x, y, z] = [0, 1, 2].map((component) => this.series("downwash", vehicle, component));
+      for (let tick = 0; tick < this.facts.count; tick++) {
+        const size = Math.hypot(x[tick], y[tick], z[tick]);
+        if (size > strongest) strongest = size;
+      }
+    }
+    return strongest;
   }
 
   /** Return lowest and highest value of a component over all vehicles. */
