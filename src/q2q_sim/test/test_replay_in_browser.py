@@ -220,6 +220,16 @@ def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browse
     opened.page.context.close()
 
 
+def test_between_two_ticks_a_tumbling_vehicle_turns_the_short_way(wide: OpenPage):
+    half = np.pi * np.array([0.49, 0.51])  # at two ticks, half the angle about x: w passes zero
+    quat = np.column_stack([np.sin(half), 0.0 * half, 0.0 * half]) * np.sign(np.cos(half))[:, None]
+    found = of_recorded_run(wide, "quat", quat, "[0, 0.25, 0.5, 1].map(t => run.orientation(0, t))")
+    turned = np.pi * np.array([0.49, 0.495, 0.5, 0.51])
+    expected = np.column_stack([np.sin(turned), 0.0 * turned, 0.0 * turned, np.cos(turned)])
+    along = np.abs(np.sum(np.asarray(found) * expected, axis=1))  # q and -q are one orientation
+    assert along == pytest.approx(np.ones(4), abs=1e-6)  # single precision
+
+
 def test_the_strongest_push_is_that_of_one_tick(wide: OpenPage):
     push = np.array([[3.0, 0.0, 0.0], [0.0, 0.0, -4.0]])
     assert of_recorded_run(wide, "downwash", push, "run.strongestPush()") == pytest.approx(4.0)

@@ -3,6 +3,7 @@
 import { tinted } from "./colours.js";
 
 const MISSING = 65535;
+const LEVEL = [0, 0, 0, 1];
 
 /** Return the run of its JSON, with every quantity decoded (packed_run.py says how they are packed). */
 export async function decodedRun(packed) {
@@ -66,10 +67,15 @@ export class RecordedRun {
   at(channel, vehicle, component, t) {
     if (!this.has(channel)) return NaN;
     const series = this.series(channel, vehicle, component);
-    const place = Math.min(Math.max(t * this.facts.rate, 0), series.length - 1);
+    const place = this.#place(t);
     const tick = Math.floor(place);
     const share = place - tick;
     return share === 0 ? series[tick] : series[tick] + share * (series[tick + 1] - series[tick]);
+  }
+
+  /** Return time t [s] in ticks. */
+  #place(t) {
+    return Math.min(Math.max(t * this.facts.rate, 0), this.facts.count - 1);
   }
 
   /** Return the three components at time t [s]. */
@@ -83,9 +89,20 @@ export class RecordedRun {
 
   /** Return the orientation x y z w at time t [s]; level where it was not recorded. */
   orientation(vehicle, t) {
-    const [x, y, z] = this.vector("quat", vehicle, t);
-    const w = Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z));
-    return Number.isNaN(w) ? [0, 0, 0, 1] : [x, y, z, w];
+    if (!this.has("quat")) return LEVEL;
+    const place = this.#place(t);
+    const [before, after] = [Math.floor(place), Math.ceil(place)].map((tick) => this.#quaternion(vehicle, tick));
+    const share = place - Math.floor(place);
+    const sign = before.reduce((sum, value, row) => sum + value * after[row], 0) < 0 ? -1 : 1; // the short way
+    const mixed = before.map((value, row) => (1 - share) * value + sign * share * after[row]);
+    const length = Math.hypot(...mixed);
+    return Number.isNaN(length) ? LEVEL : mixed.map((value) => value / length);
+  }
+
+  /** Return the orientation at a tick, its w from the three that are kept. */
+  #quaternion(vehicle, tick) {
+    const [x, y, z] = [0, 1, 2].map((component) => this.series("quat", vehicle, component)[tick]);
+    return [x, y, z, Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z))];
   }
 
   /** Return the size of the downwash on a vehicle at time t [m/s^2]; 0 where it was not recorded. */
