@@ -10,7 +10,7 @@ push takes these for thrust. For a true lag of 0.07 s it is 0.16 s in gusts of 0
 From one tick to the next the later one's command counts, though it is sent only then: so the vehicle's lag
 was measured. With the earlier one's, pushes of sensors agree a little less with the jet of the other family
 of real flights (R2 0.719 for 0.721 in dc21, 0.632 for 0.633 in dc19), and in simulated flights over a radio
-their gain on the true downwash is 1.02 either way. Where a command acts at once, pushes are too strong: by 2 %
+their gain on the true downwash is 1.02 either way. Where a command acts at once, pushes are too strong: 2 %
 at 100 Hz, 4 % at 50 Hz, 10 % at 20 Hz.
 """
 
