@@ -16,6 +16,7 @@ from pathlib import Path
 
 from q2q_model.commands.command_line import (
     CommandLine,
+    UsageError,
     Work,
     output_file,
     output_folder,
@@ -30,6 +31,8 @@ EXAMPLE = """  scripts/campaign --runs 20
   DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask
   scripts/campaign --guided --runs 400 --jobs 2 --json out/guided.json
   scripts/campaign --case out/campaign/cases/case_7.yaml"""
+OF_CASE = ("--case", "--out")
+"""Options that have an effect with --case."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -40,6 +43,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
+    if args.case:
+        _refuse_beside_case(args)
     if args.through_nodes > args.runs:
         raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
     if args.guided and args.through_nodes:
@@ -56,6 +61,14 @@ def _prepare(args: Namespace) -> Work:
     from q2q_sim.experiments.campaign.resumable_campaign import run
 
     return run
+
+
+def _refuse_beside_case(args: Namespace) -> None:
+    """Raise UsageError for an option that is given and has no effect beside --case."""
+    for word in args.argv:
+        option = word.partition("=")[0]
+        if option.startswith("--") and option not in OF_CASE:
+            raise UsageError(f"{option} has no effect with --case")
 
 
 def parser() -> CommandLine:
@@ -89,7 +102,7 @@ def parser() -> CommandLine:
         default=80,
         help="guided: runs of each search for each of the 20 seeded bugs; 0 leaves them out (default 80)",
     )
-    made.add_argument("--case", type=Path, help="fly this case file again, and nothing else")
+    made.add_argument("--case", type=Path, help="fly this case file again, with --out only")
     made.add_argument("--json", type=output_file, help="write the totals to this file")
     return made
 
