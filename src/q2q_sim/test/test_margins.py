@@ -34,7 +34,8 @@ def evidence() -> Evidence:
         roll=zero.copy(),
         pitch=zero.copy(),
         command_status=np.full(SHAPE, float(CommandStatus.OK)),
-        commanded_at=np.zeros(0),
+        recorded_at=np.zeros(0),
+        commanded_at={},
         live=False,
         not_finite=(),
     )

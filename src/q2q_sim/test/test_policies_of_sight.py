@@ -1,10 +1,11 @@
 """Policies of what was observed and commanded: each sees its own breach."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from changed_flights import AROUND, SCENARIO, Change, broken, changed, only, received, with_row
+from changed_flights import AROUND, SCENARIO, Change, broken, changed, one_each, only, received, with_row
 
 from q2q_model.signals.values import (
     CommandStatus,
@@ -15,6 +16,7 @@ from q2q_model.signals.values import (
 )
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import (
+    POLICIES,
     RecordedSignal,
     evidence_of,
     judge,
@@ -78,15 +80,56 @@ def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
     assert "action" not in {one.policy for one in judge(evidence_of(map(unmarked, [*ahead, *blind])), AROUND)}
 
 
-def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
-    def told_late(one: RecordedSignal) -> RecordedSignal:
-        return replace(one, at=one.at + 100.0)
+def silent_in(recorded: Iterable[RecordedSignal]) -> dict[str, float]:
+    """Return for how long which vehicles are silent [s] in a live recording."""
+    live = (replace(one, at=one.at + 100.0) for one in recorded)
+    found = judge(evidence_of(live), AROUND, {"silence": POLICIES["silence"]})
+    return {one.who: round(one.value, 6) for one in found}
 
-    silent = [one for one in received() if not (one.topic == "command" and 3.0 <= one.signal.t < 3.065)]
+
+def without_commands(recorded: Iterable[RecordedSignal], since: float, until: float) -> list[RecordedSignal]:
+    return [one for one in recorded if not (one.topic == "command" and since <= one.signal.t < until)]
+
+
+def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
+    silent = without_commands(received(), 3.0, 3.065)
     assert {one.policy for one in judge(evidence_of(silent), AROUND)} == set()
-    (found,) = judge(evidence_of(map(told_late, silent)), AROUND)
-    assert found.policy == "silence"
-    assert found.value == pytest.approx(0.08, abs=1e-6)
+    assert silent_in(received()) == {}
+    assert silent_in(silent) == dict.fromkeys(SCENARIO.names, 0.08)
+
+
+def test_one_silent_controller_of_several_breaks_the_silence_of_its_vehicle() -> None:
+    def of_cf2(one: RecordedSignal) -> bool:
+        return one.topic == "command" and one.signal.names == ("cf2",) and 3.0 <= one.signal.t < 4.995
+
+    assert silent_in(one for one in one_each(received()) if not of_cf2(one)) == {"cf2": 2.01}
+
+
+def test_a_command_that_is_repeated_under_its_stamp_is_silence() -> None:
+    held = next(one.signal for one in received() if one.topic == "command" and one.signal.t >= 2.995)
+    repeated = [
+        replace(one, signal=held) if one.topic == "command" and 3.0 < one.signal.t < 4.995 else one
+        for one in received()
+    ]
+    assert silent_in(repeated) == dict.fromkeys(SCENARIO.names, 2.0)
+
+
+@pytest.mark.parametrize(("since", "silent_s"), [(4.0, 4.0), (7.6, None)])
+def test_commands_that_end_in_the_air_are_silence_but_where_the_recording_ends_with_them(
+    since: float, silent_s: float | None
+) -> None:
+    found = silent_in(without_commands(received(), since - 0.005, np.inf))
+    assert found == ({} if silent_s is None else dict.fromkeys(SCENARIO.names, silent_s))
+
+
+@pytest.mark.parametrize(("since", "until"), [(4.0, 8.1), (4.0, 5.0), (3.0, 3.5)])
+def test_a_vehicle_on_the_ground_needs_no_commands_nor_one_that_comes_down_without(
+    since: float, until: float
+) -> None:
+    """It has landed, is carried away, or its own commander lands it; of falls tells the policy `floor`."""
+    down = only("truth", changed(SwarmState, since, until, pos=with_row(1, np.array([0.0, 0.0, 0.05]))))
+    found = silent_in(map(down, without_commands(received(), 3.0 - 0.005, np.inf)))
+    assert found == dict.fromkeys((SCENARIO.names[0], SCENARIO.names[2]), 5.0)
 
 
 def test_a_false_state_breaks_the_belief_unless_it_is_coasting_or_a_sensor_lies_steadily() -> None:

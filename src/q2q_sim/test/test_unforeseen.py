@@ -28,7 +28,8 @@ def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5))
     return Evidence(
         t=TICKS, names=("cf1", "cf2"), true_pos=pos, sent_pos=pos.copy(), seen=status == 0.0,
         state_pos=pos.copy(), state_age=zero, state_status=zero, thrust=zero, roll=zero, pitch=zero,
-        command_status=status, commanded_at=TICKS, live=False, not_finite=(), true_downwash=downwash,
+        command_status=status, recorded_at=TICKS, commanded_at={}, live=False, not_finite=(),
+        true_downwash=downwash,
     )  # fmt: skip
 
 

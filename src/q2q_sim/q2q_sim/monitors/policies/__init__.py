@@ -13,7 +13,7 @@
 | numbers | no state, setpoint or command is NaN or infinite | all |
 | age | a command with status OK is computed from a state younger than `fresh` | commands, states |
 | action | a vehicle not observed for 60 ms is flown by a fallback | frames, commands |
-| silence | live: no 60 ms without a new command | commands |
+| silence | live: no vehicle in the air is 60 ms without a new command (`ended` at the end) | commands |
 | belief | a state with status tracked is accurate to `belief`, unless a sensor has a steady error | states |
 | return | `settle` after the last fault all are within `back`, but for less than `passing` | truth |
 

@@ -7,10 +7,10 @@ missing command, counts as a fallback (q2q_control.failsafe.ladder).
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.values import CommandStatus
+from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.monitors.policies.blindness import after_label_swap, with_doubtful_stamps
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
+from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation, worst_violations
 
 ROUNDING = 1e-6
 """Ages are differences of stamps [s]."""
@@ -43,15 +43,35 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
 
 
 def silence(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
-    """Return the longest gap between commands of a live controller, if longer than a fallback may take."""
-    at = evidence.commanded_at
-    if not evidence.live or len(at) < 2:
+    """Return the longest silence of each vehicle of a live flight, if longer than a fallback may take.
+
+    What ends it is a command with a new stamp. From the last one on, it lasts until the vehicle's last
+    position. A vehicle on the ground needs no commands, nor does one that comes down without: it has landed,
+    its own commander lands it, or the policy on the floor tells that it falls.
+    """
+    if not evidence.live:
         return []
-    gaps = np.diff(at)
-    k = int(gaps.argmax())
-    if gaps[k] <= circumstances.limits.action:
-        return []
-    return [Violation("silence", "the controller", float(at[k]), float(gaps[k]), circumstances.limits.action)]
+    found = []
+    for row, name in enumerate(evidence.names):
+        begin, silent = _silences(evidence, row, circumstances.limits)
+        limit = np.full(len(begin), circumstances.limits.action)
+        limit[-1:] = circumstances.limits.ended
+        if len(begin):
+            k = int((silent - limit).argmax())
+            worst = Violation("silence", name, float(begin[k]), float(silent[k]), float(limit[k]))
+            found += [worst] if worst.value > worst.limit else []
+    return found
+
+
+def _silences(evidence: Evidence, row: int, limits: Limits) -> tuple[Array, Array]:
+    """Return when each new command of a vehicle came [s], (K,), and for how long none followed in the air."""
+    begin = evidence.commanded_at.get(evidence.names[row], np.zeros(0))
+    height, at = evidence.true_pos[:, row, 2], evidence.recorded_at
+    last = max((*begin[-1:], *at[np.isfinite(height)]), default=0.0)
+    end = np.append(begin[1:], last)[: len(begin)]
+    down = np.sort(at[height <= limits.take_off])
+    landed = np.searchsorted(down, end, "right") > np.searchsorted(down, begin, "left")
+    return begin, np.where(landed, 0.0, end - begin)
 
 
 def _as_usual(evidence: Evidence) -> NDArray[np.bool_]:

@@ -62,8 +62,10 @@ class Evidence:
     """[rad], (T, n)."""
     command_status: Array
     """CommandStatus, (T, n)."""
-    commanded_at: Array
-    """Time of recording of each new command [s], (K,)."""
+    recorded_at: Array
+    """Time of recording of each tick [s], (T,)."""
+    commanded_at: Mapping[str, Array]
+    """Times of recording of each vehicle's commands under a new stamp [s], (K,) by name."""
     live: bool
     """Bag time is wall time, so that gaps count."""
     not_finite: tuple[str, ...]
@@ -84,12 +86,12 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
         ValueError: no message names vehicles and ticks.
     """
     signals: dict[str, list[Signal]] = {}
-    commanded_at = []
+    at: dict[str, list[float]] = {}
     for one in recorded:
         signals.setdefault(one.topic, []).append(one.signal)
-        if one.topic == "command":
-            commanded_at.append(one.at)
-    return _evidence(_topics(signals), np.array(commanded_at))
+        at.setdefault(one.topic, []).append(one.at)
+    topics = _topics(signals)
+    return _evidence(topics, {topic: np.array(at.get(topic, ())) for topic in topics})
 
 
 def evidence_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> Evidence:
@@ -99,7 +101,7 @@ def evidence_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> Evidence:
         ValueError: no signal names vehicles and ticks.
     """
     topics = _topics(signals)
-    return _evidence(topics, topics["command"].stamps)
+    return _evidence(topics, {topic: one.stamps for topic, one in topics.items()})
 
 
 def _topics(signals: Mapping[str, Sequence[Signal]]) -> dict[str, Topic]:
@@ -107,14 +109,15 @@ def _topics(signals: Mapping[str, Sequence[Signal]]) -> dict[str, Topic]:
     return {topic: Topic(signals.get(topic, ())) for topic in dict.fromkeys((*signals, *USED))}
 
 
-def _evidence(topics: Mapping[str, Topic], commanded_at: Array) -> Evidence:
-    """Return the evidence from topics and the times of recording of the commands [s], (K,)."""
+def _evidence(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> Evidence:
+    """Return the evidence from topics and the times of recording of their signals [s], (K,) each."""
     ticks_of = next((topic for topic in NAMING if topics[topic].signals), None)
     if ticks_of is None:
         raise ValueError(f"no ticks: a flight needs one of {', '.join(NAMING)}")
     check_clock(ticks_of, (naming := topics[ticks_of]).stamps)
     names = tuple(dict.fromkeys(name for some in naming.by_names for name in some))
-    grid = TickGrid(np.unique(naming.stamps), names)
+    ticks, first = np.unique(naming.stamps, return_index=True)
+    grid = TickGrid(ticks, names)
     states, commands = Table(grid, topics["state"]), Table(grid, topics["command"])
     true_pos = Table(grid, topics["truth"]).column("pos", 3)
     sent = topics["reference_safe"] if topics["reference_safe"].signals else topics["reference"]
@@ -131,11 +134,25 @@ def _evidence(topics: Mapping[str, Topic], commanded_at: Array) -> Evidence:
         roll=commands.column("roll", 1),
         pitch=commands.column("pitch", 1),
         command_status=commands.column("status", 1),
-        commanded_at=commanded_at,
-        live=bool((np.abs(commanded_at - topics["command"].stamps) > SAME_TICK).any()),
+        recorded_at=at[ticks_of][first],
+        commanded_at=_new_commands(topics["command"], at["command"]),
+        live=bool((np.abs(at["command"] - topics["command"].stamps) > SAME_TICK).any()),
         not_finite=tuple(filter(None, (_first_not_finite(*named) for named in topics.items()))),
         true_downwash=Table(grid, topics["truth_interference"]).column("acc", 3),
     )
+
+
+def _new_commands(commands: Topic, at: Array) -> Mapping[str, Array]:
+    """Return when each vehicle's commands were recorded whose stamp is not that of the one before [s]."""
+    of: dict[str, list[int]] = {}
+    for names, some in commands.by_names.items():
+        for name in names:
+            of.setdefault(name, []).extend(some)
+    ordered = {name: np.sort(some) for name, some in of.items()}
+    return {
+        name: at[some[np.diff(commands.stamps[some], prepend=-np.inf) != 0.0]]
+        for name, some in ordered.items()
+    }
 
 
 def _seen(grid: TickGrid, frames: Topic, true_pos: Array) -> NDArray[np.bool_]:

@@ -51,7 +51,7 @@ def policies_without_evidence(evidence: Evidence) -> tuple[str, ...]:
         policy
         for policy in POLICIES
         if any(not _has(evidence, name) for name in NEEDS.get(policy, ()))
-        or (policy == "silence" and len(evidence.commanded_at) < 2)
+        or (policy == "silence" and not any(len(at) > 1 for at in evidence.commanded_at.values()))
     )
 
 

@@ -33,6 +33,8 @@ class Limits:
     fresh: float = tunable(0.05, "largest age of the state behind a computed command", unit="s", low=0.0)
     # requirement: fallback within 60 ms of the fault; the firmware's watchdog waits 500 ms
     action: float = tunable(0.06, "from the fault to the fallback", unit="s", low=0.0)
+    # as of the firmware's watchdog; nodes and recorder of a flight that is ended do not end together
+    ended: float = tunable(0.5, "without commands up to the end of the recording", unit="s", low=0.0)
     belief: float = tunable(0.10, "error of a state with status tracked", unit="m", low=0.0)
     settle: float = tunable(3.5, "from the last fault to the return", unit="s", low=0.0)
     back: float = tunable(0.25, "distance from the reference after the return", unit="m", low=0.0)
