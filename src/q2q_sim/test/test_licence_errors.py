@@ -93,6 +93,16 @@ def test_it_is_named_in_text_xml_json_and_page(
     assert page.count(NO_ROW) == 2  # verdict and row
 
 
+def test_the_page_of_a_program_that_opens_no_vehicle_has_no_replay(
+    flights: tuple[FlownTrial, FlownTrial], tmp_path: Path
+) -> None:
+    _, grounded = flights
+    found = Licence(Program(Path("sound.py")), (grounded,), (), 1.0)
+    page = write_licence_page(found, tmp_path).read_text(encoding="utf-8")
+    assert "PASS sound.py" in page
+    assert "<q2q-replay>" not in page
+
+
 def test_a_program_is_judged_by_a_broken_rule_though_the_simulator_failed_in_another_flight(
     flights: tuple[FlownTrial, FlownTrial],
 ) -> None:

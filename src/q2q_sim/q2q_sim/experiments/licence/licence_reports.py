@@ -132,7 +132,7 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
     rows += [(trial.words, "not flown", "no time left") for trial in found.left_out]
     parts: list[Part] = [PageVerdict(verdict_words(found), ok=found.passed), Grid(HEAD, rows)]
     shown = [found.flights[0], *(one for one in found.failed[:1] if one is not found.flights[0])]
-    runs = [_run(one, one.log) for one in shown if one.log is not None]
+    runs = [_run(one, one.log) for one in shown if one.log is not None and one.log.uris]
     if runs:
         parts += [Heading(" and ".join(run.name for run in runs)), Markup(replay_element(runs))]
     output = shown[-1].log.output if shown[-1].log is not None else ""
