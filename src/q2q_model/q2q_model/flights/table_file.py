@@ -1,6 +1,7 @@
 """Files of tables: Parquet and CSV."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,12 @@ def read_columns(path: Path) -> Mapping[str, Array]:
         raise ValueError(f"{path} is read by pyarrow, which is missing: `pip install pyarrow`") from missing
     try:
         table = parquet.read_table(path) if path.suffix == ".parquet" else csv.read_csv(path)
+        _check_names(table.column_names)
         return {name: np.asarray(table[name].to_numpy(), dtype=np.float64) for name in table.column_names}
     except (ArrowException, ValueError) as damage:
         raise ValueError(f"{path} is not a table of numbers: {damage}") from damage
+
+
+def _check_names(columns: Sequence[str]) -> None:
+    if twice := sorted(name for name, times in Counter(columns).items() if times > 1):
+        raise ValueError(f"it has these columns more than once: {', '.join(twice)}")
