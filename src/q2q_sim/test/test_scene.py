@@ -104,6 +104,15 @@ def test_the_plan_is_drawn_whole_and_passes_its_waypoints():
             assert gap < ROUNDING  # way-points of this scenario lie on the drawn step of 0.1 s
 
 
+def test_a_new_plan_takes_the_place_of_the_one_before_for_all_vehicles():
+    scenario = library.load("table6")
+    builder = SceneBuilder(SceneParams())
+    for flown in (scenario.waypoints, scenario.waypoints[:1]):
+        builder.take_plan(minimum_snap_plan(flown, scenario.reading))
+    (line,) = builder.update(SceneSignals(state(0.0, apart()))).group("plan")
+    assert line.row == 0
+
+
 def test_the_path_of_the_replanner_keeps_only_the_recent_past():
     builder = SceneBuilder(SceneParams(trail_s=1.0, trail_hz=10.0))
     for tick in range(300):

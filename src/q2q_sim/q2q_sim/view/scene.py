@@ -117,7 +117,8 @@ class SceneBuilder:
         self._trails.clear()
 
     def take_plan(self, plan: SwarmPlan) -> None:
-        """Set the plan to draw."""
+        """Set the plan to draw, in place of the one before."""
+        self._plans.clear()
         for name, curve in zip(plan.names, plan.trajectories, strict=True):
             times = np.arange(0.0, curve.duration + PLAN_STEP, PLAN_STEP).clip(max=curve.duration)
             self._plans[name] = tuple(point_of(row) for row in curve.at(times)[:, :3])
