@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.bag import BagWriter
+from q2q_model.bag import BagWriter, read_flight
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_sim.commands import report
 from q2q_sim.report.panels import picture_file
+from q2q_sim.tools.distinct_names import distinct_names
 
 ODD = ("../../up", "a/b", "c" * 300, r"cf$\foo$")
 
@@ -35,6 +36,16 @@ def test_no_name_of_a_vehicle_writes_outside_the_folder_of_the_report(tmp_path: 
     pictures = set(tmp_path.rglob("*.png"))
     assert {path.parent for path in pictures} == {out}
     assert len(pictures) == len(names), "one altitude each, none written over another's"
+
+
+@pytest.mark.parametrize("path", [".", "../day"])
+def test_a_bag_has_the_name_of_its_folder_from_wherever_it_is_read(
+    path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bag = recorded_bag(tmp_path / "day", ("cf1",))
+    monkeypatch.chdir(bag)
+    assert distinct_names([Path(path)]) == ["day"]
+    assert read_flight(Path(path)).name == "day"
 
 
 @pytest.mark.parametrize("name", ["cf1", "day-2.b", "名前"])

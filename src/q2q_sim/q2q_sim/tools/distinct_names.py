@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from q2q_model.bag.storage.source import flight_name
+
 
 def distinct_names(paths: Sequence[Path]) -> list[str]:
     """Return a name for each path: its last part without suffix, or all of it where those are equal."""
-    short = [path.name if path.is_dir() else path.stem for path in paths]
+    short = [flight_name(path) if path.is_dir() else path.stem for path in paths]
     return short if len(set(short)) == len(short) else [str(path) for path in paths]

@@ -79,6 +79,8 @@ def is_bag(path: Path) -> bool:
 def flight_name(path: Path | str) -> str:
     """Return the name of the flight in a bag: its folder's, dots included, or its file's without suffix."""
     bag = Path(path)
+    if not bag.name.strip("."):  # `.` and `..`
+        bag = bag.resolve()
     return bag.stem if bag.suffix in FILES else bag.name
 
 
