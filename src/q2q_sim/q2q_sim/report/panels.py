@@ -42,8 +42,12 @@ def legend_above(figure: Figure, axes: Axes) -> None:
 
 
 def literal(words: str) -> str:
-    """Return words for matplotlib that it draws as they are: `$` begins no formula."""
-    return words.replace("$", r"\$")
+    """Return words for matplotlib that it draws as they are.
+
+    Otherwise `$` begins a formula, and a legend leaves out what begins with `_`.
+    """
+    plain = words.replace("$", r"\$")
+    return f" {plain}" if plain.startswith("_") else plain
 
 
 def picture_file(folder: Path, name: str, what: str = "") -> Path:
