@@ -26,6 +26,7 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.loop.scenario_facts import scenario_facts
 from q2q_sim.monitors.policies import RecordedSignal
 from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_variants import in_another_air
 
 
 def fly(  # noqa: PLR0913  choices of a user, all by name
@@ -100,6 +101,7 @@ def _in_air(flown: Scenario, air: AirName | FlownAir) -> Scenario:
 
     Raises:
         TypeError: it is no air, such as the class in place of an object of it.
+        ValueError: the scenario was changed where its variant differs.
     """
     if isinstance(air, AirName):
         return scenario(flown, air=air)
@@ -107,7 +109,7 @@ def _in_air(flown: Scenario, air: AirName | FlownAir) -> Scenario:
         raise TypeError(
             f"no air {air!r}: give a name as for q2q.scenario, an air of q2q.load_air, or one like q2q.Wake"
         )
-    return flown.in_air or flown
+    return in_another_air(flown)
 
 
 def _own_air(air: AirName | FlownAir) -> FlownAir | None:

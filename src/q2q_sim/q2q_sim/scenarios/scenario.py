@@ -46,6 +46,8 @@ class Scenario:
     """Terms of the air that are switched off."""
     in_air: "Scenario | None" = None
     """Flown in its place where the flight names another air."""
+    as_written: "Scenario | None" = field(default=None, compare=False)
+    """As its document gives it, beside an `in_air`: what differs from it was changed since."""
     attitude: AttitudeLoop = "paper"
     """Loop that executes commands on board: section 5.1, or the emulated stock controller."""
     model: str = "none"

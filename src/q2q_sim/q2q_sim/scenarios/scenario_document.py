@@ -21,7 +21,7 @@
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
@@ -91,7 +91,7 @@ def scenario_from_document(
     waypoints = _waypoints(given, with_limits_of(FlightLimits(), vehicle), plan)
     last = max(float(one.times[-1]) for one in waypoints)
     check_sizes(given.faults)
-    return Scenario(
+    own = Scenario(
         name=name,
         description="" if given.description is None else str(given.description),
         duration=last if given.duration is None else given.duration,
@@ -102,7 +102,6 @@ def scenario_from_document(
         wake=given.wake,
         air=given.air,
         air_without=given.air_without,
-        in_air=scenario_from_document(name, document_in_air(document), load_plan) if given.in_air else None,
         attitude=given.attitude,
         model=given.model,
         vicon=override_params(room.vicon, given.vicon, "vicon"),
@@ -112,6 +111,10 @@ def scenario_from_document(
         faults=given.faults,
         overrides=merge_overrides(room.overrides, given.overrides),
     )
+    if not given.in_air:
+        return own
+    in_air = scenario_from_document(name, document_in_air(document), load_plan)
+    return replace(own, in_air=in_air, as_written=own)
 
 
 def document_in_air(document: object) -> dict[str, object]:

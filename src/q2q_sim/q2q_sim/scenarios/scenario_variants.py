@@ -1,6 +1,6 @@
 """A scenario with another firmware, air, vehicle or wake, as command lines ask for."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 from q2q_model.vehicle.constants import firmware_of, on_firmware, vehicle_by_name
 from q2q_model.vehicle.thrust_map import MOTOR_THRUST, STOCK
@@ -25,14 +25,34 @@ def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
     Terms that its own air is flown without are those of that air alone.
 
     Raises:
-        ValueError: an unknown air, or terms without an air.
+        ValueError: an unknown air, terms without an air, or a change as for `in_another_air`.
     """
     if not air and not off:
         return scenario
     other = air not in ("", "none", scenario.wake)
-    flown = scenario.in_air if other and scenario.in_air is not None else scenario
+    flown = in_another_air(scenario) if other else scenario
     own = flown.air_without if air in ("", flown.air) else ()
     return replace(flown, air=air or flown.air, air_without=off or own)
+
+
+def in_another_air(scenario: Scenario) -> Scenario:
+    """Return what is flown where a flight names another air: its `in_air`, with what was changed since.
+
+    Raises:
+        ValueError: a field was changed that `in_air` replaces.
+    """
+    own, flown = scenario.as_written, scenario.in_air
+    if own is None or flown is None:
+        return flown or scenario
+    changed = {name: getattr(scenario, name) for name in _differing(scenario, own)}
+    replaced = _differing(flown, own)
+    refused = [name for name in _differing(flown, scenario) if name in changed and name in replaced]
+    if refused:
+        raise ValueError(
+            f"scenario {scenario.name}: {', '.join(refused)} changed, which its `in_air` replaces in another "
+            "air: name the air first, and change the scenario in that air"
+        )
+    return replace(flown, **changed)
 
 
 def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
@@ -48,7 +68,12 @@ def with_choices(scenario: Scenario, vehicle: str, wake: str) -> Scenario:
     if firmware not in MOTOR_THRUST.get(vehicle, ()):
         firmware = STOCK
     chosen = vehicle_by_name(vehicle, firmware) if vehicle else scenario.vehicle
-    in_air = scenario.in_air if scenario.in_air is None else with_choices(scenario.in_air, vehicle, wake)
-    if not wake:
-        return replace(scenario, vehicle=chosen, in_air=in_air)
-    return replace(scenario, vehicle=chosen, in_air=in_air, wake=wake, air="", air_without=())
+    own, in_air = (one and with_choices(one, vehicle, wake) for one in (scenario.as_written, scenario.in_air))
+    made = replace(scenario, vehicle=chosen, as_written=own, in_air=in_air)
+    return replace(made, wake=wake, air="", air_without=()) if wake else made
+
+
+def _differing(one: Scenario, other: Scenario) -> list[str]:
+    """Return the names of the fields in which two scenarios differ, except their `in_air`."""
+    names = (field.name for field in fields(Scenario) if field.compare and field.name != "in_air")
+    return [name for name in names if getattr(one, name) != getattr(other, name)]
