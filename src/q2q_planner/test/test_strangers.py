@@ -78,6 +78,17 @@ def test_a_stranger_unheard_of_grows_its_zone_until_it_is_forgotten() -> None:
     assert shifts[1199] == 0.0  # forgotten after 2 s, and back on the reference
 
 
+@pytest.mark.parametrize("back", [0.4, 6.0])
+def test_a_stranger_unheard_of_is_forgotten_no_later_for_a_clock_set_back(back: float) -> None:
+    """But for the tick in which the clock is set back, whose length is not known; here 0.5 s later."""
+    replanner, said = SafeReplanner(PARAMS), []
+    for k in range(300):
+        reference = replace(setpoint_at(hover(9.0), 0.0), t=10.0 + k * TICK - (back if k >= 50 else 0.0))
+        far = replace(seen(reference), pos=np.array([[50.0, 0.0, 1.0]]), names=("cf9",))
+        said.append(replanner.update(reference, seen(reference) if k else far).status[0] == BROKEN)
+    assert np.flatnonzero(said).tolist() == [round(PARAMS.forget / TICK) + 2]
+
+
 @pytest.mark.parametrize("jerk_max", [0.0, 20.0])
 def test_all_say_in_which_tick_a_stranger_is_forgotten(jerk_max: float) -> None:
     """Also where it was too far away to matter; vehicles of the swarm are not missed in this way."""

@@ -25,6 +25,15 @@ def test_a_stamp_far_back_is_another_flight() -> None:
     assert late_ones([10.0, 10.0 - LONGEST_GAP - 0.1, 10.0 - LONGEST_GAP]) == []
 
 
+def test_a_clock_is_set_back_to_the_first_of_its_old_stamps() -> None:
+    """The time for which they rise until it is known has passed."""
+    clock, set_back = TickClock(), []
+    for t in (1.0, 0.7, 1.01, *(0.5 + 0.01 * k for k in range(20)), 10.0, 4.0, 4.01):
+        clock.is_late(t)
+        set_back.append(clock.set_back)
+    assert {k: by for k, by in enumerate(set_back) if by} == pytest.approx({13: 0.51, 24: 6.0})
+
+
 def test_after_a_reset_no_tick_is_late() -> None:
     clock = TickClock()
     assert not clock.is_late(1.0)

@@ -44,6 +44,7 @@ def test_after_a_clock_was_set_back_states_are_as_old_as_before_and_the_next_one
     seen = LastKnownStates()
     seen.update(state(200.0, ("silent", "a"), [5.0, 1.0], age=0.25))
     seen.update(state(200.5, ("a",), [1.5], age=0.125))
+    seen.set_back(back)
     seen.update(state(200.5 - back, ("a",), [2.0], age=0.0))  # measured since
     states = seen.of(("a", "silent"), 200.5 - back)
     assert states.pos[:, 0].tolist() == [2.0, 5.0]

@@ -1,8 +1,8 @@
 """Last known state of every vehicle: those of the swarm and external ones.
 
 A vehicle that vanishes from the state keeps its last known state, with growing age, until it is forgotten.
-Where the clock goes back by x, measurements count as made x earlier: ages neither shrink nor stop, and the
-next measurement is newer. A late frame makes them look older than they are by as much, never younger.
+Where the clock is set back by x, measurements count as made x earlier: ages neither shrink nor stop, and the
+next measurement is newer.
 """
 
 from dataclasses import dataclass
@@ -53,14 +53,14 @@ class LastKnownStates:
         """Forget all vehicles."""
         self._names: Names = ()
         self._rows = _Rows(NOBODY.pos, NOBODY.vel, NOBODY.age)
-        self._t = -np.inf
+
+    def set_back(self, by: float) -> None:
+        """Date the states by a clock that was set back [s]."""
+        self._rows.stamp[:] -= by
 
     def update(self, state: SwarmState) -> None:
         """Store a state; rows with NaN, or not newer than the stored one, are ignored."""
         self._expect(state.names)
-        if state.t < self._t:
-            self._rows.stamp[:] += state.t - self._t
-        self._t = state.t
         told = _Rows(np.array(state.pos), np.array(state.vel), state.t - state.age)
         _take_newest(self._rows, told, index_of(state.names, self._names))
 

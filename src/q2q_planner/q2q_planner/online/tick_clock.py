@@ -1,4 +1,8 @@
-"""Clock of a replanner's ticks: which of them are late."""
+"""Clock of a replanner's ticks: which of them are late, and by how much the clock was set back.
+
+A clock that was set back is that of the first of its old stamps: the time for which they have risen by when
+that is known (q2q_model.estimation.clock_resets) has passed, as in lost ticks.
+"""
 
 from math import inf
 
@@ -17,12 +21,16 @@ class TickClock:
         """Forget the ticks; the next one is the first."""
         self._newest = -inf
         self._old = ClockResetDetector()
+        self.set_back = 0.0
+        """By how much the clock was set back at the last tick [s]; 0 if it was not."""
 
     def is_late(self, t: float) -> bool:
         """Take the stamp of a tick [s]; return whether it is older than one before, of the same clock."""
-        back = self._newest - t
-        if 0.0 < back <= LONGEST_GAP and not self._old.rise(t):
-            return True
+        self.set_back = 0.0
+        if t < self._newest:
+            if not self._old.rise(t) and self._newest - t <= LONGEST_GAP:
+                return True
+            self.set_back = self._newest - self._old.first
         self._newest = t
         self._old.reset()
         return False

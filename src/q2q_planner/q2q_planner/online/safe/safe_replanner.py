@@ -40,6 +40,8 @@ may have chosen at that tick, and any other choice is the rest of a motion prove
 and the least push along the zone's normal that keeps the pair's approach stoppable (`wanted_motion`).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from q2q_model.compiled import compiled
@@ -55,6 +57,7 @@ from q2q_model.signals.values import (
     index_of,
 )
 from q2q_planner.online.last_known_states import KnownStates, LastKnownStates
+from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.committed_motion import (
     CommittedMotion,
@@ -121,8 +124,8 @@ class SafeReplanner:
         """Return the modified setpoints of the tick.
 
         The first ones start on the reference; where a vehicle is tracked off it, where that is measured.
-        A repeated stamp returns the same setpoints, and a late one the newest, under its own stamp; where
-        the clock is set back the motions are left where they are; a gap over LONGEST_GAP either way
+        A repeated stamp returns the same setpoints, and a late one the newest, under its own stamp. Where
+        the clock is set back motions go on in the new time (TickClock); a gap over LONGEST_GAP either way
         restarts on the reference. `state` None assumes ideal tracking and no external vehicles.
         """
         last = self._answer
@@ -130,6 +133,8 @@ class SafeReplanner:
             return last
         if self._clock.is_late(setpoint.t) and last is not None:
             return answer_for_all(setpoint, last)
+        if self._clock.set_back > 0.0:
+            self._set_back(self._clock.set_back)
         if state is not None:
             self._last_known.update(state)
         reference = reference_rows(setpoint)
@@ -142,6 +147,12 @@ class SafeReplanner:
         self._committed = off_reference(self._committed, setpoint)
         self._answer = answer_for_all(setpoint, answer)
         return self._answer
+
+    def _set_back(self, by: float) -> None:
+        """Go on in the time of a clock that was set back [s]; motions, if not for too long."""
+        self._last_known.set_back(by)
+        if self._committed is not None and by <= LONGEST_GAP:
+            self._committed = replace(self._committed, t=self._committed.t - by)
 
     def _tick(
         self, setpoint: SwarmSetpoint, reference: ReferenceRows, state: SwarmState | None
