@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -143,11 +144,17 @@ def test_a_late_stamp_keeps_the_error_of_the_last_one() -> None:
     np.testing.assert_allclose(late.pos - setpoint_at(plan, 5.16).pos, error, atol=1e-12)
 
 
-def test_a_late_stamp_changes_nothing_of_the_ticks_after_it() -> None:
-    plan, calm, disturbed = crossing(), PotentialField(), PotentialField()
-    for k in range(900):
-        if k in {520, 540}:
-            disturbed.update(setpoint_at(plan, 4.9), None)
+@pytest.mark.parametrize(("vehicles", "begin"), [((0, 1), 400), ((0,), 400), ((0, 1), 480)])
+def test_a_late_stamp_changes_nothing_of_the_ticks_after_it(vehicles: tuple[int, ...], begin: int) -> None:
+    """Whether it is of all vehicles, and whether the law is on or is switched on after it."""
+    off = replace(PAPER, enabled=False)
+    plan, calm, disturbed = crossing(), PotentialField(off), PotentialField(off)
+    for k in range(400, 700):
+        if k in {480, 520, 540}:
+            disturbed.update(of_vehicles(setpoint_at(plan, 4.3), np.array(vehicles)), None)
+        if k == begin:
+            calm.configure(PAPER)
+            disturbed.configure(PAPER)
         expected = calm.update(setpoint_at(plan, k * 0.01), None)
         assert np.array_equal(disturbed.update(setpoint_at(plan, k * 0.01), None).pos, expected.pos)
 

@@ -103,19 +103,21 @@ class PotentialField:
         self._error = no_error(())
         self._on_reference = True
         self._clock.reset()
-        self._before: SwarmSetpoint | None = None  # newest
+        self._before: SwarmSetpoint | None = None
         self._answer: SwarmSetpoint | None = None
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:  # noqa: ARG002
         """Return the modified setpoints of the tick.
 
-        A repeated stamp returns the same setpoints; a late one, or the first of a clock that was set back,
-        keeps the error; a gap over LONGEST_GAP either way restarts on the reference; other gaps are
-        integrated.
+        A repeated stamp returns the same setpoints, and a late one its own with the newest error. The first
+        of a clock that was set back keeps the error; a gap over LONGEST_GAP either way restarts on the
+        reference; other gaps are integrated.
         """
         if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
-        late = self._clock.is_late(setpoint.t)
+        if self._clock.is_late(setpoint.t):
+            error = match_rows(self._error, setpoint.names)
+            return _shifted(setpoint, error, swarm_push(setpoint.pos + error.pos, self.params), self.params)
         if self._on_reference and not self.params.enabled:  # neither a push nor an error to integrate
             self._before = self._answer = setpoint
             return setpoint
@@ -129,9 +131,7 @@ class PotentialField:
         push = swarm_push(setpoint.pos + self._error.pos, self.params)
         self._error = settle(self._error, np.asarray(push.any(axis=1)))
         self._on_reference = not (self._error.pos.any() or self._error.vel.any())
-        acc = push - self.params.k_d * self._error.vel - self.params.k_p * self._error.pos
-        self._before = before if late else setpoint
-        self._answer = shift_reference(setpoint, self._error, acc)
+        self._before, self._answer = setpoint, _shifted(setpoint, self._error, push, self.params)
         return self._answer
 
 
@@ -152,6 +152,13 @@ def swarm_push(pos: Array, params: PotentialFieldParams) -> Array:
         for axis in range(3):
             push[:, axis] = np.bincount(i, force[:, axis], len(pos))
     return push
+
+
+def _shifted(
+    setpoint: SwarmSetpoint, error: SetpointError, push: Array, params: PotentialFieldParams
+) -> SwarmSetpoint:
+    """Return the reference shifted by the error, with its acceleration by (20) under the pushes (n, 3)."""
+    return shift_reference(setpoint, error, push - params.k_d * error.vel - params.k_p * error.pos)
 
 
 def _rows_as(before: SwarmSetpoint, setpoint: SwarmSetpoint) -> SwarmSetpoint:
