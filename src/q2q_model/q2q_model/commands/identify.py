@@ -21,7 +21,7 @@ from q2q_model.files.model_names import check_model_name
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
   ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet
   ros2 run q2q_model identify room/* --topics room.yaml --out model.q2q
-  ros2 run q2q_model identify --live --model model.q2q --out refined.q2q"""
+  ros2 run q2q_model identify --live --vehicle crazyflie_2_1 --model model.q2q --out refined.q2q"""
 
 
 OF_LIVE = ("--model",)

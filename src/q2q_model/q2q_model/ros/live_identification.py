@@ -7,6 +7,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from q2q_model.files.model_file import ModelFile, encode, save
+from q2q_model.identification.carried_weight import CarriedWeight
 from q2q_model.identification.live import LiveEstimate, LiveParams, LiveRefinement, PublishedGain
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
@@ -16,7 +17,7 @@ from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
 REFUSALS_S = 10.0
-"""Shortest time between two lines on refused messages [s]."""
+"""Shortest time between two lines on refused messages, or on a wrong vehicle [s]."""
 
 
 class LiveIdentification:
@@ -26,6 +27,7 @@ class LiveIdentification:
         self._base, self._node = base, node
         params = declare(node, LiveParams())
         self._refinement = LiveRefinement(base.interaction, vehicle, params)
+        self._carried = CarriedWeight(vehicle)
         self._publisher = node.create_publisher(String, "model", LATCHED)
         self._published = PublishedGain(params)
         receive_measured_ticks(node, self._take, self._refuse)
@@ -36,7 +38,12 @@ class LiveIdentification:
         return replace(self._base, interaction=self._refinement.refined())
 
     def _take(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
-        self._follow(self._refinement.update(state, command, imu))
+        self._carried.update(state, command)
+        estimate = self._refinement.update(state, command, imu)
+        if doubt := self._carried.doubt():
+            self._node.get_logger().error(f"no model: {doubt}", throttle_duration_sec=REFUSALS_S)
+        elif self._carried.judged():
+            self._follow(estimate)
 
     def _refuse(self, reason: str) -> None:
         self._node.get_logger().warning(f"refused: {reason}", throttle_duration_sec=REFUSALS_S)
@@ -47,9 +54,20 @@ class LiveIdentification:
             self._publisher.publish(String(data=encode(self.refined)))
             self._node.get_logger().info(f"gain {estimate.gain:.3f} at t = {estimate.t:.1f} s")
 
+    def end(self, out: Path) -> str:
+        """Save the last model; return why none is saved, empty if it is."""
+        doubt = self._carried.doubt()
+        if not doubt:
+            save(out, self.refined)
+        return doubt
 
-def refine_live(base: ModelFile, vehicle: Vehicle, out: Path) -> None:
-    """Refine until SIGINT or SIGTERM, then save the last model in `out`."""
+
+def refine_live(base: ModelFile, vehicle: Vehicle, out: Path) -> str:
+    """Refine until SIGINT or SIGTERM, then save the last model in `out`; return why none is saved, or ""."""
+    reasons: list[str] = []
     run(
-        "identify", lambda node: LiveIdentification(node, base, vehicle), lambda live: save(out, live.refined)
+        "identify",
+        lambda node: LiveIdentification(node, base, vehicle),
+        lambda live: reasons.append(live.end(out)),
     )
+    return "".join(reasons)

@@ -1,5 +1,6 @@
 """Identification of a model from recorded flights, with progress bar, report and plots."""
 
+import sys
 from argparse import Namespace
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,7 +28,7 @@ STEPS = 14
 def run(args: Namespace) -> int:
     """Identify a model, write and print the results, and return the exit status."""
     if args.live:
-        return _refine_live(args.model, vehicle_by_name(args.vehicle or DEFAULT_VEHICLE), args.out)
+        return _refine_live(args.model, args.vehicle, args.out)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found, seconds = _run(args, Console(stderr=True))
     report_file = args.json or args.out.with_suffix(".json")
@@ -41,13 +42,17 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _refine_live(model: str, vehicle: Vehicle, out: Path) -> int:
-    base = find_model(model)
+def _refine_live(model: str, vehicle: str, out: Path) -> int:
+    base, flown = find_model(model), vehicle_by_name(vehicle or DEFAULT_VEHICLE)
+    if not vehicle:
+        print(f"identify: {flown.name} is assumed to fly; name the vehicle with --vehicle", file=sys.stderr)
     from q2q_model.ros.live_identification import (
         refine_live,
     )  # needs a sourced ROS, which reading bags does not
 
-    refine_live(base, vehicle, out)
+    if reason := refine_live(base, flown, out):
+        print(f"identify: {out} is not written: {reason}", file=sys.stderr)
+        return 1
     print(f"model: {out}")
     return 0
 
