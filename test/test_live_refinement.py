@@ -1,4 +1,4 @@
-"""What a live refinement publishes and writes: nothing for a vehicle that cannot be the one that flies."""
+"""What a live refinement publishes and writes: nothing without ticks, or for a wrong vehicle."""
 
 from pathlib import Path
 
@@ -71,4 +71,14 @@ def test_nothing_is_published_or_written_for_another_vehicle(tmp_path: Path) -> 
     assert published == []
     reason = "the median thrust of cf1 in the air is below 0.5 times the weight of textbook_065"
     assert live.end(tmp_path / "refined.q2q").startswith(reason)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_is_written_without_a_complete_tick(tmp_path: Path) -> None:
+    node = Heard("identify", {})
+    live = LiveIdentification(node, find_model("paper_law"), CRAZYFLIE_2_0)
+    assert live.end(tmp_path / "m.q2q") == "no tick was complete: state, command, imu not received"
+    state = tick(1)[0]
+    {kind.__name__: receive for kind, receive in node.readers}["SwarmState"](encode(state, 10**7))
+    assert live.end(tmp_path / "m.q2q") == "no tick was complete: command, imu not received, state received"
     assert list(tmp_path.iterdir()) == []

@@ -151,6 +151,7 @@ def test_what_lies_beside_bags_is_left_out_of_a_glob_with_a_note(
     [
         (["no_such_bag", "--out", "m.q2q"], "no_such_bag"),
         (["--live", "--out", "m.q2q", "--model", "paper_low"], "no model 'paper_low': give one of"),
+        (["--live", "--out", "m.q2q", "--model", "none"], "--model none has no downwash that --live could"),
     ],
 )
 def test_wrong_input_of_identify_is_one_line_without_a_traceback(
@@ -218,6 +219,7 @@ def test_no_result_is_written_over_another_or_over_what_is_read(
         (["--live", "--json=r.json"], "--json needs bags of recorded flights, not --live"),
         (["--live", "--threshold", "0.1"], "--threshold needs bags of recorded flights, not --live"),
         (["--live", "--model-type", "auto"], "--model-type needs bags of recorded flights, not --live"),
+        (["bag.mcap", "--ros-args", "-p", "prior:=1.0", "--"], "--ros-args -p needs --live, not bags"),
         (["--live", "--no-plots"], "--no-plots needs bags of recorded flights, not --live"),
     ],
 )

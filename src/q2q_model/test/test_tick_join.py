@@ -74,6 +74,7 @@ def test_whatever_the_order_a_tick_has_its_own_values(order: list[tuple[str, int
 
 def test_it_tells_what_incomplete_ticks_lack() -> None:
     join: TickJoin[int] = TickJoin(("state", "reference", "interference"))
+    assert join.lacking() == "state, reference, interference not received"
     for stamp in range(20):
         join.put("state", stamp, 0)
         join.put("reference", stamp, 0)

@@ -88,13 +88,13 @@ def run_command(
     Args:
         line: parser.
         prepare: checks the parsed arguments (raises UsageError, ValueError, OSError), imports, and returns
-            the work. The namespace also contains the unparsed arguments as `argv`.
-        argv: arguments (None: sys.argv); those for ROS are ignored.
+            the work. The namespace also contains the unparsed arguments: `argv`, and `ros_argv` of ROS.
+        argv: arguments (None: sys.argv).
         interrupted: message after Ctrl-C; the status is 130.
         refused: exit status after a ValueError or OSError.
     """
-    own = outside_ros(argv)
-    args = line.parse_args(own, Namespace(argv=own))
+    own, of_ros = split_at_ros(argv)
+    args = line.parse_args(own, Namespace(argv=own, ros_argv=of_ros))
     try:
         with warnings_in_one_line(line.prog):
             with exiting_on_signal(INTERRUPTED), lean_imports():
@@ -226,15 +226,20 @@ def _in_its_words(check: Callable[[Path], Path], given: str) -> Path:
 
 def outside_ros(arguments: Sequence[str] | None) -> list[str]:
     """Return the words (None: those of sys.argv) before `--ros-args`, and after a `--` that ends these."""
-    own, of_ros = list[str](), False
+    return split_at_ros(arguments)[0]
+
+
+def split_at_ros(arguments: Sequence[str] | None) -> tuple[list[str], list[str]]:
+    """Return the words (None: those of sys.argv) as of `outside_ros`, and those that are for ROS."""
+    own, ros, of_ros = list[str](), list[str](), False
     for word in sys.argv[1:] if arguments is None else arguments:
-        if of_ros:
-            of_ros = word != "--"
+        if of_ros and word == "--":
+            of_ros = False
         elif word == ROS_ARGS:
             of_ros = True
         else:
-            own.append(word)
-    return own
+            (ros if of_ros else own).append(word)
+    return own, ros
 
 
 def unknown_arguments(message: str) -> list[str]:

@@ -27,6 +27,8 @@ EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json 
 OF_LIVE = ("--model",)
 OF_BAGS = ("--topics", "--json", "--threshold", "--model-type", "--no-plots")
 """Options without effect in the other mode."""
+PARAMETERS = ("-p", "--param", "--params-file")
+"""Words by which ROS sets the parameters of a node, which only --live runs."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -55,6 +57,8 @@ def _refuse_other_mode(args: Namespace) -> None:
             "bags of recorded flights, not --live" if args.live else "--live, not bags of recorded flights"
         )
         raise UsageError(f"{option} needs {needs}")
+    if not args.live and (words := [word for word in PARAMETERS if word in args.ros_argv]):
+        raise UsageError(f"--ros-args {words[0]} needs --live, not bags of recorded flights")
 
 
 def _require_apart(args: Namespace) -> None:

@@ -30,7 +30,8 @@ class LiveIdentification:
         self._carried = CarriedWeight(vehicle)
         self._publisher = node.create_publisher(String, "model", LATCHED)
         self._published = PublishedGain(params)
-        receive_measured_ticks(node, self._take, self._refuse)
+        self._ticks = 0
+        self._join = receive_measured_ticks(node, self._take, self._refuse)
 
     @property
     def refined(self) -> ModelFile:
@@ -38,6 +39,7 @@ class LiveIdentification:
         return replace(self._base, interaction=self._refinement.refined())
 
     def _take(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
+        self._ticks += 1
         self._carried.update(state, command)
         estimate = self._refinement.update(state, command, imu)
         if doubt := self._carried.doubt():
@@ -56,10 +58,11 @@ class LiveIdentification:
 
     def end(self, out: Path) -> str:
         """Save the last model; return why none is saved, empty if it is."""
-        doubt = self._carried.doubt()
-        if not doubt:
+        nothing = "" if self._ticks else f"no tick was complete: {self._join.lacking()}"
+        reason = nothing or self._carried.doubt()
+        if not reason:
             save(out, self.refined)
-        return doubt
+        return reason
 
 
 def refine_live(base: ModelFile, vehicle: Vehicle, out: Path) -> str:

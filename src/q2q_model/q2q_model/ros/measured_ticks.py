@@ -19,9 +19,10 @@ def receive_measured_ticks(
     node: Node,
     take: Callable[[SwarmState, SwarmCommand, SwarmImu], object],
     refuse: Callable[[str], None],
-) -> None:
-    """Subscribe to INPUTS and call `take` with every complete tick, `refuse` with why a message is invalid.
+) -> TickJoin[Signal]:
+    """Subscribe to INPUTS and return their join.
 
+    `take` is called with every complete tick, `refuse` with why a message is invalid.
     After a stall each queue holds up to its depth; the join waits for as many, so that none is lost.
     """
     join: TickJoin[Signal] = TickJoin(tuple(INPUTS), waiting=EVERY_TICK.depth)
@@ -35,3 +36,4 @@ def receive_measured_ticks(
         profile = EVERY_SAMPLE if signal is SwarmImu else EVERY_TICK
         receive = listener(topic, signal, partial(put, topic), refuse)
         node.create_subscription(MESSAGES[signal], topic, receive, profile, raw=True)
+    return join

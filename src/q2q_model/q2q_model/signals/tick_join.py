@@ -49,7 +49,8 @@ class TickJoin(Generic[V]):
         come = {topic for tick in self._waiting.values() for topic in tick}
         absent = [topic for topic in self._topics if topic not in come]
         if absent:
-            return f"{', '.join(absent)} not received, {', '.join(sorted(come))} received"
+            received = f", {', '.join(sorted(come))} received" if come else ""
+            return f"{', '.join(absent)} not received{received}"
         return f"{', '.join(self._topics)} received, never with the same stamp"
 
     def reset(self) -> None:

@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import Plain, PlainValueError, to_plain
+from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import save
 from q2q_model.flights.up_axis import y_up_reason
@@ -44,6 +45,8 @@ def run(args: Namespace) -> int:
 
 def _refine_live(model: str, vehicle: str, out: Path) -> int:
     base, flown = find_model(model), vehicle_by_name(vehicle or DEFAULT_VEHICLE)
+    if base.interaction == NoInteraction():
+        raise ValueError(f"--model {model} has no downwash that --live could scale: give another model")
     if not vehicle:
         print(f"identify: {flown.name} is assumed to fly; name the vehicle with --vehicle", file=sys.stderr)
     from q2q_model.ros.live_identification import (
