@@ -10,14 +10,14 @@ import yaml
 from matplotlib.figure import Figure
 
 from q2q.bag_scenario import FILE, bag_document
-from q2q_model.bag import BagError, BagWriter, FlightFacts, read_facts, read_flight
+from q2q_model.bag import BagError, BagReader, BagWriter, FlightFacts, read_facts, read_flight
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.scenario_facts import flown_faults
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_planned_end, with_unknown_end
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.replay_page import replay_html, replay_run
@@ -45,6 +45,8 @@ class FlightResult:
     """Messages of a simulated flight, as its nodes would publish them."""
     scenario: Scenario | None = None
     """Scenario of a simulated flight."""
+    cut: bool = False
+    """Whether the bag that it was read from was cut off, so that its end is unknown."""
 
     def __repr__(self) -> str:
         """Return what flew, and the verdict, in one line."""
@@ -67,7 +69,10 @@ class FlightResult:
     @property
     def verdict(self) -> FlightVerdict:
         """Return whether the flight went well, and what did not; `str` gives one line."""
-        return verdict_of(self.arrays, Circumstances(vehicle=self.vehicle, faults=self.faults))
+        verdict = verdict_of(self.arrays, Circumstances(vehicle=self.vehicle, faults=self.faults))
+        if self.cut:
+            return with_unknown_end(verdict, self.arrays)
+        return with_planned_end(verdict, self.arrays, self.facts.duration)
 
     def plot(self, kind: FigureKind = "altitude", vehicle: str = "") -> Figure:
         """Return a figure of one vehicle over time; see `q2q.plot`."""
@@ -112,7 +117,8 @@ def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
     flown = flown_vehicle(Path(path), vehicle)
     if flown.note:
         warnings.warn(flown.note, stacklevel=2)
-    return FlightResult(flight, flown.vehicle, read_facts(path), flown_faults(Path(path)))
+    cut = BagReader(path).is_cut
+    return FlightResult(flight, flown.vehicle, read_facts(path), flown_faults(Path(path)), cut=cut)
 
 
 def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", vehicle: str = "") -> Figure:

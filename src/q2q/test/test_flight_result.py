@@ -14,6 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios.written_scenario import document_of
+from q2q_sim.tools.bag_verdict import bag_verdict
 
 SHORT = replace(q2q.scenario("table6_room", air="room"), duration=0.5)
 
@@ -116,6 +117,23 @@ def test_metrics_and_verdict_are_those_of_the_monitors(flight: q2q.FlightResult)
     np.testing.assert_equal(asdict(flight.metrics), asdict(measure(flight.arrays, SHORT.vehicle)))
     assert flight.verdict.ok
     assert "0.5 s" in str(flight.verdict)
+
+
+@pytest.mark.filterwarnings("ignore::q2q_model.bag.BagRepairWarning")
+def test_a_recorded_flight_is_judged_up_to_the_end_of_its_bag(flight: q2q.FlightResult, tmp_path: Path):
+    whole = flight.to_bag(tmp_path / "whole")
+    early = replace(flight, facts=replace(flight.facts, duration="50")).to_bag(tmp_path / "early")
+    cut = tmp_path / "cut"
+    cut.mkdir()
+    written = (whole / "whole_0.mcap").read_bytes()
+    (cut / "cut_0.mcap").write_bytes(written[: len(written) * 3 // 4])
+    verdicts = []
+    for bag in (whole, early, cut):
+        read = q2q.read_bag(bag, "crazyflie_2_0")
+        assert read.verdict == bag_verdict(bag, read.arrays, read.vehicle)
+        verdicts.append(read.verdict)
+    assert [verdict.ok for verdict in verdicts] == [True, False, False]
+    assert "the flight ended at 0.5 s of 50.0 s, before its end" in str(verdicts[1])
 
 
 def test_a_figure_draws_the_chosen_vehicle_of_each_flight(flight: q2q.FlightResult):
