@@ -50,19 +50,22 @@ def test_a_pair_head_on_shares_what_the_barrier_asks(speed: float) -> None:
     assert answer.status.tolist() == [SetpointStatus.NOMINAL] * 2  # not moved yet
 
 
-def test_who_is_not_measured_any_more_for_forget_has_broken_the_promise_until_it_is_again() -> None:
-    """One that was never measured has not: here nobody knows where it is from the start."""
+@pytest.mark.parametrize("back", [0.0, 0.4])
+def test_who_is_not_measured_for_forget_has_broken_the_promise_until_it_is(back: float) -> None:
+    """For one that was never measured it counts from the first tick, but for that of a clock set back."""
     replanner, broken = SafeReplanner(PARAMS), []
     for k in range(300):
-        t, still = k * TICK, closing(3.0, 0.0)
-        gone = t - 0.995 if 100 <= k < 200 else 0.0
+        t, still = k * TICK - (back if k >= 30 else 0.0), closing(3.0, 0.0)
+        gone = k * TICK - 0.995 if 100 <= k < 200 else 0.0
         rest, level = np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
-        age = np.array([gone, np.inf])
+        age = np.array([gone, np.inf if k < 250 else 0.0])
         state = SwarmState(t, PAIR, still.pos, rest, level, rest, age, np.zeros(2, np.uint8))
         answer = replanner.update(replace(still, t=t), state)
-        assert answer.status[1] == SetpointStatus.NOMINAL
-        broken += [k] if answer.status[0] == BROKEN else []
-    assert broken == list(range(100 + round(PARAMS.forget / TICK), 200))
+        broken.append(answer.status == BROKEN)
+    first, second = (np.flatnonzero(row).tolist() for row in np.transpose(broken))
+    forget = round(PARAMS.forget / TICK)
+    assert first == list(range(100 + forget, 200))
+    assert second == list(range(forget + (2 if back else 1), 250))
 
 
 def test_who_meets_somebody_is_wanted_no_faster_than_it_may_accelerate() -> None:
@@ -133,18 +136,19 @@ LATE = 0.5
 FAR = 60.0
 
 
-def late_stranger(t: float, *, company: bool) -> SwarmState:
-    """Return the word on a stranger that comes head on; in company behind one far away.
+def late_stranger(t: float, ours: Array, *, company: bool) -> SwarmState:
+    """Return the word on our vehicle, at `ours`, and on a stranger head on; in company behind one far away.
 
     It comes at 0.5 m/s and from 4 s on faster by 1 m/s^2: against that no new motion is proven for long.
     """
     late = max(0.0, t - LATE - 4.0)
     x, speed = 1.5 - 0.5 * (t - LATE) - 0.5 * late**2, 0.5 + late
-    names: Names = ("far9", "cf9") if company else ("cf9",)
-    pos = np.array([[FAR, 0.0, 1.0], [x, 0.05, 1.0]])[-len(names) :]
-    vel = np.array([[0.0, 0.0, 0.0], [-speed, 0.0, 0.0]])[-len(names) :]
+    names: Names = ("far9", "cf9", "cf1") if company else ("cf9", "cf1")
     n = len(names)
-    return SwarmState(t, names, pos, vel, np.zeros((n, 4)), vel, np.full(n, LATE), np.zeros(n, np.uint8))
+    pos = np.array([[FAR, 0.0, 1.0], [x, 0.05, 1.0], ours])[-n:]
+    vel = np.array([[0.0, 0.0, 0.0], [-speed, 0.0, 0.0], [0.0, 0.0, 0.0]])[-n:]
+    age = np.array([LATE, LATE, 0.0])[-n:]
+    return SwarmState(t, names, pos, vel, np.zeros((n, 4)), vel, age, np.zeros(n, np.uint8))
 
 
 def own(t: float, *, company: bool) -> SwarmSetpoint:
@@ -158,12 +162,13 @@ def own(t: float, *, company: bool) -> SwarmSetpoint:
 def flown(*, company: bool) -> list[SwarmSetpoint]:
     """Return what our vehicle is told on its way towards the stranger; company comes and goes all the time.
 
-    From 4.5 s on it alternates between new motions and old ones, that are proven against this stranger.
+    From 4.7 s on it alternates between new motions and old ones, that are proven against this stranger.
     """
     replanner, answers = SafeReplanner(PARAMS), []
     for k in range(520):
         t, swarm = k * TICK, company and k % 2 == 0
-        received = late_stranger(t, company=company and k < 465)  # forgotten 0.1 s later
+        ours = answers[-1].pos[0] if answers else own(t, company=False).pos[0]
+        received = late_stranger(t, ours, company=company and k < 465)  # forgotten 0.1 s later
         answer = replanner.update(own(t, company=swarm), received)
         pos, vel, acc, status = answer.pos[-1:], answer.vel[-1:], answer.acc[-1:], answer.status[-1:]
         answers.append(replace(answer, names=("cf1",), pos=pos, vel=vel, acc=acc, status=status))

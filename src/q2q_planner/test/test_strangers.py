@@ -54,8 +54,10 @@ def test_a_stranger_is_evaded_as_well_after_the_clock_was_set_back(jump_s: float
             x = -2.5 + 0.5 * min(k * TICK, 4.65) - 0.5 * braked**2
             there, vel = np.array([[x, 0.05, 1.2]]), np.array([[0.5 - braked, 0.0, 0.0]])
             reference = replace(setpoint_at(plan, 0.0), t=200.0 + k * TICK - (jump_s if k >= 200 else 0.0))
-            stranger = replace(seen(reference), names=("cf9",), pos=there, vel=vel)
-            answers.append(replanner.update(reference, stranger))
+            ours = answers[-1] if answers else reference
+            pos, vel = np.concatenate([ours.pos, there]), np.concatenate([ours.vel, vel])
+            both = replace(reference, names=("cf1", "cf9"), pos=pos, vel=vel)
+            answers.append(replanner.update(reference, seen(both)))
         return answers
 
     steady, jumped = flown(0.0), flown(jump_s)

@@ -33,24 +33,30 @@ LEFT_BEHIND = 0.5
 
 
 class LostVehicles:
-    """Vehicles of a swarm that were lost at the last tick."""
+    """Vehicles of a swarm that were lost at the last tick, and when each was measured."""
 
     def __init__(self) -> None:
         self._names: Names = ()
         self._lost: Mask = np.zeros(0, np.bool_)
+        self._measured_at = np.zeros(0)  # or its first tick, of one that was never measured [s]
 
-    @property
-    def now(self) -> Mask:
-        """Return which vehicles were measured once and are lost at the last tick of `found`, (n,)."""
-        return self._lost
+    def set_back(self, by: float) -> None:
+        """Date measurements by a clock that was set back [s]."""
+        self._measured_at = self._measured_at - by
 
-    def found(self, known: KnownStates) -> Mask:
-        """Return the vehicles that were lost and are measured now, (n,)."""
+    def found(self, known: KnownStates, t: float) -> Mask:
+        """Return the vehicles that were lost and are measured now, at t [s], (n,)."""
         before = self._lost
         if known.names != self._names:
             before = rows_by_name(before, self._names, known.names)
+            self._measured_at = rows_by_name(self._measured_at, self._names, known.names, t)
         self._names, self._lost = known.names, np.empty_like(before)
+        self._measured_at = np.maximum(self._measured_at, t - known.age)
         return _found(known.age, before, self._lost)
+
+    def forgotten(self, t: float, oldest: float) -> Mask:
+        """Return which vehicles of the last `found` were not measured for longer than `oldest` [s], (n,)."""
+        return np.asarray(t - self._measured_at > oldest)
 
 
 @compiled

@@ -14,7 +14,7 @@ whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_ma
    (`found_again`), two can no longer brake outside their zone;
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
    the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it. Or
-   it was measured once, but not for `forget`; one never measured counts as flying its trajectory;
+   it was not measured for `forget`, from its first tick on if it never was;
 3. an external vehicle (one of `state` without a setpoint here) does what no vehicle under this law does:
    accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake. This is not measured:
    vehicles near it report it once its state leaves no motion that is proven. Or its last known state is older
@@ -151,6 +151,7 @@ class SafeReplanner:
     def _set_back(self, by: float) -> None:
         """Go on in the time of a clock that was set back [s]; motions, if not for too long."""
         self._last_known.set_back(by)
+        self._lost.set_back(by)
         if self._committed is not None and by <= LONGEST_GAP:
             self._committed = replace(self._committed, t=self._committed.t - by)
 
@@ -172,20 +173,16 @@ class SafeReplanner:
         choice = _choice(committed, traffic, wanted, self._proven, params)
         self._committed, decision = decide(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
-        broken = (choice == BROKEN) | off | self._forgotten(known, committed) | decision.outside | unheard
+        broken = (choice == BROKEN) | off | decision.outside | unheard
+        if known is not None:
+            broken |= self._lost.forgotten(setpoint.t, params.forget)
         return _answer(setpoint, self._committed, broken & params.enabled, decision.acc)
-
-    def _forgotten(self, known: KnownStates | None, committed: CommittedMotion) -> Mask:
-        """Return which vehicles were measured once, but not for `forget`, (n,)."""
-        if known is None:
-            return np.zeros(len(committed.names), np.bool_)
-        return self._lost.now & (known.age > self.params.forget)
 
     def _with_found(
         self, committed: CommittedMotion, known: KnownStates, state: SwarmState
     ) -> CommittedMotion:
         """Return the motion in which vehicles that are off it, found again or far, start where they are."""
-        found = self._lost.found(known)
+        found = self._lost.found(known, committed.t)
         if self._committed is None and self.params.enabled:  # it may have been started again in flight
             found |= tracked_now(state, known.names)
         if found.any():
