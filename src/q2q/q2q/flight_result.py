@@ -81,7 +81,8 @@ class FlightResult:
     def to_bag(self, path: Path | str) -> Path:
         """Write the flight as a rosbag2 folder (MCAP) with the nodes' topics; return its path.
 
-        A scenario that its name does not give, as of a document, is written into the folder: scenario.yaml.
+        A scenario that its name does not give, as of a document, is written into the folder: scenario.yaml;
+        what that cannot hold, a plan or a vehicle of no name, is a warning.
 
         Raises:
             BagError: the path exists, or the flight was itself read from a bag.

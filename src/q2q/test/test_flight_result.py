@@ -12,6 +12,7 @@ from q2q_model.bag import BagError, FlightFacts
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
+from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios.written_scenario import document_of
 from q2q_sim.tools.bag_verdict import bag_verdict
@@ -117,6 +118,19 @@ def test_metrics_and_verdict_are_those_of_the_monitors(flight: q2q.FlightResult)
     np.testing.assert_equal(asdict(flight.metrics), asdict(measure(flight.arrays, SHORT.vehicle)))
     assert flight.verdict.ok
     assert "0.5 s" in str(flight.verdict)
+
+
+@pytest.mark.parametrize("part", ["vehicle", "plan"])
+def test_a_bag_that_cannot_hold_its_scenario_says_so_and_holds_the_faults(part: str, tmp_path: Path):
+    sag = Fault("battery_sag", 0.1, 0.2, ("cf1",), 0.3)
+    named = replace(SHORT, duration=0.05, faults=(sag,))
+    heavy, planned = replace(SHORT.vehicle, mass=0.04), q2q.plan(SHORT)
+    flown = q2q.fly(replace(named, vehicle=heavy) if part == "vehicle" else replace(named, plan=planned))
+    with pytest.warns(UserWarning, match=f"table6_room: no bag holds its {part}"):
+        bag = flown.to_bag(tmp_path / "bag")
+    read = q2q.read_bag(bag, SHORT.vehicle.name)
+    assert read.faults == (sag,)
+    assert read.facts.vehicle == ("" if part == "vehicle" else SHORT.vehicle.name)
 
 
 @pytest.mark.filterwarnings("ignore::q2q_model.bag.BagRepairWarning")

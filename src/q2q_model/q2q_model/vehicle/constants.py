@@ -158,3 +158,9 @@ def firmware_of(vehicle: Vehicle) -> str:
     """Return the firmware that matches a vehicle's maximum thrust; empty if there is none."""
     known = MOTOR_THRUST.get(vehicle.name, ())
     return next((name for name in known if on_firmware(vehicle, name) == vehicle), "")
+
+
+def is_named(vehicle: Vehicle) -> bool:
+    """Return whether a vehicle is the one of its name, on one of its firmwares."""
+    known = vehicle.name in VEHICLES
+    return known and vehicle == vehicle_by_name(vehicle.name, firmware_of(vehicle) or STOCK)

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from q2q_model.bag import FlightFacts, read_facts
-from q2q_model.vehicle.constants import firmware_of
+from q2q_model.vehicle.constants import firmware_of, is_named
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.assembly import Options
 from q2q_sim.loop.scenario_air import air_description
@@ -16,7 +16,7 @@ from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_fir
 def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = "") -> FlightFacts:
     """Return the metadata of a flight; `name` is that of the scenario or its file, if not its own."""
     return FlightFacts(
-        vehicle=scenario.vehicle.name,
+        vehicle=scenario.vehicle.name if is_named(scenario.vehicle) else "",
         firmware=firmware_of(scenario.vehicle),
         scenario=name or scenario.name,
         mode=options.mode,
