@@ -8,7 +8,7 @@ from q2q_sim.air.find_air import FlownAir, find_air
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
-from q2q_sim.scenarios.scenario_variants import with_air, with_choices
+from q2q_sim.scenarios.scenario_variants import check_wake_or_air, with_air, with_choices
 
 ScenarioChoice = str | Path | Mapping[str, object] | Scenario
 """Scenario, its name or file, or its document (the keys of a scenario file)."""
@@ -30,9 +30,10 @@ def scenario(chosen: ScenarioChoice, *, vehicle: str = "", wake: str = "", air: 
         air: air in place of wake and disturbance: a shipped name, as "room", a .air file or "module:Class".
 
     Raises:
-        ValueError: a name, key or value that is not allowed; the message says what is.
+        ValueError: a name, key or value that is not allowed, or a wake and an air; the message says what is.
         TypeError: `chosen` is no scenario, or `air` no name; an air object is given to `q2q.fly`.
     """
+    check_wake_or_air(wake, air_name(air))
     return with_air(with_choices(_found(chosen), vehicle, wake), air_name(air), ())
 
 

@@ -34,6 +34,11 @@ def test_a_scenario_is_found_by_name_and_changed_like_any_dataclass():
     assert "table6" in q2q.scenario_names()
 
 
+def test_a_wake_and_an_air_in_its_place_are_refused_together():
+    with pytest.raises(ValueError, match=r"^wake = 'paper' and air = 'room': give one of them"):
+        q2q.scenario("table6", wake="paper", air="room")
+
+
 def test_an_unknown_scenario_is_refused_with_the_nearest_name():
     with pytest.raises(ValueError, match="table6"):
         q2q.scenario("tabel6")

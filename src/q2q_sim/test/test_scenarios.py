@@ -20,6 +20,7 @@ from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.loop import assembly
 from q2q_sim.loop.scenario_air import air_of
+from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.block_overrides import BLOCKS
 from q2q_sim.scenarios.scenario_document import scenario_from_document
@@ -234,6 +235,11 @@ def test_in_another_air_vehicles_replace_a_plan_and_a_plan_vehicles(tmp_path: Pa
     own.write_text(f"{cf1}\nplan: plan.json\n")
     with pytest.raises(ValueError, match="vehicles and plan are both given"):
         library.load(str(own))
+
+
+def test_a_wake_and_an_air_in_its_place_are_refused_together() -> None:
+    with pytest.raises(ValueError, match=r"^wake = 'measured' and air = 'room': give one of them"):
+        chosen_scenario(SimulatorParams(wake="measured", air="room"))
 
 
 @pytest.mark.parametrize(("given", "read"), [(None, ""), ("", ""), ("one line", "one line"), (12, "12")])

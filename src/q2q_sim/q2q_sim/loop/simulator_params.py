@@ -8,7 +8,7 @@ from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
+from q2q_sim.scenarios.scenario_variants import check_wake_or_air, with_air, with_choices, with_firmware
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,8 @@ def chosen_scenario(params: SimulatorParams) -> Scenario:
     """Return the scenario with the parameters' vehicle, wake, air and firmware.
 
     Raises:
-        ValueError: no such scenario, or a wrong file.
+        ValueError: no such scenario, a wrong file, or both a wake and an air.
     """
+    check_wake_or_air(params.wake, params.air)
     chosen = with_choices(library.load(params.scenario), params.vehicle, params.wake)
     return with_firmware(with_air(chosen, params.air, params.air_without), params.firmware)

@@ -18,6 +18,12 @@ def with_firmware(scenario: Scenario, firmware: str) -> Scenario:
     return replace(scenario, vehicle=on_firmware(scenario.vehicle, firmware))
 
 
+def check_wake_or_air(wake: str, air: str) -> None:
+    """Raise ValueError where both are chosen: an air is flown in place of the wake."""
+    if wake and air:
+        raise ValueError(f"wake = {wake!r} and air = {air!r}: give one of them; an air replaces the wake")
+
+
 def with_air(scenario: Scenario, air: str, off: tuple[str, ...]) -> Scenario:
     """Return the scenario in another air, and with terms of its air switched off; empty keeps its own.
 
