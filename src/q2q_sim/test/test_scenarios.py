@@ -1,5 +1,6 @@
 """Scenarios load, mean what the paper says, and refuse what is wrong by name."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -240,6 +241,11 @@ def test_in_another_air_vehicles_replace_a_plan_and_a_plan_vehicles(tmp_path: Pa
 def test_a_wake_and_an_air_in_its_place_are_refused_together() -> None:
     with pytest.raises(ValueError, match=r"^wake = 'measured' and air = 'room': give one of them"):
         chosen_scenario(SimulatorParams(wake="measured", air="room"))
+
+
+def test_overrides_of_an_unknown_block_are_refused_in_a_scenario_as_in_its_document() -> None:
+    with pytest.raises(ValueError, match=r"^overrides: unknown block 'pidd'; did you mean pid\?"):
+        replace(library.load("table6"), overrides={"pidd": {"k_p_z": 1.0}})
 
 
 @pytest.mark.parametrize(("given", "read"), [(None, ""), ("", ""), ("one line", "one line"), (12, "12")])

@@ -45,11 +45,20 @@ def merge_overrides(room: Overrides, own: Mapping[str, Mapping[str, object]]) ->
     Raises:
         ValueError: an unknown block, or a value of another type.
     """
-    for block in own:
-        if block not in BLOCKS:
-            raise ValueError(f"overrides: unknown block {block!r}; {name_hint(block, BLOCKS)}")
-    blocks = {block: _values(BLOCKS[block], values, f"overrides.{block}") for block, values in own.items()}
+    blocks = {block: _values(_block(block), values, f"overrides.{block}") for block, values in own.items()}
     return {block: {**room.get(block, {}), **blocks.get(block, {})} for block in sorted({*room, *blocks})}
+
+
+def check_overrides(overrides: Overrides) -> None:
+    """Raise ValueError for an unknown block or parameter, or a value that is not allowed."""
+    for block, values in overrides.items():
+        override_params(_block(block), values, block)
+
+
+def _block(name: str) -> ParamsClass:
+    if name not in BLOCKS:
+        raise ValueError(f"overrides: unknown block {name!r}; {name_hint(name, BLOCKS)}")
+    return BLOCKS[name]
 
 
 def _values(params: ParamsClass, values: Mapping[str, object], where: str) -> dict[str, ParameterValue]:

@@ -14,7 +14,7 @@ from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.faults.faults import Fault, check_vehicles
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
-from q2q_sim.scenarios.block_overrides import BLOCKS, override_params
+from q2q_sim.scenarios.block_overrides import check_overrides
 from q2q_sim.scenarios.room_profiles import Overrides
 from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon import ViconParams
@@ -76,8 +76,7 @@ class Scenario:
                     raise ValueError(f"{where}: z is up, and the ground is at 0")
         _check_latency(self)
         check_vehicles(self.faults, self.names)
-        for block, values in self.overrides.items():
-            override_params(BLOCKS[block], values, block)
+        check_overrides(self.overrides)
 
     @property
     def names(self) -> Names:
