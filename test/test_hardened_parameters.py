@@ -16,7 +16,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 import rclpy
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
 
@@ -175,6 +175,19 @@ def test_what_a_node_does_not_heed_in_flight_is_refused(
         taken, reason = node.ask(one, before.get_parameter_value())
         assert (taken, "read-only" in reason) == (False, True), one
         assert node.node.get_parameter_or(one).value == before.value
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_all_parameters_are_told_with_a_value_as_by_param_dump(
+    name: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    node = real_node(name, tmp_path_factory.getbasetemp())
+    service = node.node._parameter_service
+    told = service._get_parameters_callback(GetParameters.Request(names=node.names), GetParameters.Response())
+    kinds = {one: value.type for one, value in zip(node.names, told.values, strict=True)}
+    assert {ParameterType.PARAMETER_NOT_SET} & set(kinds.values()) == set()
+    if "vehicles" in kinds:
+        assert kinds["vehicles"] == ParameterType.PARAMETER_STRING_ARRAY
 
 
 def test_a_parameter_that_was_changed_in_flight_is_logged_with_both_values(

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -101,6 +102,7 @@ class StandInNode:
         self.ports: list[RecordedPort] = []
         self.parameters: list[Declared] = []
         self.readers: list[tuple[type, Receive]] = []
+        self._parameters: dict[str, Parameter] = {}
         self._changed: list[Callable[[list[Update]], SetParametersResult]] = []
 
     def create_publisher(self, kind: type, topic: str, qos: QoSProfile | int) -> NullEntity:

@@ -71,20 +71,24 @@ def on_change(node: Node, params: P, apply: Callable[[P], None], prefix: str = "
 
 
 def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *, in_flight: bool) -> Any:  # noqa: ANN401
-    default = getattr(params, entry.name)
+    default, name = getattr(params, entry.name), prefix + entry.name
     spec = tunable_of(entry)
     spec = spec if in_flight else replace(spec, read_only=True)
     plain = list(default) if isinstance(default, tuple) else default
     if plain == []:
         plain = Parameter.Type.STRING_ARRAY
     try:
-        value = node.declare_parameter(prefix + entry.name, plain, _descriptor(spec, default)).value
+        value = node.declare_parameter(name, plain, _descriptor(spec, default)).value
     except InvalidParameterValueException as refusal:
         given = str(refusal).partition(" Reason")[0]
-        raise ValueError(f"parameter {prefix}{entry.name}: allowed is {spec.allowed}; {given}") from refusal
+        raise ValueError(f"parameter {name}: allowed is {spec.allowed}; {given}") from refusal
     except InvalidParameterTypeException as refusal:
-        raise ValueError(_wrong_type(node, prefix + entry.name, default)) from refusal
-    return default if value is None else _plain(value)
+        raise ValueError(_wrong_type(node, name, default)) from refusal
+    if value is not None:
+        return _plain(value)
+    # rclpy declares no empty list of strings, only an unset one, beside which it tells no other parameter
+    node._parameters[name] = Parameter(name, Parameter.Type.STRING_ARRAY, [])  # noqa: SLF001
+    return default
 
 
 def _wrong_type(node: Node, name: str, default: Any) -> str:  # noqa: ANN401
