@@ -33,8 +33,9 @@ SERVICES = {
     "q2q_model/signals/values.py",
     "q2q_model/tunable.py",
     "q2q_model/writable_places.py",
+    "q2q_planner/online/tick_clock.py",
 }
-"""Services that every block or command uses: parsing, parameters, compilation, stamps, rows and words."""
+"""Services that blocks and commands use: parsing, parameters, compilation, stamps, rows and words."""
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
     "q2q_model/bag/storage/fault.py",
