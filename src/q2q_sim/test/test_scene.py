@@ -1,6 +1,7 @@
 """The scene shows what the signals say: poses, zones, air, forces and paths."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,16 @@ from q2q_model.node.rehearsal import rehearsal
 from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.scenarios import library
-from q2q_sim.view.scene import BREACHED, CLEAR, COASTING, LOST, SceneBuilder, SceneParams, SceneSignals
+from q2q_sim.view.scene import (
+    BREACHED,
+    CLEAR,
+    COASTING,
+    LOST,
+    MOST_STEPS,
+    SceneBuilder,
+    SceneParams,
+    SceneSignals,
+)
 from q2q_sim.view.shapes import arrow_quat
 
 NAMES = ("cf1", "cf2")
@@ -102,6 +112,17 @@ def test_the_plan_is_drawn_whole_and_passes_its_waypoints():
         for waypoint in vehicle.waypoints:
             gap = np.linalg.norm(np.array(line.points) - np.array(waypoint.pos), axis=1).min()
             assert gap < ROUNDING  # way-points of this scenario lie on the drawn step of 0.1 s
+
+
+def test_a_plan_that_lasts_for_ages_is_drawn_with_few_points():
+    scenario, builder = library.load("table6"), SceneBuilder(SceneParams())
+    plan = minimum_snap_plan(scenario.waypoints[:1], scenario.reading)
+    (flown,) = plan.trajectories
+    ages = replace(flown, durations=1e9 * flown.durations)
+    builder.take_plan(replace(plan, trajectories=(ages,)))
+    (line,) = builder.update(SceneSignals(state(0.0, apart()))).group("plan")
+    assert len(line.points) == MOST_STEPS + 1
+    np.testing.assert_allclose(line.points[-1], scenario.waypoints[0].waypoints[-1].pos, atol=1e-3)
 
 
 def test_a_new_plan_takes_the_place_of_the_one_before_for_all_vehicles():

@@ -9,6 +9,7 @@ import rclpy
 from rclpy.client import Client
 from rclpy.executors import Executor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
@@ -32,7 +33,7 @@ def ask(service: str, confirm: Callable[[], bool]) -> Reply:
     `confirm` is called once the service is found, and returns whether to call it.
     """
     restrict(os.environ)
-    rclpy.init(args=[])
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)  # a signal ends the wait
     try:
         return _asked(Node("procedure_call"), service, confirm)
     finally:

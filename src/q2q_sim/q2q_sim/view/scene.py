@@ -14,6 +14,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +57,10 @@ TEXT_ABOVE = 0.12
 FORCE_SHOWN = 0.01
 """Smallest downwash that is drawn [m/s^2]: a thousandth of g."""
 PLAN_STEP = 0.1
-"""Time between points of a planned path [s]."""
+"""Time between points of a planned path [s], if that is no more than MOST_STEPS."""
+ROUNDING = 1e-6
+MOST_STEPS = 3000
+"""Most parts of a planned path: five minutes in full."""
 THIN, THICK = 0.008, 0.02
 """Widths of lines and arrows [m]."""
 
@@ -120,7 +124,8 @@ class SceneBuilder:
         """Set the plan to draw, in place of the one before."""
         self._plans.clear()
         for name, curve in zip(plan.names, plan.trajectories, strict=True):
-            times = np.arange(0.0, curve.duration + PLAN_STEP, PLAN_STEP).clip(max=curve.duration)
+            steps = ceil(min(curve.duration / PLAN_STEP - ROUNDING, MOST_STEPS))
+            times = np.linspace(0.0, curve.duration, steps + 1)
             self._plans[name] = tuple(point_of(row) for row in curve.at(times)[:, :3])
 
     def update(self, seen: SceneSignals) -> Scene:
