@@ -1,5 +1,6 @@
 """`call --on-enter` calls its service when Enter is pressed; no call waits for a node that is gone."""
 
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -31,10 +32,18 @@ class Pilot:
     """Service that counts its calls."""
 
     called: list[str] = field(default_factory=list)
+    asked: Event = field(default_factory=Event)
+    may_answer: Event = field(default_factory=Event)
+
+    def __post_init__(self) -> None:
+        """Answer at once."""
+        self.may_answer.set()
 
     def answer(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Grant the call."""
         self.called.append("emergency")
+        self.asked.set()
+        self.may_answer.wait(PATIENCE_S)
         response.success, response.message = True, "motors stopped"
         return response
 
@@ -86,6 +95,20 @@ def test_the_end_of_the_input_calls_nothing(pilot: Pilot) -> None:
     _, error = (process := waiting_call()).communicate("", timeout=PATIENCE_S)
     assert (error.strip(), process.returncode) == ("radio/emergency: not sent", 1)
     assert pilot.called == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_call_in_one_line_that_says_that_it_goes_on(pilot: Pilot, number: int) -> None:
+    pilot.may_answer.clear()
+    process = waiting_call()
+    assert process.stdin is not None
+    process.stdin.write("\n")
+    process.stdin.flush()
+    assert pilot.asked.wait(PATIENCE_S)
+    process.send_signal(number)
+    _, error = process.communicate(timeout=PATIENCE_S)
+    pilot.may_answer.set()
+    assert (error.strip(), process.returncode) == ("call: interrupted; the call goes on", 130)
 
 
 class Silent:

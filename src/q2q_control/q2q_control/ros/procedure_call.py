@@ -1,6 +1,6 @@
 """Blocking call of a Trigger service."""
 
-import os
+import signal
 from collections.abc import Callable
 from math import inf
 from time import monotonic
@@ -9,14 +9,12 @@ import rclpy
 from rclpy.client import Client
 from rclpy.executors import Executor
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from q2q_control.flight_procedure.steps import Call
-from q2q_model.node.loopback import restrict
 from q2q_model.node.reply import Reply
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.run import make_executor, start_ros
 
 SERVED_S = 10.0
 """Longest wait for the service [s]."""
@@ -31,9 +29,12 @@ def ask(service: str, confirm: Callable[[], bool]) -> Reply:
     """Return the answer of a service, or a refusal if it does not exist.
 
     `confirm` is called once the service is found, and returns whether to call it.
+
+    Raises:
+        KeyboardInterrupt: on SIGINT or SIGTERM.
     """
-    restrict(os.environ)
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)  # a signal ends the wait
+    start_ros([])
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return _asked(Node("procedure_call"), service, confirm)
     finally:
