@@ -84,6 +84,8 @@ def test_who_reads_no_accelerometers_changes_nothing_else() -> None:
     [
         (("cf1", "cf9"), 0.3, "command for cf9: no such vehicle; flying are cf1, cf2, cf3"),
         (("cf2",), np.nan, "cf2 is not finite"),
+        (("cf2",), 1e100, "cf2 is not finite as float32 in degrees"),
+        (("cf1", "cf2"), -1e200, "cf1 is not finite"),  # its square overflows
     ],
 )
 def test_a_bad_command_is_refused_by_name_and_nothing_moves(

@@ -10,7 +10,6 @@ the same scenario, seed and commands give the same numbers to the last bit. Noth
 `imu`, which is called in every tick or in none: a call draws the noise of one tick.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -43,6 +42,8 @@ TICK_NS = 10_000_000
 TICK_S = time_from_stamp(TICK_NS)
 STEPS = PHYSICS_RATE // 100
 """Physics steps a tick."""
+LARGEST = float(np.radians(np.finfo(np.float32).max))
+"""Magnitude of a command [N, rad, rad/s] from which a packet does not hold it: float32, angles in degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,13 +138,14 @@ class Room:
         """Advance by one tick; `command` is None if none arrived.
 
         Raises:
-            ValueError: the command is for a vehicle that does not exist, or is not finite; nothing has moved.
+            ValueError: the command is for a vehicle that does not exist, or is not finite in a packet;
+                nothing has moved.
         """
         self.capture()  # captured once every tick, so that the noise does not depend on the callers
         now_ns = self._tick * TICK_NS
         if command is not None:
             rows, values = self._rows_of(command), command_values(command)
-            if not math.isfinite(np.vdot(values, values)):
+            if not np.vdot(values, values) < LARGEST**2:
                 self._check_finite(command.names, values.T)
             self._radio.send(now_ns, rows, values, self._faults.jammed(now_ns))
         applied = self._radio.applied(now_ns, TICK_NS // STEPS, STEPS)
@@ -177,10 +179,11 @@ class Room:
         return rows
 
     def _check_finite(self, names: Names, values: Array) -> None:
-        bad = ~np.isfinite(values).all(axis=1)
+        bad = ~(np.abs(values) < LARGEST).all(axis=1)
         if bad.any():
             who = names[int(np.argmax(bad))]
-            raise ValueError(f"command for {who} is not finite: {values[bad][0]}; send finite numbers")
+            given = f"command for {who} is not finite as float32 in degrees: {values[bad][0]}"
+            raise ValueError(f"{given}; send finite numbers")
 
     def _true_downwash(self, truth: SwarmState) -> Interference:
         push = self._ambient.push(self._swarm.downwash())
