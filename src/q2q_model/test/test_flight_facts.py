@@ -61,6 +61,8 @@ def test_facts_that_are_not_there_are_empty_and_those_of_others_passed_over(
     [
         (["vehicle"], "fact 'vehicle': write name=value, the name one of vehicle, firmware, scenario"),
         (["pilot=me"], "fact 'pilot=me': write name=value"),
+        (["vehicle=crazyflie2_1"], "unknown vehicle 'crazyflie2_1'"),
+        (["vehicle=crazyflie_2_1", "firmware=stok"], "stok"),
         (["seed=1", "seed=2"], "fact seed is given twice: 1 and 2"),
     ],
 )

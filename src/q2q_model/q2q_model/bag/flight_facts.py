@@ -10,6 +10,9 @@ from pathlib import Path
 
 import yaml
 
+from q2q_model.vehicle.constants import vehicle_by_name
+from q2q_model.vehicle.thrust_map import STOCK
+
 METADATA = "metadata.yaml"
 
 
@@ -51,7 +54,7 @@ def facts_from_text(words: Iterable[str]) -> FlightFacts:
     """Return the facts in words such as `vehicle=crazyflie_2_1`.
 
     Raises:
-        ValueError: a word of another form, an unknown fact, or a fact given twice.
+        ValueError: a word of another form, an unknown fact or vehicle, or a fact given twice.
     """
     found: dict[str, str] = {}
     for word in words:
@@ -61,7 +64,10 @@ def facts_from_text(words: Iterable[str]) -> FlightFacts:
         if name in found:
             raise ValueError(f"fact {name} is given twice: {found[name]} and {value}")
         found[name] = value
-    return FlightFacts(**found)
+    facts = FlightFacts(**found)
+    if facts.vehicle:
+        vehicle_by_name(facts.vehicle, facts.firmware or STOCK)
+    return facts
 
 
 def facts_as_text(facts: FlightFacts) -> tuple[str, ...]:
