@@ -20,7 +20,7 @@ from fresh_checkout import ROOT
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from q2q_msgs.msg import Plan, Prediction
 from rclpy.clock import Clock
 from std_msgs.msg import String
@@ -122,6 +122,9 @@ SPOILED: dict[str, Callable[[], list[object]]] = {
     "Plan": plans,
     "Prediction": predictions,
     "String": lambda: [String(), String(data="[" * 100_000), String(data='{"format": "q2q-model"}')],
+    "DiagnosticStatus": lambda: [
+        DiagnosticStatus(message=step) for step in ("", "é" * 9000, "hover", "flight")
+    ],
     "NamedPoseArray": poses,
     "Status": lambda: [SimpleNamespace(supervisor_info=65535, battery_voltage=math.nan)],
     "LogDataGeneric": lambda: [SimpleNamespace(values=values) for values in ([], [math.nan] * 3, [1.0] * 9)],
