@@ -17,7 +17,7 @@ from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.scenario_facts import flown_faults
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_planned_end, with_unknown_end
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_end
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.replay_page import replay_html, replay_run
@@ -45,7 +45,7 @@ class FlightResult:
     """Messages of a simulated flight, as its nodes would publish them."""
     scenario: Scenario | None = None
     """Scenario of a simulated flight."""
-    cut: bool = False
+    is_cut: bool = False
     """Whether the bag that it was read from was cut off, so that its end is unknown."""
 
     def __repr__(self) -> str:
@@ -70,9 +70,7 @@ class FlightResult:
     def verdict(self) -> FlightVerdict:
         """Return whether the flight went well, and what did not; `str` gives one line."""
         verdict = verdict_of(self.arrays, Circumstances(vehicle=self.vehicle, faults=self.faults))
-        if self.cut:
-            return with_unknown_end(verdict, self.arrays)
-        return with_planned_end(verdict, self.arrays, self.facts.duration)
+        return with_end(verdict, self.arrays, self.facts.duration, is_cut=self.is_cut)
 
     def plot(self, kind: FigureKind = "altitude", vehicle: str = "") -> Figure:
         """Return a figure of one vehicle over time; see `q2q.plot`."""
@@ -118,8 +116,8 @@ def read_bag(path: Path | str, vehicle: str = "") -> FlightResult:
     flown = flown_vehicle(Path(path), vehicle)
     if flown.note:
         warnings.warn(flown.note, stacklevel=2)
-    cut = BagReader(path).is_cut
-    return FlightResult(flight, flown.vehicle, read_facts(path), flown_faults(Path(path)), cut=cut)
+    facts, faults = read_facts(path), flown_faults(Path(path))
+    return FlightResult(flight, flown.vehicle, facts, faults, is_cut=BagReader(path).is_cut)
 
 
 def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", vehicle: str = "") -> Figure:

@@ -113,6 +113,11 @@ def with_finding(verdict: FlightVerdict, finding: Finding) -> FlightVerdict:
     return replace(verdict, findings=tuple(found))
 
 
+def with_end(verdict: FlightVerdict, flight: Flight, planned: str, *, is_cut: bool) -> FlightVerdict:
+    """Return the verdict on all of a recording: one that was cut off, or was to last `planned` [s]."""
+    return with_unknown_end(verdict, flight) if is_cut else with_planned_end(verdict, flight, planned)
+
+
 def with_unknown_end(verdict: FlightVerdict, flight: Flight) -> FlightVerdict:
     """Return the verdict on a flight whose recording was cut off, by a kill or a full disk."""
     end = float(flight.t[-1])

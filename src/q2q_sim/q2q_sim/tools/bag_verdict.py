@@ -6,13 +6,11 @@ from q2q_model.bag import BagReader, read_facts
 from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.loop.scenario_facts import flown_faults
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_planned_end, with_unknown_end
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_end
 from q2q_sim.monitors.policies import Circumstances
 
 
 def bag_verdict(bag: Path, flight: Flight, vehicle: Vehicle) -> FlightVerdict:
     """Return the verdict on a flight of `vehicle`s up to the end of its bag."""
     verdict = verdict_of(flight, Circumstances(vehicle=vehicle, faults=flown_faults(bag)))
-    if BagReader(bag).is_cut:
-        return with_unknown_end(verdict, flight)
-    return with_planned_end(verdict, flight, read_facts(bag).duration)
+    return with_end(verdict, flight, read_facts(bag).duration, is_cut=BagReader(bag).is_cut)
