@@ -1,4 +1,4 @@
-"""A node that waits for others asks again, for who was asked may have been restarted."""
+"""A node that waits for others asks again: the node that was asked may have been restarted."""
 
 from dataclasses import dataclass, field
 

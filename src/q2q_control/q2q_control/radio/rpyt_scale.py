@@ -8,8 +8,7 @@
 | linear.z | thrust [PWM 0..60000] |
 
 Signs are those of a command; Crazyswarm2's servers take others (q2q_control.crazyswarm.message_conversion).
-Thrust is linear in PWM, by the table of vehicle and firmware (q2q_model.vehicle.thrust_map). This file and
-q2q_sim.link.radio are the only places with degrees and PWM.
+Thrust is linear in PWM, by the table of vehicle and firmware (q2q_model.vehicle.thrust_map).
 """
 
 from dataclasses import dataclass

@@ -9,8 +9,7 @@ On board, as in the Crazyflie firmware (crtp_commander_rpyt.c, commander.c):
 - thrust below 1000 PWM is set to 0, above 60000 to 60000.
 
 Watchdogs are checked once a tick. A packet carries angles as 32-bit floats in degrees and thrust as integer
-PWM; with `quantised` off it carries the exact command. Apart from q2q_control.radio.rpyt_scale,
-q2q_sim.link.packets is the only place with degrees and PWM.
+PWM; with `quantised` off it carries the exact command.
 """
 
 from dataclasses import dataclass

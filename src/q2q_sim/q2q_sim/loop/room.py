@@ -1,7 +1,7 @@
 """Simulated room: motion capture, inertial sensors, radio, faults and vehicles, advanced in 10 ms ticks.
 
     capture()          frame of VICON now, with the truth
-    imu()              readings of the inertial sensors now, for who uses or records them
+    imu()              readings of the inertial sensors now, computed only if they are used or recorded
     advance(command)   send the command of the tick over the radio, advance everything by one tick
 
 Delays: a controller knows only capture stamps, so a late frame and a late command are equivalent. The

@@ -2,7 +2,7 @@
 
 A vehicle can be in the jet of a source only within `reach` of it (q2q_sim.plant.jet_reach). The list holds
 all that would be within reach if both moved by SLACK and slopes and speeds rose by STEEPER and FASTER: until
-then nobody else is. Who is within reach is decided at each step among those of the list, in the order along x
+then nobody else is. Vehicles in reach are selected at each step among those of the list, in the order along x
 of that step, so that no result depends on when the list was made.
 
 Source: L. Verlet, Computer "experiments" on classical fluids, Physical Review 159, 1967.
