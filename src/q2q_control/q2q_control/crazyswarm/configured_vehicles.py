@@ -8,8 +8,8 @@ from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.radio.crazyflies import crazyflies_from_file, params_set
 from q2q_control.radio.firmware_params import firmware_params
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.signals.topic_name import check_topic_name
 from q2q_model.signals.values import Names
+from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.vehicle.constants import vehicle_by_name
 
 
@@ -24,7 +24,7 @@ def vehicle_names(params: CrazyswarmParams) -> Names:
     if not params.vehicles:
         raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
     for name in params.vehicles:
-        check_topic_name(name)
+        check_vehicle_name(name)
     return params.vehicles
 
 

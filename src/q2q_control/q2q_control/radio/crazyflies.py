@@ -15,8 +15,8 @@ from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.signals.topic_name import check_topic_name
 from q2q_model.signals.values import Names
+from q2q_model.signals.vehicle_name import check_vehicle_name
 
 Position = tuple[float, float, float]
 URI = "something like radio://0/80/2M/E7E7E7E701"
@@ -102,7 +102,7 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
 def _check(vehicles: Sequence[Crazyflie]) -> None:
     """Raise ValueError for a name that is none of a topic, and for a URI that is none or used twice."""
     for one in vehicles:
-        check_topic_name(one.name)
+        check_vehicle_name(one.name)
         if not one.uri.startswith(SCHEMES):
             raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
         twins = [other.name for other in vehicles if other.uri.lower() == one.uri.lower()]

@@ -13,8 +13,8 @@ from rclpy.publisher import Publisher
 
 from q2q_model.ros.topics.audience import Audience
 from q2q_model.signals.decimation import Decimation
-from q2q_model.signals.topic_name import TOPIC_NAME
 from q2q_model.signals.values import Names
+from q2q_model.signals.vehicle_name import VEHICLE_NAME
 
 QUEUE = 10
 ASK_EVERY_NS = 500_000_000
@@ -71,7 +71,7 @@ class VehiclePublishers:
 
     def _make(self, name: str) -> None:
         make, topics = self._node.create_publisher, self._topics
-        if topics and not TOPIC_NAME.fullmatch(name):
+        if topics and not VEHICLE_NAME.fullmatch(name):
             allowed = "letters, digits and _, a letter first"
             self._node.get_logger().warning(f"no {name!r}/{'|'.join(topics)}: topics have {allowed}")
             topics = {}

@@ -7,7 +7,7 @@ from math import isnan, nan, tau
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
-from q2q_model.signals.topic_name import check_topic_name
+from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
@@ -70,7 +70,7 @@ def timed_swarm(
 
 
 def _vehicle(name: str, rows: tuple[object, ...], limits: FlightLimits, reading: Reading) -> VehicleWaypoints:
-    check_topic_name(name)
+    check_vehicle_name(name)
     read = [from_plain(_Row, row, f"{name}, waypoint {index}") for index, row in enumerate(rows)]
     _check_turns(name, read)
     missing = [index for index, row in enumerate(read) if isnan(row.t)]

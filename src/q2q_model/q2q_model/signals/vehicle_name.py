@@ -2,14 +2,14 @@
 
 import re
 
-TOPIC_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+VEHICLE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 """Names that can begin a topic (a token of ROS 2 topic names) or the name of a file."""
 LONGEST_SHOWN = 40
 """Most characters of a wrong name in a message."""
 
 
-def check_topic_name(name: str) -> None:
+def check_vehicle_name(name: str) -> None:
     """Raise ValueError for a vehicle's name that cannot begin a topic."""
-    if not TOPIC_NAME.fullmatch(name):
+    if not VEHICLE_NAME.fullmatch(name):
         allowed = "a name is a letter, then letters, digits and _"
         raise ValueError(f"vehicle {name[:LONGEST_SHOWN]!r}: {allowed}")
