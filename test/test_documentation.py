@@ -22,8 +22,8 @@ from fresh_checkout import ROOT
 from q2q_model.commands.command_line import CommandLine
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.tunable import tunable_of
+from q2q_sim.bag_topics.topics import LATCHED_TYPES, is_latched
 from q2q_sim.commands.docs import OUT
-from q2q_sim.loop.topics import LATCHED_TYPES, is_latched
 from q2q_sim.processes.processes import find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.tools.node_pages import out_of_date, pages, table

@@ -15,8 +15,8 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_end
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal

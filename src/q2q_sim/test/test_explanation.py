@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from q2q_model.bag import FlightFacts, read_flight
+from q2q_sim.bag_topics.scenario_facts import flown_scenario
 from q2q_sim.commands.explain import main
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure, keep_run
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
@@ -25,7 +26,6 @@ from q2q_sim.experiments.explanation.score import answer_accidents, score_json, 
 from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares, standard_error
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.assembly import Options
-from q2q_sim.loop.scenario_facts import flown_scenario
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_air

@@ -18,7 +18,7 @@ from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.loop.topics import LATCHED_TYPES
+from q2q_sim.bag_topics.topics import LATCHED_TYPES
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
 from q2q_sim.ros.bag_record_node import Recorder

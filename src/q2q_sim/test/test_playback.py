@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_sim.loop.playback import Playback, check_answer, check_start
+from q2q_sim.bag_topics.playback import Playback, check_answer, check_start
 
 SECONDS = range(0, 4_000_000_000, 1_000_000_000)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_sim.loop.recorded_topics import recorded_types, silent_topics_note
+from q2q_sim.bag_topics.recorded_topics import recorded_types, silent_topics_note
 
 POSE = "geometry_msgs/msg/PoseStamped"
 

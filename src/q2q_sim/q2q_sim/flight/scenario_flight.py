@@ -13,13 +13,13 @@ from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
+from q2q_sim.bag_topics.scenario_facts import scenario_facts
+from q2q_sim.bag_topics.topics import PREDICTION_TYPE, PREDICTIONS
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
 from q2q_sim.flight.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.loop import assembly
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.scenario_air import air_of
-from q2q_sim.loop.scenario_facts import scenario_facts
-from q2q_sim.loop.topics import PREDICTION_TYPE, PREDICTIONS
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_finding, with_lost_ticks
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances

@@ -49,7 +49,7 @@ class FlightOptions:
     correct: ResidualProcess | None = None
     """Residual of the model that the controller corrects by accelerometers; None corrects nothing."""
     on_signal: Listener = ignore_signals
-    """Called with every signal of q2q_sim.loop.topics, as a recorder of the nodes' topics."""
+    """Called with every signal of q2q_sim.bag_topics.topics, as a recorder of the nodes' topics."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,9 +28,9 @@ from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.bag_topics.playback import PAUSE_S, TICK_TOPIC, Playback, check_answer, check_start
+from q2q_sim.bag_topics.topics import TYPE_NAMES, has_one_writer, is_latched
 from q2q_sim.loop.lockstep import ResendTimer
-from q2q_sim.loop.playback import PAUSE_S, TICK_TOPIC, Playback, check_answer, check_start
-from q2q_sim.loop.topics import TYPE_NAMES, has_one_writer, is_latched
 
 CLOCK = "/clock"
 ANSWER = "answer"

@@ -34,8 +34,8 @@ from q2q_model.signals.cdr import encode, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.loop.recorded_topics import recorded_types, silent_topics_note
-from q2q_sim.loop.topics import TYPE_NAMES, is_latched
+from q2q_sim.bag_topics.recorded_topics import recorded_types, silent_topics_note
+from q2q_sim.bag_topics.topics import TYPE_NAMES, is_latched
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,8 +23,8 @@ from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import TICK_TOPICS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
+from q2q_sim.bag_topics.topics import TYPE_NAMES
 from q2q_sim.loop import assembly
-from q2q_sim.loop.topics import TYPE_NAMES
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.stand_in import Declared, RecordedPort, StandInNode
 from q2q_sim.scenarios import library

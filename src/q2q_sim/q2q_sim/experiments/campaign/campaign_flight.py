@@ -14,12 +14,12 @@ from q2q_model.bag import BagWriter
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.layout import Signal
+from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.experiments.campaign.violation_replay import write_replay
 from q2q_sim.loop.assembly import MODES
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
-from q2q_sim.loop.scenario_facts import scenario_facts
 from q2q_sim.monitors.policies import (
     Circumstances,
     Evidence,

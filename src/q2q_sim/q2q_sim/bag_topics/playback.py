@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from q2q_model.nearest_name import name_hint
-from q2q_sim.loop.topics import TYPE_NAMES
+from q2q_sim.bag_topics.topics import TYPE_NAMES
 
 TICK_TOPIC = "mocap"
 """Topic whose messages are the ticks in lockstep."""

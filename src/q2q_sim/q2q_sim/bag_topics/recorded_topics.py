@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 from q2q_model.bag.storage.definitions import definition_of, jazzy_types
-from q2q_sim.loop.topics import TYPE_NAMES
+from q2q_sim.bag_topics.topics import TYPE_NAMES
 
 HEADER = "std_msgs/msg/Header"
 
