@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.processes.warm_start import say_in_a_line
+from q2q_sim.processes.preloaded_fork import say_in_a_line
 
 NODES = 7
 ORPHAN = """
 import os
-from q2q_sim.processes.warm_start import join_session
+from q2q_sim.processes.preloaded_fork import join_session
 
 alive, held = os.pipe()
 if os.fork() == 0:  # the warm parent's part: it dies before its fork settles

@@ -4,7 +4,7 @@ import numpy as np
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.identification.flight_evidence import FlightEvidence
+from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
 from q2q_model.identification.force.recorded_force import push_of_sensors
@@ -36,10 +36,10 @@ def terms() -> list[FlightTerms]:
     return [flight_terms(one, LOOP, REACH) for one in records()]
 
 
-def evidence() -> list[FlightEvidence]:
+def evidence() -> list[DownwashEvidence]:
     """Return the made flights with the pushes that their sensors show."""
     return [
-        FlightEvidence((record,), tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)
+        DownwashEvidence((record,), tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)
     ]
 
 

@@ -14,7 +14,7 @@ from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import RoleScores
 from q2q_model.flights.flight import of_vehicle
 from q2q_model.flights.flight_and_log import Recording
-from q2q_model.identification.flight_evidence import FlightEvidence, has_exposure, is_lower, largest_gap
+from q2q_model.identification.downwash_evidence import DownwashEvidence, has_exposure, is_lower, largest_gap
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.identification import ProcedureParams, identify
@@ -24,7 +24,7 @@ from q2q_model.identification.selection.candidates import (
     candidates,
     score_candidates,
 )
-from q2q_model.identification.selection.held_out import model_doubts, score_held_out, score_on
+from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
 from q2q_model.signals.values import Array, SwarmState
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -73,7 +73,7 @@ def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():
 def test_held_out_flights_are_scored_by_a_model_that_has_not_seen_them():
     seen: list[set[str]] = []
 
-    def fit(flights: list[FlightEvidence]) -> NoInteraction:
+    def fit(flights: list[DownwashEvidence]) -> NoInteraction:
         seen.append({one.name for one in flights})
         return NoInteraction()
 

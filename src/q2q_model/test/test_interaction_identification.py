@@ -12,7 +12,7 @@ from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification import identification as identification_module
-from q2q_model.identification.flight_evidence import FlightEvidence
+from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
@@ -224,7 +224,9 @@ def test_a_late_downwash_is_found_with_its_speed():
         replace(one, law=MEASURED_LAW, speed=speed) for one, speed in zip(FLOWN, (0.5, 1.0, 0.8), strict=True)
     ]
     shifted = [_delayed(pushes(one)) for one in late]
-    flights = [FlightEvidence((record,), tuple(one)) for record, one in zip(records(), shifted, strict=True)]
+    flights = [
+        DownwashEvidence((record,), tuple(one)) for record, one in zip(records(), shifted, strict=True)
+    ]
     fit = fit_jet(flights, LOOP, JetForm("exponential", carried=0.0, delayed=True, spreading=False))
     assert fit.jet.travel_speed == pytest.approx(MEASURED_LAW.travel_speed, rel=0.1)
     assert fit.jet.strength == pytest.approx(2.5, rel=0.05)

@@ -17,7 +17,7 @@ from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
-from q2q_model.identification.flight_evidence import FlightEvidence, largest_gap
+from q2q_model.identification.downwash_evidence import DownwashEvidence, largest_gap
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
 from q2q_model.identification.force.loading import loading_of
 from q2q_model.identification.force.recorded_force import force_record, lag_note
@@ -39,7 +39,7 @@ from q2q_model.identification.selection.candidates import (
     score_candidates,
     with_deviation,
 )
-from q2q_model.identification.selection.held_out import Score, model_doubts, score_on
+from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, Vehicle
 
@@ -63,7 +63,7 @@ class ProcedureParams:
 class Identification:
     """Result of an identification."""
 
-    evidence: tuple[FlightEvidence, ...]
+    evidence: tuple[DownwashEvidence, ...]
     gains: GainFit
     decay: DecayFit | None
     trials: tuple[Trial, ...]
@@ -98,7 +98,7 @@ def identify(
     on_step("pushes")
     pushes, told = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
-    evidence = [FlightEvidence(*pair) for pair in zip(known, pushes, strict=True)]
+    evidence = [DownwashEvidence(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
     decay, no_decay = _decay(records)
     omitted = remarks_on_networks(params.model_type, evidence)
@@ -149,7 +149,7 @@ def _file(
     return ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit, residual=process)
 
 
-def _fit(best: Trial, train: Score, evidence: Sequence[FlightEvidence]) -> Fit:
+def _fit(best: Trial, train: Score, evidence: Sequence[DownwashEvidence]) -> Fit:
     return Fit(
         method=best.candidate.name,
         flights=tuple(one.name for one in evidence),

@@ -12,7 +12,7 @@ from q2q_model import palette
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
-from q2q_model.identification.flight_evidence import every_record, is_lower, motion_along
+from q2q_model.identification.downwash_evidence import every_record, is_lower, motion_along
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed

@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     require_existing("flight", *(args.real or []))
-    from q2q_sim.processes.warm_start import start_warm_parent
+    from q2q_sim.processes.preloaded_fork import start_warm_parent
 
     start_warm_parent()  # it imports in parallel
     if args.real is not None:

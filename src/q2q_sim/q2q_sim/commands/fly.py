@@ -50,7 +50,7 @@ def _prepare(args: Namespace) -> Work:
     if args.bag and args.bag.exists():
         raise ValueError(f"bag {args.bag} exists: choose another folder or delete it")
     if not args.list:
-        from q2q_sim.processes.warm_start import start_warm_parent
+        from q2q_sim.processes.preloaded_fork import start_warm_parent
 
         print(f"fly: {args.real or args.scenario}: starting", file=sys.stderr, flush=True)
         start_warm_parent()  # it imports in parallel

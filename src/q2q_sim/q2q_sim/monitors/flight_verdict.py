@@ -25,7 +25,7 @@ from q2q_sim.monitors.metrics import tick_period
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.closeness import separation
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.evidence_of_flight import evidence_of_flight
+from q2q_sim.monitors.policies.evidence_from_arrays import evidence_from_arrays
 from q2q_sim.monitors.policies.floor import floor, touches_floor
 from q2q_sim.monitors.policies.tracking import room
 
@@ -86,7 +86,7 @@ def verdict_of(
     """
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
-    evidence = evidence_of_flight(flight)
+    evidence = evidence_from_arrays(flight)
     broken = judge(evidence, circumstances, IN_FLIGHT)
     found = [
         *(Finding(one.t, _words(one)) for one in broken),

@@ -1,1 +1,1 @@
-"""Node processes: start, warm start, cores, ROS domain, interruption."""
+"""Node processes: start, preloaded forks, cores, ROS domain, interruption."""

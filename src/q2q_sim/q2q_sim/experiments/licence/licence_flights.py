@@ -28,7 +28,7 @@ from q2q_sim.experiments.licence.program_flight import (
     received_log,
 )
 from q2q_sim.experiments.licence.trials import LicenceTrial
-from q2q_sim.processes.warm_start import start_warm_parent
+from q2q_sim.processes.preloaded_fork import start_warm_parent
 from q2q_sim.sensors.range_finder import RoomBox
 
 MOST_VEHICLES = 15

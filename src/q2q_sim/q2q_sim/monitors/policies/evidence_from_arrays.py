@@ -7,7 +7,7 @@ from q2q_sim.monitors.metrics import best_position
 from q2q_sim.monitors.policies.evidence import Evidence
 
 
-def evidence_of_flight(flight: Flight) -> Evidence:
+def evidence_from_arrays(flight: Flight) -> Evidence:
     """Return the evidence in a flight's arrays.
 
     Positions are the true ones, else the filtered ones. A flight has neither recording times nor ages of

@@ -20,7 +20,7 @@ GAPS = (0.1, 1.2)
 
 
 @dataclass(frozen=True, slots=True)
-class FlightEvidence:
+class DownwashEvidence:
     """Evidence of one flight: altitudes, and forces if sensors and commands were recorded."""
 
     records: tuple[AltitudeRecord, ...]
@@ -38,7 +38,7 @@ def motion_along(record: AltitudeRecord) -> Motion:
     return Motion(record.t, record.pos, record.vel, record.axis)
 
 
-def every_record(flights: Sequence[FlightEvidence]) -> list[AltitudeRecord]:
+def every_record(flights: Sequence[DownwashEvidence]) -> list[AltitudeRecord]:
     """Return the records of all flights."""
     return [record for flight in flights for record in flight.records]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.model_file import RoleScores
-from q2q_model.identification.flight_evidence import FlightEvidence, is_lower, motion_along
+from q2q_model.identification.downwash_evidence import DownwashEvidence, is_lower, motion_along
 from q2q_model.identification.force.along_flight import eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.gains.command_gains import GainFit
@@ -25,7 +25,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 MOST_FOLDS = 3
 """Most folds; each costs a fit to at least two thirds of the flights."""
 
-Fitter = Callable[[Sequence[FlightEvidence]], InteractionModel]
+Fitter = Callable[[Sequence[DownwashEvidence]], InteractionModel]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class _Sums:
     """(2, missed total)."""
 
 
-def model_doubts(gains: GainFit, held_out: Score, evidence: Sequence[FlightEvidence]) -> list[str]:
+def model_doubts(gains: GainFit, held_out: Score, evidence: Sequence[DownwashEvidence]) -> list[str]:
     """Return why a model with this score is not to be flown with, as far as its flights show it."""
     found = []
     known = gains.k_p.is_positive and gains.k_d.is_positive
@@ -68,7 +68,7 @@ def model_doubts(gains: GainFit, held_out: Score, evidence: Sequence[FlightEvide
     return found
 
 
-def score_held_out(fit: Fitter, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> Score:
+def score_held_out(fit: Fitter, flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> Score:
     """Return the score on held-out flights; empty for a single flight."""
     folds = min(MOST_FOLDS, len(flights))
     if folds < 2:
@@ -80,12 +80,12 @@ def score_held_out(fit: Fitter, flights: Sequence[FlightEvidence], loop: Altitud
     return _score(parts)
 
 
-def score_on(model: InteractionModel, flights: Sequence[FlightEvidence], loop: AltitudeLoop) -> Score:
+def score_on(model: InteractionModel, flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> Score:
     """Return the score of a model on flights."""
     return _score([_sums(model, one, loop) for one in flights])
 
 
-def _sums(model: InteractionModel, flight: FlightEvidence, loop: AltitudeLoop) -> _Sums:
+def _sums(model: InteractionModel, flight: DownwashEvidence, loop: AltitudeLoop) -> _Sums:
     altitude, push = np.zeros((2, 3)), np.zeros((2, 2))
     for record in flight.records:
         free = record.deviation - undisturbed(record, loop)
