@@ -18,9 +18,9 @@ from q2q_control.onboard.app_folder import CORE, write_app
 from q2q_control.onboard.model_header import STALE_S, AppRates, UnsupportedModelError, model_header
 from q2q_control.onboard.native_app import FLAGS, NativeApp, StepInput, compile_app
 from q2q_model.bag.recorded_flight import read_flight
+from q2q_model.downwash.corrected_predictor import ResidualCorrector
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.downwash.predict_and_correct import PredictAndCorrect
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.model_file import ModelFile
@@ -157,7 +157,7 @@ def test_the_app_corrects_as_python_does() -> None:
         np.random.default_rng(1),
         ("cf1",),
     )
-    python, memory = PredictAndCorrect(process), (ctypes.c_float * 5)(0.0, process.floor**2)
+    python, memory = ResidualCorrector(process), (ctypes.c_float * 5)(0.0, process.floor**2)
     app.q2q_residual.restype = ctypes.c_float
     eta = np.float32(np.where(np.arange(600) % 200 < 100, 0.0, -1.5) + 0.02 * rng.standard_normal(600))
     push = np.float32(eta + 0.2 + 0.3 * rng.standard_normal(600))

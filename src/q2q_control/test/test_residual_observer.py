@@ -12,12 +12,12 @@ from q2q_control.disturbance.residual_observer import (
     HEIGHT,
     HEIGHT_STD,
     OFFSET,
-    OFFSET_S,
     OFFSET_STD,
     RESIDUAL,
     ResidualObserver,
     steady_gain,
 )
+from q2q_model.downwash.corrected_predictor import OFFSET_S
 from q2q_model.downwash.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array, SwarmImu

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from q2q_model.downwash.corrected_predictor import CorrectedPredictor, ResidualCorrector
 from q2q_model.downwash.jet import Jet
-from q2q_model.downwash.predict_and_correct import CorrectedPredictor, PredictAndCorrect
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
 from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
@@ -109,7 +109,7 @@ def prediction(t: float, eta: float) -> Interference:
 
 def corrected(delay: int, ticks: int = 5000) -> tuple[Array, Array, Array]:
     """Return the residual, what is left after the correction and the deviation claimed, (ticks,)."""
-    block, rng = PredictAndCorrect(PROCESS), np.random.default_rng(5)
+    block, rng = ResidualCorrector(PROCESS), np.random.default_rng(5)
     eta = -2.0 * np.ones(ticks)
     residual = PROCESS.std(eta) * unit_process(rng, ticks)
     seen = eta + residual + PROCESS.noise * rng.standard_normal(ticks)
@@ -132,7 +132,7 @@ def test_the_correction_leaves_what_it_claims_and_less_than_the_model_alone(dela
 
 
 def test_an_offset_seen_in_clear_air_is_no_residual_under_the_wake() -> None:
-    block = PredictAndCorrect(PROCESS)
+    block = ResidualCorrector(PROCESS)
     for k in range(2000):
         block.update(prediction(STEP * k, 0.0))
         block.measure(STEP * k, NAMES, np.array([0.25, 0.0]))
@@ -147,7 +147,7 @@ def test_a_vehicle_that_appears_or_vanishes_changes_nothing_of_the_others(name: 
     """`top` has an offset of 0.2 m/s^2 and a residual; beside it one vanishes, or comes."""
 
     def answers(names_at: Callable[[int], Names]) -> list[Interference]:
-        block, found = PredictAndCorrect(PROCESS), []
+        block, found = ResidualCorrector(PROCESS), []
         for k in range(1000):
             names, n = names_at(k), len(names_at(k))
             acc, std = np.zeros((n, 3)), np.full((n, 3), 0.5)
@@ -169,7 +169,7 @@ def test_a_vehicle_that_appears_or_vanishes_changes_nothing_of_the_others(name: 
 
 
 def test_nothing_old_unknown_or_invalid_corrects() -> None:
-    block = PredictAndCorrect(PROCESS)
+    block = ResidualCorrector(PROCESS)
     assert block.update(prediction(0.0, -2.0)).acc[0, 2] == -2.0  # nothing measured
     block.measure(0.0, NAMES, np.array([-1.0, np.nan]))
     block.measure(0.0, NAMES, np.array([9.0, 9.0]))  # not later than the last

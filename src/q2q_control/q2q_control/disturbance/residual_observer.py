@@ -33,6 +33,7 @@ import numpy as np
 
 from q2q_control.disturbance.observer import GAP_MAX, Measurement
 from q2q_model.compiled import compiled
+from q2q_model.downwash.corrected_predictor import OFFSET_S
 from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
 from q2q_model.signals.values import Array, Mask, Names, rows_by_name
 
@@ -42,8 +43,6 @@ CLIMB_STD = 0.1
 """Deviation of the first climb rate [m/s]: that of the mocap filter on its first track."""
 OFFSET_STD = 0.3
 """Deviation of the first offset, and of its change within OFFSET_S [m/s^2]: 0.1 to 0.3 in real flights."""
-OFFSET_S = 5.0
-"""Time in which an offset may change [s]: shorter than a battery's discharge, longer than a passage."""
 HEIGHT, CLIMB, RESIDUAL, OFFSET = range(4)
 """Columns of the state."""
 

@@ -7,7 +7,7 @@ from time import monotonic
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.downwash.predict_and_correct import CorrectedPredictor
+from q2q_model.downwash.corrected_predictor import CorrectedPredictor
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model

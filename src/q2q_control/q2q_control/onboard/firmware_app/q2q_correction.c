@@ -1,4 +1,4 @@
-/* Residual of the model, estimated from measured pushes: q2q_model.downwash.predict_and_correct, along z.
+/* Residual of the model, estimated from measured pushes: q2q_model.downwash.corrected_predictor, along z.
 
      y = eta + b + r + noise,   r an Ornstein-Uhlenbeck process:   E r^2 = (floor + slope |eta|)^2,  time T */
 #include <math.h>

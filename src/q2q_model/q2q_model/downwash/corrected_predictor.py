@@ -48,7 +48,7 @@ OFFSET_S = 5.0
 """Time constant of b [s]: shorter than a battery's discharge, longer than a passage."""
 
 
-class PredictAndCorrect:
+class ResidualCorrector:
     """Corrector of predictions by measured pushes."""
 
     def __init__(self, process: ResidualProcess) -> None:
@@ -132,7 +132,7 @@ class CorrectedPredictor:
 
     def __init__(self, predictor: InteractionPredictor, process: ResidualProcess, vehicle: Vehicle) -> None:
         self._predictor, self._push = predictor, MeasuredPush(vehicle)
-        self._corrector = PredictAndCorrect(process)
+        self._corrector = ResidualCorrector(process)
 
     def reset(self) -> None:
         """Forget the past."""
