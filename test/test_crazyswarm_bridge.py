@@ -1,4 +1,4 @@
-"""The bridge to Crazyswarm2: poses in both versions, full states, sticks of both servers, absent packages."""
+"""Bridge to Crazyswarm2: poses in both versions, full states, RPYT setpoints, absent packages."""
 
 import math
 import sys
@@ -16,7 +16,7 @@ from geometry_msgs.msg import Point
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.message_conversion import NamedPose, frame_of, legacy_twists, poses_of
 from q2q_control.radio.crazyflies import crazyflies_from_document
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.ros.controller_wiring import LegacyTopics
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
@@ -181,9 +181,9 @@ def one_command() -> SwarmCommand:
 
 
 @pytest.mark.parametrize(("backend", "turned"), [("cpp", -1.0), ("cflib", 1.0)])
-def test_both_servers_put_the_same_stick_on_the_wire(backend: str, turned: float) -> None:
+def test_both_servers_put_the_same_rpyt_setpoint_on_the_wire(backend: str, turned: float) -> None:
     """Cpp sends pitch = -linear.x as it is; the other gives -linear.x to cflib, which turns it again."""
-    x, y, yaw_rate, pwm = legacy_twists(one_command(), LegacyScale(0.48), backend)[0]
+    x, y, yaw_rate, pwm = legacy_twists(one_command(), RpytScale(0.48), backend)[0]
     wire_pitch = turned * x
     assert wire_pitch == pytest.approx(-math.degrees(0.2))  # legacy: nose up is positive
     assert (y, yaw_rate, pwm) == (
@@ -194,7 +194,7 @@ def test_both_servers_put_the_same_stick_on_the_wire(backend: str, turned: float
 
 
 @pytest.mark.usefixtures("packages")
-def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rpyt_setpoints_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.MonkeyPatch) -> None:
     node = _Node(mode="command", backend="cflib")
     Crazyswarm(node)
     node.give(one_command())
@@ -207,7 +207,7 @@ def test_sticks_are_sent_once_the_procedure_lets_them(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.usefixtures("packages")
-def test_a_stick_that_is_not_finite_is_not_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_rpyt_setpoint_that_is_not_finite_is_not_sent(monkeypatch: pytest.MonkeyPatch) -> None:
     node = _Node(mode="command")
     Crazyswarm(node)
     monkeypatch.setattr(ProcedureServices, "streams", True)
@@ -215,10 +215,10 @@ def test_a_stick_that_is_not_finite_is_not_sent(monkeypatch: pytest.MonkeyPatch)
     assert [len(node.out[f"{name}/cmd_vel_legacy"].messages) for name in NAMES] == [1, 0]
 
 
-def test_a_controllers_own_sticks_are_those_that_the_default_server_takes() -> None:
+def test_a_controllers_own_rpyt_setpoints_are_those_that_the_default_server_takes() -> None:
     """Positive angular.z turned vehicles the other way: the server passes it on as the rate to the right."""
     node = _Node()
-    LegacyTopics(node, LegacyScale(0.48), 10.0, NAMES).publish(STAMP_NS, one_command())
+    LegacyTopics(node, RpytScale(0.48), 10.0, NAMES).publish(STAMP_NS, one_command())
     (twist,) = node.out["cf2/cmd_vel_legacy"].messages
     assert (twist.linear.x, twist.linear.y, twist.linear.z, twist.angular.z) == (
         pytest.approx(math.degrees(0.2)),
@@ -226,7 +226,7 @@ def test_a_controllers_own_sticks_are_those_that_the_default_server_takes() -> N
         40959.0,  # 0.3 / 0.48 of 65535
         pytest.approx(-math.degrees(0.4)),
     )
-    server = tuple(legacy_twists(one_command(), LegacyScale(0.48), CrazyswarmParams().backend)[1])
+    server = tuple(legacy_twists(one_command(), RpytScale(0.48), CrazyswarmParams().backend)[1])
     assert (twist.linear.x, twist.linear.y, twist.angular.z, twist.linear.z) == server
 
 

@@ -21,7 +21,7 @@ from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import CflibSender, LinkHealth
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_pilot import RadioPilot
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import full_states, level_rpyt, rpyt_setpoints
 from q2q_control.radio.vehicle_record import Phase
 from q2q_model.files.find_model import find_model
@@ -91,15 +91,15 @@ class _Road:
 
 
 def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", seed: int = 0) -> Array:
-    """Return every vehicle's height error [m], (T, n), of a flight by stick or by full state."""
+    """Return every vehicle's height error [m], (T, n), of a flight by RPYT setpoint or by full state."""
     model = find_model(scenario.model).interaction
     blocks = blocks_of(scenario, Options(mode), model)
     road = _Road(scenario, seed, positioning)
-    names, scale = scenario.names, LegacyScale(scenario.vehicle.full_pwm_thrust)
+    names, scale = scenario.names, RpytScale(scenario.vehicle.full_pwm_thrust)
     pilot = RadioPilot(
         {name: road.link(k) for k, name in enumerate(names)},
         RadioPilotParams(),
-        level_rpyt(scenario.vehicle.hover_thrust, scale) if by == "stick" else None,
+        level_rpyt(scenario.vehicle.hover_thrust, scale) if by == "rpyt" else None,
     )
     for vehicle in road.fleet.vehicles:
         vehicle.firmware.parameters.set("stabilizer.controller", MELLINGER if by == "full state" else 1)
@@ -117,7 +117,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
             for act in (Act.ARM, Act.STREAM):
                 pilot.begin(Order(act), t)
                 pilot.watch(t)
-        if by == "stick":
+        if by == "rpyt":
             command = blocks.controller.update(state, expected, aware)
             pilot.fly_rpyt(names, rpyt_setpoints(command, scale), t)
         else:
@@ -163,7 +163,7 @@ def _compensated_share(thrust_share: float) -> float:
     return 1.0 - u * float(curve.deriv()(u) / curve(u)) * lost
 
 
-def test_sticks_over_the_air_fly_the_room_as_the_direct_link_does() -> None:
+def test_rpyt_setpoints_over_the_air_fly_the_room_as_the_direct_link_does() -> None:
     """The direct link flies the same room with the thrust that the firmware's battery compensation loses.
 
     What the link explains beside it: rounding to PWM stands for 0.2 mm (0.1 mN on 0.65 kg over K_p 0.81), the
@@ -172,7 +172,7 @@ def test_sticks_over_the_air_fly_the_room_as_the_direct_link_does() -> None:
     vehicle = _room().vehicle
     share = _compensated_share(vehicle.hover_thrust / vehicle.full_pwm_thrust)
     less = replace(_room().disturbance, thrust_gain_min=share, thrust_gain_max=share)
-    over_the_air = _rms(flown(_room(), "aware", "stick"))
+    over_the_air = _rms(flown(_room(), "aware", "rpyt"))
     direct = _direct("aware", replace(_room(), disturbance=less))
     assert direct[0] > 0.02
     np.testing.assert_allclose(over_the_air, direct, atol=4e-4)

@@ -39,9 +39,9 @@ class FakeLink:
         """Return the health that is set."""
         return self.now
 
-    def send_rpyt(self, stick: RpytSetpoint) -> None:
+    def send_rpyt(self, setpoint: RpytSetpoint) -> None:
         """Keep a setpoint."""
-        self.sent.append(stick)
+        self.sent.append(setpoint)
 
     def send_full_state(self, demanded: FullState) -> None:
         """Keep a setpoint."""

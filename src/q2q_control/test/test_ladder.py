@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
-from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 
 LAST = SwarmCommand(
@@ -78,10 +78,10 @@ def test_phases_may_begin_together() -> None:
 
 
 def test_a_command_in_the_firmwares_units_is_pitch_roll_yaw_rate_in_degrees_and_pwm() -> None:
-    rows = legacy_setpoints(LAST, LegacyScale(full_pwm_thrust=0.6))
+    rows = rpyt_rows(LAST, RpytScale(full_pwm_thrust=0.6))
     np.testing.assert_allclose(rows[0], [np.degrees(0.2), np.degrees(0.1), 0.0, 32768])  # half of 65535
     np.testing.assert_allclose(rows[1], [0.0, np.degrees(-0.1), np.degrees(1.0), 43690])  # two thirds
 
 
 def test_thrust_beyond_the_scale_is_clipped_to_what_the_commander_accepts() -> None:
-    assert legacy_setpoints(LAST, LegacyScale(full_pwm_thrust=0.35))[1, 3] == 60000
+    assert rpyt_rows(LAST, RpytScale(full_pwm_thrust=0.35))[1, 3] == 60000

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import (
     RpytSetpoint,
     full_states,
@@ -32,7 +32,7 @@ def test_rpyt_setpoints_have_the_signs_of_cflib_and_the_scale_of_the_firmware(
     command = SwarmCommand(
         0.0, ("cf1",), thrust * one, roll * one, pitch * one, yaw_rate * one, np.zeros(1, np.uint8)
     )
-    (sent,) = rpyt_setpoints(command, LegacyScale(0.48))
+    (sent,) = rpyt_setpoints(command, RpytScale(0.48))
     assert sent is not None
     assert sent.roll_deg == pytest.approx(math.degrees(roll))
     assert sent.pitch_deg == pytest.approx(math.degrees(pitch))
@@ -89,9 +89,9 @@ def test_a_command_that_is_not_finite_is_none_and_the_others_are_as_without_it(
 ) -> None:
     rows = {name: np.array([0.3, 0.2]) for name in ("thrust", "roll", "pitch", "yaw_rate")}
     status = np.zeros(2, np.uint8)
-    sound = rpyt_setpoints(SwarmCommand(0.0, NAMES, **rows, status=status), LegacyScale(0.48))
+    sound = rpyt_setpoints(SwarmCommand(0.0, NAMES, **rows, status=status), RpytScale(0.48))
     rows[field] = np.array([value, 0.2])
-    spoilt = rpyt_setpoints(SwarmCommand(0.0, NAMES, **rows, status=status), LegacyScale(0.48))
+    spoilt = rpyt_setpoints(SwarmCommand(0.0, NAMES, **rows, status=status), RpytScale(0.48))
     assert spoilt == [None, sound[1]]
     assert sound[0] is not None
 
@@ -113,4 +113,4 @@ def test_a_setpoint_that_is_not_finite_is_none_and_the_others_are_as_without_it(
 
 
 def test_a_level_rpyt_setpoint_is_the_thrust_on_the_scale_of_the_firmware() -> None:
-    assert level_rpyt(0.034 * 9.81, LegacyScale(0.48)) == RpytSetpoint(0.0, 0.0, 0.0, 45539)
+    assert level_rpyt(0.034 * 9.81, RpytScale(0.48)) == RpytSetpoint(0.0, 0.0, 0.0, 45539)

@@ -6,7 +6,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, VEHICLES, o
 from q2q_model.vehicle.hover_thrust import OwnHover, hover_pwm, hover_ratio, mass_thrust_of
 from q2q_model.vehicle.thrust_map import FIRMWARES, MASS_THRUST, MOTOR_THRUST
 
-STICK = 60000 / 65535
+RPYT_SHARE = 60000 / 65535
 
 
 @pytest.mark.parametrize(
@@ -18,10 +18,10 @@ STICK = 60000 / 65535
         ("stock_2025_02", 0.5389),  # 60 gram-force of the whole vehicle at 65535
     ],
 )
-def test_the_largest_stick_gives_what_the_firmware_gives(firmware: str, newtons: float) -> None:
+def test_the_largest_rpyt_thrust_gives_what_the_firmware_gives(firmware: str, newtons: float) -> None:
     vehicle = vehicle_by_name("crazyflie_2_0", firmware)
     assert vehicle.rpyt_thrust_max == pytest.approx(newtons, abs=5e-5)  # four decimals
-    assert vehicle.thrust_max == vehicle.full_pwm_thrust == pytest.approx(newtons / STICK, abs=1e-4)
+    assert vehicle.thrust_max == vehicle.full_pwm_thrust == pytest.approx(newtons / RPYT_SHARE, abs=1e-4)
 
 
 def test_34_grams_hover_at_45539_on_the_stock_firmware_which_is_the_default() -> None:
@@ -29,7 +29,7 @@ def test_34_grams_hover_at_45539_on_the_stock_firmware_which_is_the_default() ->
     assert vehicle_by_name("crazyflie_2_0") == on_firmware(CRAZYFLIE_2_0, "stock") == CRAZYFLIE_2_0
 
 
-def test_every_vehicle_hovers_within_its_sticks_on_every_firmware_it_has() -> None:
+def test_every_vehicle_hovers_within_its_rpyt_setpoints_on_every_firmware_it_has() -> None:
     for name, vehicle in VEHICLES.items():
         for firmware in MOTOR_THRUST.get(name, ("stock",)):
             one = on_firmware(vehicle, firmware)
@@ -37,7 +37,7 @@ def test_every_vehicle_hovers_within_its_sticks_on_every_firmware_it_has() -> No
             assert (one.mass, one.inertia) == (vehicle.mass, vehicle.inertia)
 
 
-def test_a_stick_scaled_for_another_firmware_is_told_by_the_vehicles_own_parameters() -> None:
+def test_an_rpyt_setpoint_scaled_for_another_firmware_is_told_by_the_vehicles_own_parameters() -> None:
     own = OwnHover(mass=0.034, mass_thrust=MASS_THRUST)
     ratios = {name: hover_ratio(vehicle_by_name("crazyflie_2_0", name), own) for name in FIRMWARES}
     assert ratios["stock"] == pytest.approx(65535 / 0.48 / 132000)  # 3 % above: the firmware's own rounding

@@ -132,7 +132,7 @@ def set_parameter(cf: Crazyflie, name: str, value: int) -> None:
 
 
 def fly(scf: SyncCrazyflie) -> None:
-    """Take off, go there, stream full states, then sticks, land, take off again, and stop in the air."""
+    """Take off, go there, stream full states, RPYT setpoints, land, take off again, stop in the air."""
     scf.wait_for_params()
     cf = scf.cf
     set_parameter(cf, "stabilizer.controller", 2)

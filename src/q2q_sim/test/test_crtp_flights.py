@@ -36,10 +36,10 @@ def test_take_off_go_to_and_land_end_where_they_should(grounded: Pilot, controll
 
 def test_a_client_that_dies_in_flight_leaves_its_vehicle_level_then_on_the_ground_then_free() -> None:
     pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
-    stick = commander(pilot.wire())
+    sender = commander(pilot.wire())
 
     def hover(_: float) -> None:
-        stick.send_position_setpoint(0.0, 0.0, 1.0, 0.0)
+        sender.send_position_setpoint(0.0, 0.0, 1.0, 0.0)
 
     pilot.fly(3.0, hover)
     pilot.fly(1.0)
@@ -58,15 +58,15 @@ def test_after_full_state_the_high_level_commander_lands_from_where_the_vehicle_
     pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
     pilot.firmware().parameters.set("stabilizer.controller", MELLINGER)
     wire = pilot.wire()
-    stick, plan = commander(wire), high_level(wire)
+    sender, plan = commander(wire), high_level(wire)
     quat, still = identity_quat(), (0.0, 0.0, 0.0)
 
     def hold(_: float) -> None:
-        stick.send_full_state_setpoint((0.3, 0.2, 1.0), still, still, quat, 0.0, 0.0, 0.0)
+        sender.send_full_state_setpoint((0.3, 0.2, 1.0), still, still, quat, 0.0, 0.0, 0.0)
 
     pilot.fly(4.0, hold)
     np.testing.assert_allclose(pilot.pos(), [0.3, 0.2, 1.0], atol=0.03)
-    stick.send_notify_setpoint_stop()
+    sender.send_notify_setpoint_stop()
     plan.land(0.0, 2.0)
     heights = []
     pilot.fly(2.0, lambda _: heights.append(pilot.pos()[2]))
@@ -91,11 +91,11 @@ def test_a_flow_deck_flies_from_where_the_estimate_began_and_forgets_the_room() 
     pilot = Pilot(np.array([[2.0, -1.0, 0.0, 0.0]]), build=Build(positioning_deck=False, flow_deck=True))
     pilot.fly(0.5)
     np.testing.assert_allclose(pilot.firmware().pos, 0.0, atol=1e-3)
-    stick = commander(pilot.wire())
+    sender = commander(pilot.wire())
     for rise in np.linspace(0.0, 0.5, 100):
-        stick.send_hover_setpoint(0.0, 0.0, 0.0, rise)
+        sender.send_hover_setpoint(0.0, 0.0, 0.0, rise)
         pilot.fly(0.01)
-    pilot.fly(4.0, lambda _: stick.send_hover_setpoint(0.25, 0.0, 0.0, 0.5))
+    pilot.fly(4.0, lambda _: sender.send_hover_setpoint(0.25, 0.0, 0.0, 0.5))
     moved = pilot.pos() - [2.0, -1.0, 0.0]
     np.testing.assert_allclose(moved, [1.0, 0.0, 0.5], atol=0.1)  # 0.25 m/s for 4 s, less the start
     np.testing.assert_allclose(pilot.firmware().pos, moved, atol=1e-3)  # exact but for the room's origin
@@ -115,13 +115,13 @@ def test_the_zero_setpoint_of_a_script_that_ended_bars_the_next_ones_take_off_un
     assert pilot.pos()[2] == pytest.approx(0.5 if expires else 0.0, abs=0.1)
 
 
-def test_a_stick_that_goes_on_after_a_pause_without_thrust_is_still_unlocked() -> None:
+def test_an_rpyt_setpoint_that_goes_on_after_a_pause_without_thrust_is_still_unlocked() -> None:
     pilot = Pilot(np.zeros((1, 4)), build=Build(zero_expires=True))
-    stick = commander(pilot.wire())
+    sender = commander(pilot.wire())
     pilot.fly(0.5)
-    stick.send_setpoint(0.0, 0.0, 0.0, 0)
+    sender.send_setpoint(0.0, 0.0, 0.0, 0)
     pilot.fly(1.0)
-    pilot.fly(1.0, lambda _: stick.send_setpoint(0.0, 0.0, 0.0, 50000))
+    pilot.fly(1.0, lambda _: sender.send_setpoint(0.0, 0.0, 0.0, 50000))
     assert pilot.pos()[2] > 0.2
 
 
@@ -140,9 +140,9 @@ def under_a_source(aware: bool) -> Array:
 
     def hold(_: float) -> None:
         eta = pilot.swarm.downwash()
-        for k, stick in enumerate(rpyt_setpoints):
+        for k, sender in enumerate(rpyt_setpoints):
             acc = -eta[k] if aware else np.zeros(3)
-            stick.send_full_state_setpoint(
+            sender.send_full_state_setpoint(
                 (0.0, 0.0, 1.0 + 0.5 * k), (0, 0, 0), acc, identity_quat(), 0, 0, 0
             )
         heights.append(pilot.pos(0)[2])
@@ -171,8 +171,8 @@ def test_vehicles_that_start_in_the_air_are_held_until_their_first_thrust() -> N
     pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.4]]))
     pilot.fly(3.0)
     np.testing.assert_array_equal(pilot.pos(), [0.0, 0.0, 1.0])
-    stick = commander(pilot.wire())
-    pilot.fly(0.5, lambda _: stick.send_setpoint(0.0, 0.0, 0.0, 0))
+    sender = commander(pilot.wire())
+    pilot.fly(0.5, lambda _: sender.send_setpoint(0.0, 0.0, 0.0, 0))
     np.testing.assert_array_equal(pilot.pos(), [0.0, 0.0, 1.0])
-    pilot.fly(0.5, lambda _: stick.send_setpoint(0.0, 0.0, 0.0, 20000))
+    pilot.fly(0.5, lambda _: sender.send_setpoint(0.0, 0.0, 0.0, 20000))
     assert pilot.pos()[2] < 0.9

@@ -70,7 +70,7 @@ def test_rpyt_turns_the_signs_of_pitch_and_yaw_rate(grounded: Pilot) -> None:
         ("flightmode.posSet", 1, {"x": Mode.ABS, "pos": (4.0, 3.0, 32.767), "attitude_deg": (0.0, 0.0, 5.0)}),
     ],
 )
-def test_flightmode_parameters_change_what_the_stick_means(
+def test_flightmode_parameters_change_what_an_rpyt_setpoint_means(
     grounded: Pilot, parameter: str, value: float, expected: dict[str, object]
 ) -> None:
     grounded.firmware().parameters.set(parameter, value)
@@ -130,7 +130,9 @@ def test_position_velocity_hover_distance_manual_and_stop_are_read(grounded: Pil
     assert commanded(grounded) == STOP
 
 
-def test_a_stick_after_a_hover_packet_moves_in_the_bodys_frame_under_poshold(grounded: Pilot) -> None:
+def test_an_rpyt_setpoint_after_a_hover_packet_moves_in_the_bodys_frame_under_poshold(
+    grounded: Pilot,
+) -> None:
     grounded.firmware().parameters.set("flightmode.poshold", 1)
     commander = Commander(grounded.wire())
     commander.send_setpoint(3.0, 6.0, 5.0, 0)

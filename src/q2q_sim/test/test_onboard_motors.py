@@ -1,4 +1,4 @@
-"""Motors of the emulated firmware: thrust of the stick, duties by the battery, idle thrust."""
+"""Motors of the emulated firmware: thrust of a setpoint, duties by the battery, idle thrust."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.motors.thrust_curve import compensate, thrust_pwm
 
 
-def test_thrust_is_the_stick_and_motors_never_leave_their_range() -> None:
+def test_thrust_is_that_of_the_setpoint_and_motors_never_leave_their_range() -> None:
     gains = parameters()
     hover = Setpoint(roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, thrust_pwm=30000.0)
     thrust, *_ = torque_for(hover, row_at(), gains)

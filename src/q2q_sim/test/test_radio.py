@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 from q2q_sim.link.packets import round_packets
@@ -122,13 +122,13 @@ def test_a_packet_is_read_as_the_degrees_and_pwm_of_a_real_radio() -> None:
     command = SwarmCommand(0.0, names, *values, status=np.zeros(500, dtype=np.uint8))
     read = np.empty((4, 500))
     round_packets(values, full, read)
-    pitch, roll, yaw_rate, pwm = legacy_setpoints(command, LegacyScale(full)).T
+    pitch, roll, yaw_rate, pwm = rpyt_rows(command, RpytScale(full)).T
     np.testing.assert_array_equal(read[0], np.where(pwm < 1000, 0.0, pwm) / 65535 * full)
     for angle, degrees in zip(read[1:], (roll, pitch, yaw_rate), strict=True):
         np.testing.assert_array_equal(angle, np.radians(degrees.astype(np.float32).astype(float)))
 
 
-def test_no_stick_carries_more_than_60000_pwm() -> None:
+def test_no_rpyt_setpoint_carries_more_than_60000_pwm() -> None:
     for quantised in (False, True):
         radio = _radio(RadioParams(quantised=quantised), vehicle=CRAZYFLIE_2_0)
         radio.send(0, ROW, _command(0.47), CLEAR)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
@@ -39,10 +39,10 @@ class NamedPose:
     """x y z w, body to world; NaN where unknown."""
 
 
-def legacy_twists(command: SwarmCommand, scale: LegacyScale, backend: str) -> Array:
+def legacy_twists(command: SwarmCommand, scale: RpytScale, backend: str) -> Array:
     """Return linear.x [deg], linear.y [deg], angular.z [deg/s], linear.z [PWM] of every vehicle, (n, 4)."""
     signs = np.array([_PITCH_SIGN[backend], 1.0, -1.0, 1.0])
-    return np.asarray(legacy_setpoints(command, scale) * signs)
+    return np.asarray(rpyt_rows(command, scale) * signs)
 
 
 def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:

@@ -11,7 +11,7 @@ from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_pilot import RadioPilot
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
 from q2q_model.node.health import Health
 from q2q_model.signals.layout import Signal
@@ -42,7 +42,7 @@ class RadioVehicles:
         """
         self._sends_poses = params.places
         vehicle = vehicle_by_name(params.vehicle, params.firmware)
-        self._scale = LegacyScale(vehicle.full_pwm_thrust)
+        self._scale = RpytScale(vehicle.full_pwm_thrust)
         self.links = _open_links(params)
         hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
         flight, landing = procedure

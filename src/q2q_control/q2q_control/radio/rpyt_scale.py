@@ -20,7 +20,7 @@ from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
 
 
 @dataclass(frozen=True, slots=True)
-class LegacyScale:
+class RpytScale:
     """Scale between newtons and PWM."""
 
     full_pwm_thrust: float
@@ -31,7 +31,7 @@ class LegacyScale:
         return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
 
 
-def legacy_setpoints(command: SwarmCommand, scale: LegacyScale) -> Array:
+def rpyt_rows(command: SwarmCommand, scale: RpytScale) -> Array:
     """Return pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM] of every vehicle, (n, 4)."""
     pwm = np.clip(np.round(scale.pwm_of(command.thrust)), 0, RPYT_PWM_MAX)
     angles = np.degrees([command.pitch, command.roll, command.yaw_rate])  # (3, n)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.radio.rpyt_scale import LegacyScale, legacy_setpoints
+from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import (
     Array,
@@ -64,10 +64,10 @@ class FullState:
     """[rad/s], body."""
 
 
-def rpyt_setpoints(command: SwarmCommand, scale: LegacyScale) -> list[RpytSetpoint | None]:
+def rpyt_setpoints(command: SwarmCommand, scale: RpytScale) -> list[RpytSetpoint | None]:
     """Return the RPYT setpoint of every vehicle, in the order of the command; None if it is not finite."""
     finite = _finite_rows(np.column_stack([command.thrust, command.roll, command.pitch, command.yaw_rate]))
-    rows = legacy_setpoints(command, scale).tolist()
+    rows = rpyt_rows(command, scale).tolist()
     return [_rpyt(row) if sound else None for row, sound in zip(rows, finite, strict=True)]
 
 
@@ -78,11 +78,11 @@ def cut_vehicles(command: SwarmCommand) -> Names:
     )
 
 
-def level_rpyt(thrust: float, scale: LegacyScale) -> RpytSetpoint:
+def level_rpyt(thrust: float, scale: RpytScale) -> RpytSetpoint:
     """Return the level setpoint of a thrust [N]."""
     one, zero = np.array([thrust]), np.zeros(1)
     level = SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8))
-    return _rpyt(legacy_setpoints(level, scale)[0].tolist())
+    return _rpyt(rpyt_rows(level, scale)[0].tolist())
 
 
 def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState | None]:

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from q2q_control.crazyswarm.message_conversion import DEFAULT_BACKEND, legacy_twists
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.ros.guarded_commands import GuardedCommands
 from q2q_model.ros.node.input_warnings import AbsentNames, warn_of_missing_names
 from q2q_model.ros.node.node_parameters import declare
@@ -62,7 +62,7 @@ class ControllerNodeParams:
 class LegacyTopics:
     """Publishers of `<name>/cmd_vel_legacy`, in the units and signs of Crazyswarm2's default server."""
 
-    def __init__(self, node: Node, scale: LegacyScale, rate_hz: float, names: Names) -> None:
+    def __init__(self, node: Node, scale: RpytScale, rate_hz: float, names: Names) -> None:
         """Publish at most `rate_hz` times a second; `names` are the vehicles known in advance."""
         self._scale = scale
         self._writers = VehiclePublishers(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
@@ -88,7 +88,7 @@ def wire_controller(
     if params.aware:
         inputs["interference"] = Interference
     wiring = TickWiring(node, inputs, ("command", SwarmCommand), shares_output=bool(params.vehicles))
-    scale = LegacyScale(vehicle.full_pwm_thrust)
+    scale = RpytScale(vehicle.full_pwm_thrust)
     wiring.after_publish(LegacyTopics(node, scale, params.legacy_hz, params.vehicles).publish)
     for topic in ("state", "reference_safe"):
         wiring.listen(topic, warn_of_missing_names(node, topic, params.vehicles))

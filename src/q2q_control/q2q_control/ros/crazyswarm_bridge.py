@@ -12,7 +12,7 @@ from q2q_control.crazyswarm.message_conversion import frame_of, poses_of
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
@@ -95,7 +95,7 @@ class Crazyswarm:
 
     def _wire_commands(self) -> None:
         vehicle = vehicle_by_name(self._settings.vehicle, self._settings.firmware)
-        scale = LegacyScale(vehicle.full_pwm_thrust)
+        scale = RpytScale(vehicle.full_pwm_thrust)
         self._commands = CrazyswarmCommands(
             self._node,
             self._names,

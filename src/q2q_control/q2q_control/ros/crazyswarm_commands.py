@@ -7,7 +7,7 @@ from std_msgs.msg import Header
 
 from q2q_control.crazyswarm.message_conversion import legacy_twists
 from q2q_control.radio.radio_vehicles import other_publishers
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
 from q2q_model.ros.node.topic_writers import writers_of
@@ -23,9 +23,7 @@ FULL_STATE, LEGACY = "cmd_full_state", "cmd_vel_legacy"
 class CrazyswarmCommands:
     """Setpoint publishers of all vehicles."""
 
-    def __init__(
-        self, node: Node, names: Names, legacy: tuple[LegacyScale, str], *, full_state: bool
-    ) -> None:
+    def __init__(self, node: Node, names: Names, legacy: tuple[RpytScale, str], *, full_state: bool) -> None:
         """Create publishers of full states, or of RPYT setpoints in a scale for a backend.
 
         Raises:

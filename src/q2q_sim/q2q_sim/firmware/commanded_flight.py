@@ -7,7 +7,7 @@ of q2q_sim.firmware.controllers, at 500 Hz.
 
 import numpy as np
 
-from q2q_control.radio.rpyt_scale import LegacyScale
+from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX
@@ -33,7 +33,7 @@ class CommandedFlight:
     def __init__(self, swarm: Swarm, vehicle: Vehicle) -> None:
         """Start the firmware of a swarm of vehicles of one type."""
         n, airframe = len(swarm.names), airframe_in(swarm, vehicle)
-        self._swarm, self._scale = swarm, LegacyScale(vehicle.full_pwm_thrust)
+        self._swarm, self._scale = swarm, RpytScale(vehicle.full_pwm_thrust)
         self._controllers = fresh_controllers(airframe, n)._replace(
             setpoints=np.tile(setpoint_row(RPYT, Power()), (n, 2, 1)),
             gains=np.tile(Parameters(airframe).gains(), (n, 1)),

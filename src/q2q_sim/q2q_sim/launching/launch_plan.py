@@ -132,7 +132,7 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
         ValueError: a file is not given or missing, the bag exists, the model is unknown.
     """
     folder = _checked(given)
-    by_stick = given["mode"] == "command"
+    by_rpyt = given["mode"] == "command"
     facts = FlightFacts(vehicle=given["vehicle"], firmware=given["firmware"], model=given["model"])
     flown: dict[str, ParameterValue] = {"vehicle": given["vehicle"], "firmware": given["firmware"]}
     flown |= {"aware": given["aware"] == YES}
@@ -141,7 +141,7 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
     radio: dict[str, ParameterValue] = flown | {"crazyflies": given["crazyflies"], "mode": given["mode"]}
     return [
         *_control_loop(given, folder, facts),
-        *(pid if by_stick else []),
+        *(pid if by_rpyt else []),
         NodeSpec("q2q_control", "radio", radio),
         *_viewers(given),
     ]
