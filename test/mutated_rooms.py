@@ -22,7 +22,7 @@ ROOMS = (
             for name in (
                 "ladder",
                 "stamp_delay",
-                "standing_clock",
+                "stalled_stamps",
                 "blind_flight.flown_time",
                 "blind_flight.dead_reckoned_braking",
                 "evasion.climb_back",

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from q2q_model.ros.node.input_warnings import (
     FRAMES,
     AbsentNames,
-    StandingStamps,
+    StalledStampWarning,
     warn_of_missing_names,
     warn_of_unknown_names,
 )
@@ -102,7 +102,7 @@ def test_setpoints_of_vehicles_that_no_state_has_are_told_once_and_only_after_a_
 
 
 def test_stamps_that_stand_still_are_told_once_and_moving_ones_never(node: Node) -> None:
-    stamps = StandingStamps(node, "mocap")
+    stamps = StalledStampWarning(node, "mocap")
     for stamp_ns in range(2 * FRAMES):
         stamps.look(stamp_ns, frame("cf1"))
     assert warnings(node) == []

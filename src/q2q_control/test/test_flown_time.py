@@ -3,7 +3,7 @@
 import pytest
 
 from q2q_control.failsafe.blind_flight.flown_time import GAP_S, LONGEST_STEP, FlownTime
-from q2q_control.failsafe.standing_clock import PERIOD
+from q2q_control.failsafe.stalled_stamps import PERIOD
 
 
 def flown(steps: list[float]) -> list[float]:

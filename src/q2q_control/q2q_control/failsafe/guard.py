@@ -26,7 +26,7 @@ A tick older than the last one gets the last command again, as HOLD, under its o
 of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
 the controller is reset, ages continue. A jump back by more than SET_BACK_S is a new flight: everything is
 reset but an emergency. The same tick again gets the same command, and if it comes for level_s
-(standing_clock) that of a missing tick, short of landing: a simulator that is halted lets nobody fall. Live,
+(stalled_stamps) that of a missing tick, short of landing: a simulator that is halted lets nobody fall. Live,
 where a timer asks for the commands of missing ticks, old and repeated ticks get the newest of these.
 """
 
@@ -42,7 +42,7 @@ from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
 from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
-from q2q_control.failsafe.standing_clock import StandingClock
+from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_control.inputs.controller import Controller
 from q2q_model.estimation.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import (
@@ -94,7 +94,7 @@ class Guard:
         self._timed = False  # a timer asks for those: live
         self._was_nominal = False  # in the last tick everybody was measured, commanded and on
         self._clock_reset = ClockResetDetector()
-        self._clock = StandingClock()
+        self._stalled = StalledStamps()
         self._names: Names = ()
         self._measured_at = np.zeros(0)
         self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
@@ -174,15 +174,15 @@ class Guard:
 
     def _repeated(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
         """Return the command of a tick t [s] that is not newer; None to compute it."""
-        stood, late = self._clock.stand(last.t), t < last.t
+        stalled_s, late = self._stalled.update(last.t), t < last.t
         counted = self._timed and self._missing is not None  # by the timer
         if not counted:
             self._braking.wait()
         if late and (last.t - t > SET_BACK_S or self._clock_reset.rise(t)):
             self._set_back(last, t)
             return None
-        if stood > self._params.level_s + ROUNDING and not self._timed:
-            braked = self._fallen_back(last, min(stood, nextafter(self._params.land_s, 0.0)))
+        if stalled_s > self._params.level_s + ROUNDING and not self._timed:
+            braked = self._fallen_back(last, min(stalled_s, nextafter(self._params.land_s, 0.0)))
             return replace(braked, t=t)
         return _again(self._missing or last, t) if late or counted else None
 
@@ -201,7 +201,7 @@ class Guard:
         self._last = self._missing = None
         self._names = ()
         self._was_nominal = False
-        self._clock = StandingClock()
+        self._stalled = StalledStamps()
         self._braking.reset()
         self._evasion.reset()
         self._measured_at = np.zeros(0)

@@ -163,13 +163,13 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
 
 
-STANDING = 100
-"""Messages with one stamp from which their clock stands; a lost one is sent again a few times."""
+STALLED = 100
+"""Messages with one stamp from which their clock is stalled; a lost one is sent again a few times."""
 
 
 def check_clock(topic: str, stamps: Array) -> None:
-    """Raise ValueError if STANDING messages or more have one and the same stamp: no flight is in them."""
-    if len(stamps) >= STANDING and stamps.min() == stamps.max():
+    """Raise ValueError if STALLED messages or more have one and the same stamp: no flight is in them."""
+    if len(stamps) >= STALLED and stamps.min() == stamps.max():
         raise ValueError(
             f"all {len(stamps)} messages on {topic} are stamped {stamps[0]:g} s: stamp each with its time of "
             "capture, or read poses by a topic map with `stamps: receive`"

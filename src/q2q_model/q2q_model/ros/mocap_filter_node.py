@@ -9,7 +9,7 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.node.health import Health
 from q2q_model.node.mocap_troubles import MocapTroubles
-from q2q_model.ros.node.input_warnings import StandingStamps, warn_of_unknown_names
+from q2q_model.ros.node.input_warnings import StalledStampWarning, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
@@ -50,7 +50,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     wiring.after_publish(_tell(node, wiring.health, block))
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
-    wiring.listen("mocap", StandingStamps(node, "mocap").look)
+    wiring.listen("mocap", StalledStampWarning(node, "mocap").look)
     wiring.start(block.update)
     return wiring
 

@@ -16,7 +16,7 @@ remains but the clock's.
 | m | _missing | time flown that stamps have not told yet [s] |
 """
 
-from q2q_control.failsafe.standing_clock import PERIOD
+from q2q_control.failsafe.stalled_stamps import PERIOD
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 
 GAP_S = 0.05

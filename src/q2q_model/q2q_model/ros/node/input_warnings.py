@@ -1,4 +1,4 @@
-"""Warnings of input that is of no use to a node: unknown names, standing stamps."""
+"""Warnings of input that is of no use to a node: unknown names, stalled stamps."""
 
 from collections.abc import Callable
 
@@ -84,7 +84,7 @@ class AbsentNames:
             self._node.get_logger().warning(self._warning.format(told))
 
 
-class StandingStamps:
+class StalledStampWarning:
     """Warning, once, that frames come with one and the same stamp."""
 
     def __init__(self, node: Node, topic: str) -> None:

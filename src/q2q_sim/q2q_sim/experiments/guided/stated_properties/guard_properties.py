@@ -60,8 +60,8 @@ def hold(run: Run, ticks: RunTicks) -> StatedOutcome:
     found, longest, track = [], 0.0, over_ticks(ticks.states, "status")
     for row, name in enumerate(ticks.names):
         status = ticks.command_status[:, row]
-        standing = (status == CommandStatus.LEVEL) & ~ticks.newer & (track[:, row] != TrackStatus.LOST)
-        waiting = (status == CommandStatus.HOLD) | standing
+        stalled = (status == CommandStatus.LEVEL) & ~ticks.newer & (track[:, row] != TrackStatus.LOST)
+        waiting = (status == CommandStatus.HOLD) | stalled
         for begin, end in runs_of_true(waiting):
             held = len(np.unique(ticks.stamp[begin:end])) * TICK_S
             longest = max(longest, held)

@@ -1,7 +1,7 @@
 """Time for which the stamps of frames do not rise, counted by frames.
 
 In lockstep stamps are the only clock, so that a frame that is published again has to get the same answer. One
-that comes again and again, or stamps that went back, show a source whose clock stands while vehicles fly on:
+that comes again and again, or stamps that went back, show a stalled clock while vehicles fly on:
 every such frame counts as PERIOD. Live, the wall clock tells (q2q_control.failsafe.tick_watch).
 """
 
@@ -11,13 +11,13 @@ PERIOD = 0.01
 """Time that a frame counts for [s]: that of motion capture at 100 Hz."""
 
 
-class StandingClock:
+class StalledStamps:
     """Frames since that of the newest stamp."""
 
     def __init__(self) -> None:
         self._newest, self._frames = -inf, 0
 
-    def stand(self, newest: float) -> float:
+    def update(self, newest: float) -> float:
         """Take a frame that is not newer than `newest` [s]; return for how long that is the newest [s]."""
         self._frames = self._frames + 1 if newest == self._newest else 1
         self._newest = newest
