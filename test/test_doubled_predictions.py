@@ -73,7 +73,7 @@ class Wiring:
         """Keep the check."""
         self.check = check
 
-    def add_facts(self, _: Callable[[], Mapping[str, str]]) -> None:
+    def add_diagnostic_values(self, _: Callable[[], Mapping[str, str]]) -> None:
         """Ask for none."""
 
     def resume(self) -> None:

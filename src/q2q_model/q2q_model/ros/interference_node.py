@@ -50,7 +50,7 @@ def build(node: Node) -> TickWiring[Interference]:
     predictor = InteractionPredictor(found.interaction)
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
-    wiring.add_facts(lambda: {"model_age_s": f"{age.seconds():.0f}"})
+    wiring.add_diagnostic_values(lambda: {"model_age_s": f"{age.seconds():.0f}"})
     wiring.expect_one_writer("model")
     node.create_subscription(String, "model", model_receiver(node, predictor, age, wiring.health), LATCHED)
     block = predictor if params.correct_vehicle == "none" else corrected_predictor(predictor, params, found)

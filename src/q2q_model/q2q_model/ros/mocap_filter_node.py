@@ -45,7 +45,9 @@ def build(node: Node) -> TickWiring[SwarmState]:
     params = declare(node, MocapFilterParams())
     block, spare = MocapFilter(params, own.vehicles), MocapFilter(params, own.vehicles)
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("state", SwarmState))
-    wiring.add_facts(lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()})
+    wiring.add_diagnostic_values(
+        lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()}
+    )
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
     wiring.after_publish(_tell(node, wiring.health, block))
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero

@@ -20,8 +20,8 @@ from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK, TICK_WRITER
+from q2q_model.signals.diagnostic_values import diagnostic_values
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.signal_facts import facts
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Names
 
@@ -105,7 +105,7 @@ class TickWiring(Generic[Made]):
         """Call `check` before each report on `/diagnostics`: what it finds wrong is for `health`."""
         self._checks.append(check)
 
-    def add_facts(self, more: Callable[[], Mapping[str, str]]) -> None:
+    def add_diagnostic_values(self, more: Callable[[], Mapping[str, str]]) -> None:
         """Add the values of `more()` to `/diagnostics`, once a second."""
         self._more.append(more)
 
@@ -115,7 +115,7 @@ class TickWiring(Generic[Made]):
             check()
         found: dict[str, str] = {}
         if self._last is not None:
-            found |= {**facts(self._last), **self._watch.take_lap_report()}
+            found |= {**diagnostic_values(self._last), **self._watch.take_lap_report()}
         for more in self._more:
             found |= more()
         return found

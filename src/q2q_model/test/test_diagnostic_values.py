@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_model.signals.signal_facts import facts, smallest_separation
+from q2q_model.signals.diagnostic_values import diagnostic_values, smallest_separation
 from q2q_model.signals.values import (
     CommandStatus,
     Interference,
@@ -33,13 +33,13 @@ def state(status: tuple[TrackStatus, ...]) -> SwarmState:
 
 def test_a_state_tells_its_tracks_its_age_and_the_closest_pair():
     tracked, coasting = TrackStatus.TRACKED, TrackStatus.COASTING
-    output = facts(state((tracked, coasting, tracked)))
+    output = diagnostic_values(state((tracked, coasting, tracked)))
     assert (output["coasting"], output["lost"], output["age_max_s"]) == ("1", "0", "0.25")
     assert output["separation_m"] == "0.1"
 
 
 def test_a_lost_vehicle_is_close_to_nobody():
-    output = facts(state((TrackStatus.TRACKED, TrackStatus.TRACKED, TrackStatus.LOST)))
+    output = diagnostic_values(state((TrackStatus.TRACKED, TrackStatus.TRACKED, TrackStatus.LOST)))
     assert output["separation_m"] == "0.5"
 
 
@@ -67,7 +67,9 @@ def test_a_downwash_tells_its_largest_length():
     status = np.array(
         [InterferenceStatus.NO_MODEL, InterferenceStatus.STALE_SOURCE, InterferenceStatus.VALID]
     )
-    output = facts(Interference(t=0.0, names=NAMES, acc=acc, std=acc, status=status.astype(np.uint8)))
+    output = diagnostic_values(
+        Interference(t=0.0, names=NAMES, acc=acc, std=acc, status=status.astype(np.uint8))
+    )
     assert output == {"downwash_max_m_s2": "5", "stale_sources": "1", "no_model": "1"}
 
 
@@ -78,7 +80,7 @@ def test_a_downwash_tells_its_largest_length():
 def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
     status: CommandStatus, saturated: str, in_fallback: str
 ):
-    output = facts(
+    output = diagnostic_values(
         SwarmCommand(
             t=0.0,
             names=NAMES,
@@ -94,4 +96,4 @@ def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
 
 def test_a_signal_without_facts_tells_nothing():
     frame = MocapFrame(t=0.0, names=NAMES, pos=POS, quat=np.zeros((3, 4)))
-    assert facts(frame) == {}
+    assert diagnostic_values(frame) == {}

@@ -1,6 +1,6 @@
 """Summary of a signal for `/diagnostics`, computed once a second outside the tick.
 
-| signal | facts |
+| signal | values |
 |---|---|
 | SwarmState | number of vehicles, coasting and lost ones, largest age, smallest separation |
 | SwarmSetpoint | number of vehicles, shifted ones, broken promises, not finite ones, smallest separation |
@@ -29,13 +29,13 @@ from q2q_model.signals.values import (
 
 
 @singledispatch
-def facts(signal: Signal) -> Mapping[str, str]:
-    """Return the facts of a signal by name; empty for other signals."""
+def diagnostic_values(signal: Signal) -> Mapping[str, str]:
+    """Return the values of a signal by name; empty for other signals."""
     del signal
     return {}
 
 
-@facts.register
+@diagnostic_values.register
 def _(signal: SwarmState) -> Mapping[str, str]:
     seen = signal.status != TrackStatus.LOST
     return {
@@ -47,7 +47,7 @@ def _(signal: SwarmState) -> Mapping[str, str]:
     }
 
 
-@facts.register
+@diagnostic_values.register
 def _(signal: SwarmSetpoint) -> Mapping[str, str]:
     separation = smallest_separation(signal.pos)
     return {
@@ -59,7 +59,7 @@ def _(signal: SwarmSetpoint) -> Mapping[str, str]:
     }
 
 
-@facts.register
+@diagnostic_values.register
 def _(signal: Interference) -> Mapping[str, str]:
     largest = float(np.linalg.norm(signal.acc, axis=-1).max(initial=0.0))
     return {
@@ -69,7 +69,7 @@ def _(signal: Interference) -> Mapping[str, str]:
     }
 
 
-@facts.register
+@diagnostic_values.register
 def _(signal: SwarmCommand) -> Mapping[str, str]:
     return {
         "saturated": _count(signal.status == CommandStatus.SATURATED),
