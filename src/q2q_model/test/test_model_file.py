@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.documents.sealed_json import LONGEST
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
@@ -14,7 +15,6 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
 from q2q_model.files.model_names import ModelFileError, shipped_models
-from q2q_model.files.sealed_json import LONGEST
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 
@@ -75,7 +75,7 @@ def test_an_edited_number_is_found_by_the_checksum():
 
 def _resealed(change: dict[str, object]) -> str:
     """Return a file with top entries changed and the right checksum for them."""
-    from q2q_model.files.sealed_json import checksum
+    from q2q_model.documents.sealed_json import checksum
 
     body = json.loads(encode(ModelFile(PAPER_LAW))) | change
     body.pop("checksum")

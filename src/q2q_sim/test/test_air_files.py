@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from room_flights import WHOLE
 
-from q2q_model.files.sealed_json import checksum
+from q2q_model.documents.sealed_json import checksum
 from q2q_sim.air.air_file import decode, encode, load, save
 from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, check_air
 from q2q_sim.air.find_air import find_air

@@ -1,1 +1,1 @@
-"""Documents: YAML text, plain values, and frozen dataclasses made of them."""
+"""Documents: YAML and JSON text, plain values, frozen dataclasses made of them, folders of shipped files."""

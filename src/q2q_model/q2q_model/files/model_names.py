@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from q2q_model.files.shipped_folder import shipped_folder, shipped_or_given
+from q2q_model.documents.shipped_folder import shipped_folder, shipped_or_given
 
 SUFFIX = ".q2q"
 NONE = "none"

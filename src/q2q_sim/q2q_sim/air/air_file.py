@@ -12,7 +12,7 @@ is null is switched off.
 from pathlib import Path
 
 from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
-from q2q_model.files.sealed_json import FileFormat, SealedFileError, seal, unseal
+from q2q_model.documents.sealed_json import FileFormat, SealedFileError, seal, unseal
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.room_air import RoomAir
 

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.files.shipped_folder import shipped_folder, shipped_or_given
+from q2q_model.documents.shipped_folder import shipped_folder, shipped_or_given
 
 SUFFIX = ".air"
 LAWS = ("none", "paper", "measured")

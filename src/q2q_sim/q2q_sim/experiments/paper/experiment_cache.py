@@ -5,7 +5,7 @@ from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 
-from q2q_model.files.shipped_folder import shipped_folder
+from q2q_model.documents.shipped_folder import shipped_folder
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
