@@ -152,7 +152,7 @@ def aside_at_the_end(reserve: float, push: float) -> float:
     mpc, zero = Mpc(params, TEXTBOOK_065, wake, setup), np.zeros((2, 3))
     pos, level = np.array([[0.01, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     names, flag = ("cf1", "cf2"), np.zeros(2, np.uint8)
-    for tick in range(10):  # each linearises along the last plan
+    for tick in range(10):  # each linearises along the last solution
         state = SwarmState(TICK * tick, names, pos, zero, level, zero, np.zeros(2), flag)
         setpoint = SwarmSetpoint(state.t, names, pos, zero, zero, np.zeros(2), np.zeros(2), flag)
         mpc.update(state, setpoint, InteractionPredictor(wake).update(state))

@@ -21,7 +21,7 @@ from q2q_model.signals.values import (
 from q2q_model.vehicle.constants import TEXTBOOK_065
 
 
-def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_plan_then_by_a_pd_law():
+def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_solution_then_by_a_pd_law():
     preview, left = pass_over(), [10**9]
 
     def in_time() -> bool:

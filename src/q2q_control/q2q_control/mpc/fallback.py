@@ -1,9 +1,9 @@
-"""Commanded accelerations of one tick: from the solution, the last plan or a PD law.
+"""Commanded accelerations of one tick: from the solution, the last one or a PD law.
 
 | a vehicle's horizon | command | counted as |
 |---|---|---|
 | solved, or feasible though not optimal | its first input | solved, cut_off |
-| not solved in time or not finite, up to shift_time after the last solve | its last plan, shifted | shifted |
+| not in time or not finite, up to shift_time after the last solve | its last solution, shifted | shifted |
 | the same, later | PD law with the loop's bandwidths | pd |
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.forecast import Forecast
-from q2q_control.mpc.prediction.plan_memory import Plan
+from q2q_control.mpc.prediction.previous_solution import PredictedSolution
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
@@ -39,11 +39,11 @@ class MpcReport:
 
 @dataclass(frozen=True, slots=True)
 class Commanded:
-    """Commanded accelerations of one tick, and the plans behind them."""
+    """Commanded accelerations of one tick, and the motion predicted with them."""
 
     acc: Array
     """[m/s^2], world, (n, 3)."""
-    plan: Plan
+    predicted: PredictedSolution
     report: MpcReport
 
 
@@ -80,13 +80,13 @@ def command_rule(params: MpcParams) -> CommandRule:
 def commanded_acceleration(
     solution: HorizonSolution, horizon: Horizon, forecast: Forecast, rule: CommandRule
 ) -> Commanded:
-    """Return each vehicle's commanded acceleration, the plan to remember, and the report.
+    """Return each vehicle's commanded acceleration, the solution to remember, and the report.
 
-    Rows of `solution` that failed are overwritten by the last plan.
+    Rows of `solution` that failed are overwritten by the last solution.
     """
-    old, acc = forecast.plan, np.empty((len(solution.status), 3))
+    old, acc = forecast.previous, np.empty((len(solution.status), 3))
     offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
-    new = Plan(old.start, offset, solution.inputs, solution.pattern, solved)
+    new = PredictedSolution(old.start, offset, solution.inputs, solution.pattern, solved)
     sources = _choose(solution, horizon, (old, new), rule, acc)
     report = MpcReport(*sources, iterations=solution.iterations, pairs=len(forecast.downwash.i))
     return Commanded(acc, new, report)
@@ -94,12 +94,16 @@ def commanded_acceleration(
 
 @compiled
 def _choose(
-    solution: HorizonSolution, horizon: Horizon, plans: tuple[Plan, Plan], rule: CommandRule, acc: Array
+    solution: HorizonSolution,
+    horizon: Horizon,
+    predicted: tuple[PredictedSolution, PredictedSolution],
+    rule: CommandRule,
+    acc: Array,
 ) -> CommandSources:
-    """Write the commands (n, 3) and the second plan, the first one where a vehicle failed."""
-    old = plans[0]
+    """Write the commands (n, 3) and the second prediction, the first one where a vehicle failed."""
+    old = predicted[0]
     shifts = old.start - old.solved <= rule.shift_time
-    failures = by_plan = cut_off = 0
+    failures = by_shift = cut_off = 0
     for v in range(acc.shape[0]):
         failed = _failed(solution, v)
         by_pd = failed and not shifts[v]
@@ -110,11 +114,11 @@ def _choose(
             if by_pd or (rule.altitude_only and axis < 2):
                 bandwidth = rule.bandwidth_xy if axis < 2 else rule.bandwidth_z
                 acc[v, axis] = pd_acceleration(horizon, bandwidth, v, axis)
-        _keep_plan(solution, horizon, plans, v, failed)
+        _keep_solution(solution, horizon, predicted, v, failed)
         failures += failed
-        by_plan += failed and not by_pd
+        by_shift += failed and not by_pd
         cut_off += solution.status[v] == CUT_OFF
-    return CommandSources(acc.shape[0] - failures, cut_off, by_plan, failures - by_plan)
+    return CommandSources(acc.shape[0] - failures, cut_off, by_shift, failures - by_shift)
 
 
 @compiled
@@ -127,11 +131,15 @@ def _failed(solution: HorizonSolution, v: int) -> bool:
 
 
 @compiled
-def _keep_plan(
-    solution: HorizonSolution, horizon: Horizon, plans: tuple[Plan, Plan], v: int, failed: bool
+def _keep_solution(
+    solution: HorizonSolution,
+    horizon: Horizon,
+    predicted: tuple[PredictedSolution, PredictedSolution],
+    v: int,
+    failed: bool,
 ) -> None:
-    """Write a vehicle's row of the second plan: the solution, or the first plan if it failed."""
-    old, new = plans
+    """Write a vehicle's row of the second prediction: the solution, or the first prediction if it failed."""
+    old, new = predicted
     new.solved[v] = old.solved[v] if failed else old.start
     if failed:
         new.offset[v], new.inputs[v], new.pattern[v] = old.offset[v], old.inputs[v], old.pattern[v]

@@ -77,7 +77,7 @@ class MpcParams:
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
     iterations: int = tunable(12, "most recursions of a solve", low=1, high=200)
     shift_time: float = tunable(
-        0.2, "how long a plan may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
+        0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
     )
     hold_time: float = tunable(
         0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0

@@ -1,7 +1,7 @@
 """Receding-horizon control with predicted downwash: (26), solved anew every tick.
 
 Every tick: the state in which a command given now finds the vehicles (latency, lags, disturbance:
-`initial_state`); references, last plans and the downwash along their paths (`forecast`); the inputs that
+`initial_state`); references, last solutions and the downwash along their paths (`forecast`); the inputs that
 keep the vehicles nearest to their references within thrust, tilt and their rates (`horizon_solver`); the
 first of them, or a fallback, as acceleration (`fallback`), and as thrust, roll and pitch.
 
@@ -86,7 +86,7 @@ class MpcSetup:
 
 
 class Mpc:
-    """Receding-horizon controller with its plans, thrust and disturbance estimates."""
+    """Receding-horizon controller with its last solutions, thrust and disturbance estimates."""
 
     def __init__(
         self, params: MpcParams, vehicle: Vehicle, model: InteractionModel, setup: MpcSetup | None = None
@@ -97,7 +97,7 @@ class Mpc:
         self.configure(params)
 
     def configure(self, params: MpcParams) -> None:
-        """Use other parameters; plans and estimates start anew.
+        """Use other parameters; last solutions and estimates start anew.
 
         Raises:
             ValueError: the solver is not made for these parameters, or thrust_max does not carry the vehicle.
@@ -160,10 +160,12 @@ class Mpc:
         if interference is not None and (self._params.loading > 0.0 or np.count_nonzero(interference.status)):
             correct_downwash(tick, interference, forecast.downwash, self._params)
         horizon = self._horizon(tick, self._initial_state.update(tick), forecast)
-        solution = self._solver.solve(horizon, forecast.downwash, forecast.plan.pattern, self._setup.in_time)
+        solution = self._solver.solve(
+            horizon, forecast.downwash, forecast.previous.pattern, self._setup.in_time
+        )
         answer = commanded_acceleration(solution, horizon, forecast, self._command_rule)
-        self._forecaster.keep(tick.names, answer.plan)
-        self._predicted = tick, reference, answer.plan.offset, times
+        self._forecaster.keep(tick.names, answer.predicted)
+        self._predicted = tick, reference, answer.predicted.offset, times
         self.report = answer.report
         last_commands = self._last_commands.memory(tick.names)
         self._last = limited_command(tick, answer.acc, self._law, last_commands)

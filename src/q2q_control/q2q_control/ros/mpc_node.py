@@ -67,7 +67,7 @@ class MpcNodeParams:
     )
     budget_s: float = tunable(
         0.006,
-        "live: longest time to solve in a tick before falling back to the last plan, shifted",
+        "live: longest time to solve in a tick before falling back to the last solution, shifted",
         unit="s",
         low=1e-4,
         high=1.0,

@@ -1,4 +1,4 @@
-"""Forecast of a tick: references, last plan and downwash along the horizon."""
+"""Forecast of a tick: references, last solution and downwash along the horizon."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from q2q_control.mpc.prediction.downwash_horizon import (
     predict_downwash,
 )
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
-from q2q_control.mpc.prediction.plan_memory import Plan, PlanMemory
+from q2q_control.mpc.prediction.previous_solution import PredictedSolution, PreviousSolution
 from q2q_control.mpc.prediction.vehicle_tracks import Future, Neighbours, VehicleTracks
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.source_strength import source_terms
@@ -33,20 +33,20 @@ class Forecast:
 
     reference: Array
     """Position [m], velocity [m/s], acceleration [m/s^2], world, (n, N + 1, 9)."""
-    plan: Plan
-    """The last one, shifted to now."""
+    previous: PredictedSolution
+    """The last tick's, shifted to now."""
     downwash: DownwashHorizon
     path: Array
     """Predicted positions [m], world, of the n vehicles and of others, (n or more, N + 1, 3)."""
 
 
 class Forecaster:
-    """Memory of plans and of past positions, from which forecasts are made."""
+    """Memory of solutions and of past positions, from which forecasts are made."""
 
     def __init__(self, params: MpcParams, model: InteractionModel, slopes: SlopeRule) -> None:
         """Predict downwash by `model`."""
         self._params, self._model, self._slopes = params, model, slopes
-        self._plans = PlanMemory(params.steps, params.step)
+        self._previous = PreviousSolution(params.steps, params.step)
         self._tracks = VehicleTracks(model.max_delay, source_terms(model).loading or params.loading)
         self._ahead = params.step * np.arange(params.steps + 1)
 
@@ -57,11 +57,11 @@ class Forecaster:
     def forecast(self, tick: Aligned, reference: Array, neighbours: Neighbours, *, aware: bool) -> Forecast:
         """Return the forecast of the tick's vehicles, without downwash unless `aware`."""
         times = self.stages(tick.t)
-        plan = self._plans.shifted(tick.names, float(times[0]))
-        path = reference[..., :3] + plan.offset
+        previous = self._previous.shifted(tick.names, float(times[0]))
+        path = reference[..., :3] + previous.offset
         if not tick.all_usable:
             path[tick.stray] = reference[tick.stray, :, :3]
-        future = Future(times, path, plan.inputs)
+        future = Future(times, path, previous.inputs)
         tracks = self._tracks.tracks(tick, future, neighbours)
         others = None
         if neighbours.names:
@@ -71,11 +71,11 @@ class Forecaster:
             predict_downwash(self._model, tracks, self._slopes, others) if aware else no_downwash(tracks)
         )
         predicted = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
-        return Forecast(reference, plan, downwash, predicted)
+        return Forecast(reference, previous, downwash, predicted)
 
-    def keep(self, names: Names, plan: Plan) -> None:
-        """Remember the plans of a tick."""
-        self._plans.keep(names, plan)
+    def keep(self, names: Names, solution: PredictedSolution) -> None:
+        """Remember the solutions of a tick."""
+        self._previous.keep(names, solution)
 
 
 def correct_downwash(

@@ -31,7 +31,7 @@ from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, rows_by_name
 
 LATE_FADE = 0.2
-"""Time constant of a late prediction [s]: that for which an MPC follows its own last plan by default."""
+"""Time constant of a late prediction [s]: that for which an MPC follows its own last solution by default."""
 TRACKING = 0.05
 """Spread of a neighbour about its reference [m]: the default `tracking` of the safe replanner."""
 SILENT = 5

@@ -1,9 +1,9 @@
 """Tracks, past and future, of all vehicles: the controlled ones and those of other controllers.
 
-A controlled vehicle follows its last plan, or flies on at its velocity if it has no setpoint. A vehicle of
-another controller follows the prediction that its MPC has sent (q2q_control.mpc.prediction.neighbours), else
-it is extrapolated at constant velocity. The weight of a controlled vehicle's downwash decays once it is no
-longer seen: it is still there, but its position is uncertain. The past reaches back as far as the longest
+A controlled vehicle follows its last solution, or flies on at its velocity if it has no setpoint. A vehicle
+of another controller follows the prediction that its MPC has sent (q2q_control.mpc.prediction.neighbours),
+else it is extrapolated at constant velocity. The weight of a controlled vehicle's downwash decays once it is
+no longer seen: it is still there, but its position is uncertain. The past reaches back as far as the longest
 downwash delay.
 """
 

@@ -1,6 +1,6 @@
-"""Memory of every vehicle's last plan, shifted to the time of the next tick.
+"""Memory of every vehicle's last solution, shifted to the time of the next tick.
 
-Paths are stored relative to their references, so that a plan shifted beyond its end continues along the
+Paths are stored relative to their references, so that a solution shifted beyond its end continues along the
 reference. Inputs are stored as they are, the pattern of active bounds as the next solve's first guess.
 """
 
@@ -14,8 +14,8 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Names, index_of
 
 
-class Plan(NamedTuple):
-    """Predicted plans of a swarm from one tick; N stages of equal steps."""
+class PredictedSolution(NamedTuple):
+    """Solution for a swarm at one tick, as predicted motion; N stages of equal steps."""
 
     start: float
     """Time of the first stage [s]."""
@@ -26,29 +26,29 @@ class Plan(NamedTuple):
     pattern: NDArray[np.int8]
     """Active bounds (q2q_control.mpc.solver.active_set), (n, N, 3)."""
     solved: Array
-    """Start of the plan as it was solved, before any shift [s], (n,); minus infinity if there is none."""
+    """Start of the solution as it was solved, before any shift [s], (n,); minus infinity if there is none."""
 
 
-class PlanMemory:
-    """Last plan by vehicle name."""
+class PreviousSolution:
+    """Last solution by vehicle name."""
 
     def __init__(self, steps: int, step: float) -> None:
-        """Store plans of `steps` stages of `step` [s]."""
+        """Store solutions of `steps` stages of `step` [s]."""
         self._steps, self._step = steps, step
         self.reset()
 
     def reset(self) -> None:
-        """Forget all plans."""
+        """Forget all solutions."""
         self._names: Names = ()
-        self._plan = self._blank(0)
+        self._solution = self._blank(0)
 
-    def shifted(self, names: Names, start: float) -> Plan:
-        """Return the plans of `names` from `start` [s] on; a vehicle without one is on its reference."""
+    def shifted(self, names: Names, start: float) -> PredictedSolution:
+        """Return the solutions of `names` from `start` [s] on; a vehicle without one is on its reference."""
         if names != self._names:
-            self._plan, self._names = self._reordered(index_of(names, self._names)), names
-        old = self._plan
+            self._solution, self._names = self._reordered(index_of(names, self._names)), names
+        old = self._solution
         late = max((start - old.start) / self._step, 0.0) if math.isfinite(old.start) else 0.0
-        new = Plan(
+        new = PredictedSolution(
             start,
             np.empty_like(old.offset),
             np.empty_like(old.inputs),
@@ -58,12 +58,12 @@ class PlanMemory:
         _shift(late, old, new)
         return new
 
-    def keep(self, names: Names, plan: Plan) -> None:
-        """Remember the plans of a tick."""
-        self._names, self._plan = names, plan
+    def keep(self, names: Names, solution: PredictedSolution) -> None:
+        """Remember the solutions of a tick."""
+        self._names, self._solution = names, solution
 
-    def _blank(self, n: int) -> Plan:
-        return Plan(
+    def _blank(self, n: int) -> PredictedSolution:
+        return PredictedSolution(
             start=-np.inf,
             offset=np.zeros((n, self._steps + 1, 3)),
             inputs=np.zeros((n, self._steps, 3)),
@@ -71,9 +71,9 @@ class PlanMemory:
             solved=np.full(n, -np.inf),
         )
 
-    def _reordered(self, rows: NDArray[np.intp]) -> Plan:
-        old, blank = self._plan, self._blank(1)
-        return Plan(
+    def _reordered(self, rows: NDArray[np.intp]) -> PredictedSolution:
+        old, blank = self._solution, self._blank(1)
+        return PredictedSolution(
             start=old.start,
             offset=np.concatenate([old.offset, blank.offset])[rows],
             inputs=np.concatenate([old.inputs, blank.inputs])[rows],
@@ -83,7 +83,7 @@ class PlanMemory:
 
 
 @compiled
-def _shift(late: float, old: Plan, new: Plan) -> None:
+def _shift(late: float, old: PredictedSolution, new: PredictedSolution) -> None:
     """Write `new` as `old` shifted by `late` stages: offsets interpolated, inputs held, nearest patterns."""
     vehicles, stages = old.inputs.shape[0], old.inputs.shape[1]
     nearest = int(late + 0.5)
