@@ -67,7 +67,7 @@ class CommandSources(NamedTuple):
     solved: int
     cut_off: int
     shifted: int
-    pid: int
+    pd: int
 
 
 def command_rule(params: MpcParams) -> CommandRule:
@@ -88,7 +88,14 @@ def commanded_acceleration(
     offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
     new = PredictedSolution(old.start, offset, solution.inputs, solution.pattern, solved)
     sources = _choose(solution, horizon, (old, new), rule, acc)
-    report = MpcReport(*sources, iterations=solution.iterations, pairs=len(forecast.downwash.i))
+    report = MpcReport(
+        solved=sources.solved,
+        cut_off=sources.cut_off,
+        shifted=sources.shifted,
+        pd=sources.pd,
+        iterations=solution.iterations,
+        pairs=len(forecast.downwash.i),
+    )
     return Commanded(acc, new, report)
 
 
@@ -118,7 +125,9 @@ def _choose(
         failures += failed
         by_shift += failed and not by_pd
         cut_off += solution.status[v] == CUT_OFF
-    return CommandSources(acc.shape[0] - failures, cut_off, by_shift, failures - by_shift)
+    return CommandSources(
+        solved=acc.shape[0] - failures, cut_off=cut_off, shifted=by_shift, pd=failures - by_shift
+    )
 
 
 @compiled
