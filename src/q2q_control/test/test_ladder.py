@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
+from q2q_control.failsafe.ladder import FallbackParams, fallback_command, landed_or_cut
 from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 
@@ -38,7 +38,7 @@ def test_then_the_vehicles_level_out_at_hover_thrust() -> None:
 
 
 def test_each_vehicle_lands_by_its_own_age_level_and_sinking() -> None:
-    output = descended(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
+    output = landed_or_cut(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
     assert output.status.tolist() == [CommandStatus.OK, CommandStatus.LAND]
     assert output.thrust.tolist() == [0.3, pytest.approx(0.94 * 0.33)]
     assert output.roll.tolist() == [0.1, 0.0]
@@ -48,7 +48,7 @@ def test_each_vehicle_lands_by_its_own_age_level_and_sinking() -> None:
 
 
 def test_a_vehicle_that_is_down_gets_nothing_at_all() -> None:
-    output = descended(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
+    output = landed_or_cut(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
     assert output.status.tolist() == [CommandStatus.CUT, CommandStatus.OK]
     assert output.thrust.tolist() == [0.0, 0.4]
     assert output.roll.tolist() == [0.0, -0.1]
@@ -56,12 +56,12 @@ def test_a_vehicle_that_is_down_gets_nothing_at_all() -> None:
 
 
 def test_an_age_that_is_no_number_lands() -> None:
-    output = descended(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
+    output = landed_or_cut(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
     assert output.status.tolist() == [CommandStatus.LAND, CommandStatus.OK]
 
 
 def test_young_knowledge_changes_nothing() -> None:
-    assert descended(LAST, np.array([0.5, 0.0]), UP, PARAMS, 0.33) is LAST
+    assert landed_or_cut(LAST, np.array([0.5, 0.0]), UP, PARAMS, 0.33) is LAST
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ from numpy.typing import NDArray
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadReckonedBraking, is_blind
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
-from q2q_control.failsafe.ladder import FallbackParams, descended, fallback_command
+from q2q_control.failsafe.ladder import FallbackParams, fallback_command, landed_or_cut
 from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_control.inputs.controller import Controller
@@ -97,8 +97,8 @@ class Guard:
         self._stalled = StalledStamps()
         self._names: Names = ()
         self._measured_at = np.zeros(0)
-        self._down: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
-        self._cut: set[str] = set()  # cut vehicles that were commanded before, too
+        self._is_cut: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._cut_names: set[str] = set()  # cut vehicles that were commanded before, too
 
     @property
     def newest(self) -> float:
@@ -138,7 +138,7 @@ class Guard:
             last = self._last
         self._clock_reset.reset()
         if last is not None and (not self._was_nominal or self._evasion.active):
-            cut = tuple(self._names[row] for row in np.flatnonzero(self._down))
+            cut = tuple(self._names[row] for row in np.flatnonzero(self._is_cut))
             absent = InFallback(self._blind(state, self._missing or last), cut)
             setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
         self._missing = None
@@ -164,10 +164,10 @@ class Guard:
     def _fallen_back(self, last: SwarmCommand, age: float) -> SwarmCommand:
         """Return the command by the phases alone, `age` [s] after the last one."""
         ages = last.t - self._measured_at + age
-        self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
+        self._is_cut = self._is_cut | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
         self._was_nominal = False
-        descending = descended(held, ages, self._down, self._params, self._hover_thrust)
+        descending = landed_or_cut(held, ages, self._is_cut, self._params, self._hover_thrust)
         self._braking.advance(None, None, held.t)
         self._missing = self._braking.update(None, descending)
         return self._missing
@@ -205,8 +205,8 @@ class Guard:
         self._braking.reset()
         self._evasion.reset()
         self._measured_at = np.zeros(0)
-        self._down = np.zeros(0, dtype=np.bool_)
-        self._cut = set()
+        self._is_cut = np.zeros(0, dtype=np.bool_)
+        self._cut_names = set()
 
     def _is_nominal(self, command: SwarmCommand, state: SwarmState, age: Array, known: float) -> bool:
         """Return whether every vehicle is measured, commanded and on: nearly every tick.
@@ -221,7 +221,7 @@ class Guard:
         times = command.t, known, self._params.degraded_s
         track = state.status if state.names == command.names else _track(state, command.names)
         given = age.copy(), track.copy(), values, command.status
-        return note_nominal(times, given, (self._down, self._measured_at))
+        return note_nominal(times, given, (self._is_cut, self._measured_at))
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:
         """Return the vehicles that fly blind, by the last command, or soon will, by the state."""
@@ -238,19 +238,19 @@ class Guard:
             sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
         )
         ages = command.t - self._measured_at
-        self._down = self._down | ~(ages < self._params.cut_s) | self._emergency
+        self._is_cut = self._is_cut | ~(ages < self._params.cut_s) | self._emergency
         predicted = sound & ~(ages < self._params.degraded_s)
         status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
         flagged = replace(command, status=status)
-        return descended(flagged, ages, self._down, self._params, self._hover_thrust)
+        return landed_or_cut(flagged, ages, self._is_cut, self._params, self._hover_thrust)
 
     def _match_names(self, command: SwarmCommand) -> None:
         """Match stored rows to the command's names; a new vehicle counts as measured now."""
         if command.names == self._names:
             return
-        self._cut.update(name for name, down in zip(self._names, self._down, strict=True) if down)
+        self._cut_names.update(name for name, is_cut in zip(self._names, self._is_cut, strict=True) if is_cut)
         self._measured_at = rows_by_name(self._measured_at, self._names, command.names, command.t)
-        self._down = np.array([name in self._cut for name in command.names], dtype=np.bool_)
+        self._is_cut = np.array([name in self._cut_names for name in command.names], dtype=np.bool_)
         self._names = command.names
 
     def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:

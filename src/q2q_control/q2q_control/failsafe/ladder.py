@@ -93,32 +93,32 @@ def fallback_command(
     )
 
 
-def descended(
-    command: SwarmCommand, ages: Array, down: NDArray[np.bool_], params: FallbackParams, hover_thrust: float
+def landed_or_cut(
+    command: SwarmCommand, ages: Array, is_cut: NDArray[np.bool_], params: FallbackParams, hover_thrust: float
 ) -> SwarmCommand:
     """Return the command with vehicles landing or cut whose measurement is too old.
 
     Args:
         command: command before this fallback.
         ages: age of each vehicle's measurement [s], (n,).
-        down: vehicles whose motors are off permanently, (n,).
+        is_cut: vehicles whose motors are off permanently, (n,).
         params: ages at which the phases change.
         hover_thrust: thrust of one vehicle at hover [N].
     """
     landing = ~(ages < params.land_s)  # NaN too
-    if not (landing.any() or down.any()):
+    if not (landing.any() or is_cut.any()):
         return command
-    still = landing | down
+    still = landing | is_cut
     sinking = np.where(landing, params.land_share * hover_thrust, command.thrust)
     status = np.where(landing, CommandStatus.LAND, command.status)
     return SwarmCommand(
         t=command.t,
         names=command.names,
-        thrust=np.where(down, 0.0, sinking),
+        thrust=np.where(is_cut, 0.0, sinking),
         roll=np.where(still, 0.0, command.roll),
         pitch=np.where(still, 0.0, command.pitch),
         yaw_rate=np.where(still, 0.0, command.yaw_rate),
-        status=np.where(down, CommandStatus.CUT, status).astype(np.uint8),
+        status=np.where(is_cut, CommandStatus.CUT, status).astype(np.uint8),
     )
 
 

@@ -71,7 +71,7 @@ class FlightProcedure:
 
     def update(self, observation: Observation, outcome: Reply | None, t: float) -> None:
         """Update at time t [s]; `outcome` is that of the last order, None while it is unknown."""
-        self._guard(observation, t)
+        self._check_stream(observation, t)
         if self.state.waiting is not None:
             conclude(self._flight, self.state.waiting, observation, outcome, t)
         else:
@@ -145,7 +145,7 @@ class FlightProcedure:
             return
         flight.land(observation, t)
 
-    def _guard(self, observation: Observation, t: float) -> None:
+    def _check_stream(self, observation: Observation, t: float) -> None:
         """Land if setpoints jump, are missing or are not sent; follow vehicles that land by themselves."""
         stream = self._flight.stream
         if not stream.on:
