@@ -132,7 +132,7 @@ def test_a_downwash_fades_alike_after_the_clock_was_set_back() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0, 1.5])
-def test_below_another_what_is_balanced_fades_whatever_of_it_is_predicted(share: float) -> None:
+def test_below_another_the_trim_fades_whatever_of_it_is_predicted(share: float) -> None:
     """A downwash of 2 m/s^2, of which a share is predicted: all of the lift against it is given up."""
     block, plant = DeadReckonedBraking(HOVER), LostVehicle(np.zeros(3), 0.0, np.array([0.0, 0.0, -2.0]))
     plant.lift = 2.0

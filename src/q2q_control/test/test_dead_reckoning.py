@@ -1,4 +1,4 @@
-"""Motions are reckoned from commands, and what vehicles balance is learned while they are measured."""
+"""Motions are reckoned from commands, and the trim of vehicles is learned while they are measured."""
 
 import numpy as np
 import pytest
@@ -6,11 +6,11 @@ from reckoned_flights import HOVER, LEVEL, TICK, LostVehicle, flown, level_at, s
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
-    BALANCE,
-    BALANCE_MAX,
     LAG_S,
     TILT_SQUARE,
     TRACK_WIDTH,
+    TRIM,
+    TRIM_MAX,
     VEL,
     _tilted,
     reckon,
@@ -21,10 +21,10 @@ from q2q_model.vehicle.constants import GRAVITY
 
 
 def test_a_weak_vehicle_gains_as_much_by_its_tilt_as_its_thrust_holds() -> None:
-    """With 1.2 m/s^2 to balance, a thrust that holds the weight accelerates by g tan(tilt), as without."""
+    """With 1.2 m/s^2 of trim, a thrust that holds the weight accelerates by g tan(tilt), as without."""
     for weak in (0.0, 1.2):
         track = np.zeros((1, TRACK_WIDTH))
-        track[0, BALANCE + 2] = weak
+        track[0, TRIM + 2] = weak
         share = (1.0 + weak / GRAVITY) / np.cos(0.2)
         asked = (np.array([share * HOVER]), np.zeros(1), np.array([0.2]))
         unseen = (np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.array([TrackStatus.LOST], dtype=np.uint8))
@@ -83,19 +83,19 @@ WINDS = {"none": np.zeros(3), "wind": np.array([0.5, -0.3, 0.0]), "downwash": np
 
 @pytest.mark.parametrize("push", WINDS.values(), ids=WINDS)
 @pytest.mark.parametrize("offset", [0.0, 0.05], ids=["true", "trimmed"])
-def test_what_was_balanced_is_balanced_without_measurements(push: np.ndarray, offset: float) -> None:
+def test_the_trim_is_kept_without_measurements(push: np.ndarray, offset: float) -> None:
     """A steady push, and a vehicle that leans when it is told to be level."""
     plant = LostVehicle(np.zeros(3), 0.4, push, offset)
     frame = np.array([[np.cos(0.4), np.sin(0.4), 0.0], [-np.sin(0.4), np.cos(0.4), 0.0], [0.0, 0.0, 1.0]])
-    trim = np.array([0.0, (GRAVITY - push[2]) * np.sin(offset), 0.0])  # of the thrust that it flies at
-    found = flown(plant, (trim - frame @ push)[None], (600, 100))
-    unbalanced = np.linalg.norm(push + trim)  # [m/s], in a second
-    assert np.linalg.norm(found[-1, 3:6]) < 0.03 + 0.03 * unbalanced
+    sideways = np.array([0.0, (GRAVITY - push[2]) * np.sin(offset), 0.0])  # of the thrust that it flies at
+    found = flown(plant, (sideways - frame @ push)[None], (600, 100))
+    untrimmed = np.linalg.norm(push + sideways)  # [m/s], in a second
+    assert np.linalg.norm(found[-1, 3:6]) < 0.03 + 0.03 * untrimmed
     np.testing.assert_allclose(found[:, 6:9], found[:, :3], atol=0.04)
 
 
 @pytest.mark.parametrize("since", [0.1, 0.3, 0.6])
-def test_a_first_balance_is_the_slope_of_all_velocities_so_far_and_a_prior(since: float) -> None:
+def test_a_first_trim_is_the_slope_of_all_velocities_so_far_and_a_prior(since: float) -> None:
     """A level vehicle drifts ever faster: the fit of its slope, shrunk to 0 as if it were known for LAG_S."""
     slope, track = np.array([0.3, -0.2, 0.0]), np.zeros((1, TRACK_WIDTH))
     level = (np.array([HOVER]), np.zeros(1), np.zeros(1))
@@ -103,10 +103,10 @@ def test_a_first_balance_is_the_slope_of_all_velocities_so_far_and_a_prior(since
         sight = (np.zeros((1, 3)), (slope * k * TICK)[None], LEVEL, np.zeros(1, dtype=np.uint8))
         reckon(track, level, np.zeros((1, 3)), (TICK if k else 0.0, HOVER), sight)
     learned = since**3 / (since**3 + LAG_S**3)
-    np.testing.assert_allclose(track[0, BALANCE : BALANCE + 3], -learned * slope, rtol=0.15, atol=1e-12)
+    np.testing.assert_allclose(track[0, TRIM : TRIM + 3], -learned * slope, rtol=0.15, atol=1e-12)
 
 
-def test_an_acceleration_that_is_wanted_is_no_balance() -> None:
+def test_an_acceleration_that_is_wanted_is_no_trim() -> None:
     """To and fro, up and down: the vehicle does what it is told to."""
     plant = LostVehicle(np.zeros(3), 0.0, np.zeros(3))
     wanted = np.repeat([[1.0, 0.0, 1.5], [-1.0, 0.0, -1.5], [-1.0, 0.0, -1.5], [1.0, 0.0, 1.5]], 20, axis=0)
@@ -116,7 +116,7 @@ def test_an_acceleration_that_is_wanted_is_no_balance() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 2.0])
-def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
+def test_no_more_is_trimmed_than_a_vehicle_may_be_given(share: float) -> None:
     """A vehicle that does not move with its motors off, or at twice its weight: it is held."""
     track, sight = (
         np.zeros((1, TRACK_WIDTH)),
@@ -125,12 +125,12 @@ def test_no_more_is_balanced_than_a_vehicle_may_be_given(share: float) -> None:
     for _ in range(300):
         asked = (np.full(1, share * HOVER), np.zeros(1), np.zeros(1))
         reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), sight)
-    assert track[0, BALANCE + 2] == np.sign(share - 1.0) * BALANCE_MAX[1]
-    np.testing.assert_array_equal(track[0, BALANCE : BALANCE + 2], 0.0)
+    assert track[0, TRIM + 2] == np.sign(share - 1.0) * TRIM_MAX[1]
+    np.testing.assert_array_equal(track[0, TRIM : TRIM + 2], 0.0)
 
 
 @pytest.mark.parametrize("speed", [3.0, 1e300, np.inf, np.nan])
-def test_a_velocity_that_jumps_is_no_balance(speed: float) -> None:
+def test_a_velocity_that_jumps_is_no_trim(speed: float) -> None:
     """A track that restarts, or a state that means nothing, for 0.1 s."""
     track, level = np.zeros((1, TRACK_WIDTH)), (np.full(1, HOVER), np.zeros(1), np.zeros(1))
     for k in range(100):
@@ -138,7 +138,7 @@ def test_a_velocity_that_jumps_is_no_balance(speed: float) -> None:
         sight = (np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))
         reckon(track, level, np.zeros((1, 3)), (TICK, HOVER), sight)
     np.testing.assert_array_equal(track[0, VEL : VEL + 3], 0.0)
-    np.testing.assert_array_equal(track[0, BALANCE : BALANCE + 3], 0.0)
+    np.testing.assert_array_equal(track[0, TRIM : TRIM + 3], 0.0)
 
 
 def test_in_a_gap_between_ticks_a_tilt_is_taken_as_flown_for_as_long_as_a_vehicle_coasts_at_most() -> None:
@@ -170,7 +170,7 @@ def test_a_tilt_follows_by_its_equations_of_any_step() -> None:
 
 
 @pytest.mark.parametrize("jump", [0.0, 0.14, 0.3])
-def test_a_jump_of_the_clock_while_a_vehicle_turns_its_tilt_is_taken_for_no_balance(jump: float) -> None:
+def test_a_jump_of_the_clock_while_a_vehicle_turns_its_tilt_is_taken_for_no_trim(jump: float) -> None:
     """The last command counts for the whole jump, for want of better knowledge, and passed in a tick."""
     plant, block = LostVehicle(np.zeros(3), 0.0, np.zeros(3)), DeadReckonedBraking(HOVER)
     for k in range(150):
@@ -181,7 +181,7 @@ def test_a_jump_of_the_clock_while_a_vehicle_turns_its_tilt_is_taken_for_no_bala
         block.advance(state, None, now)
         block.record_nominal(state, level_at(now, CommandStatus.OK, roll=lean))
         plant.tick(level_at(now, CommandStatus.OK, roll=lean))
-    for k in range(150, 250):  # lost, and told to be level: what it balances moves what is reckoned
+    for k in range(150, 250):  # lost, and told to be level: its trim moves what is reckoned
         now = k * TICK + jump
         block.advance(state_at(now, np.zeros(2), age=now), None, now)
         block.record_nominal(state_at(now, np.zeros(2)), level_at(now, CommandStatus.OK))

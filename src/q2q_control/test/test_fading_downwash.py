@@ -51,7 +51,7 @@ def test_it_fades_with_the_time_since_it_was_known_where_somebody_is_above() -> 
     assert left(alone, places(below), t=1.0) == left(alone, places(below), t=9.0) == 1.0
 
 
-def test_one_that_left_a_moment_ago_counts_as_above_by_the_downwash_that_the_balance_still_holds() -> None:
+def test_one_that_left_a_moment_ago_counts_as_above_by_the_downwash_that_the_trim_still_holds() -> None:
     at = BEGUN | {"high": (0.25 + 0.8 * 2.0 / OBSERVER[1] - 0.01, 0.0, 1.5)}
     fading = FadingDownwash()
     assert left(fading, places(at)) == 1.0

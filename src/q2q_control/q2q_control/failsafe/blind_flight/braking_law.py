@@ -15,8 +15,8 @@ A vehicle that lands is kept from rising and from sinking fast: V_z counts where
 | tau | BRAKING_S | time constant of braking [s] |
 | a_max | BRAKING_MAX | largest horizontal acceleration [m/s^2] |
 | v_max | SINK_MAX | velocity of sinking from which it is braked [m/s] |
-| b_max | BALANCE_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
-| b | BALANCE | acceleration by commands that keeps the velocity, plus eta [m/s^2] (dead_reckoning) |
+| b_max | TRIM_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
+| b | TRIM | trim acceleration, plus eta [m/s^2] (dead_reckoning) |
 | eta | push | predicted downwash [m/s^2] |
 """
 
@@ -26,13 +26,13 @@ import numpy as np
 
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
     ACC,
-    BALANCE,
-    BALANCE_MAX,
     JERK,
     LAG_S,
     POS,
     THRUST_LAG_S,
     TILT_SQUARE,
+    TRIM,
+    TRIM_MAX,
     VEL,
     YAW,
 )
@@ -67,14 +67,14 @@ def braking_thrust(motions: ReckonedMotions, command: SwarmCommand, hover_thrust
     rising = _coming(motions)[:, 2]
     landing = np.maximum(rising, 0.0) + np.minimum(rising + SINK_MAX, 0.0)
     rising = np.where(command.status == CommandStatus.LAND, landing, rising)
-    most = BALANCE_MAX[1]
-    lift = np.clip(_balance(motions)[:, 2] - rising / BRAKING_S, -most, most)
+    most = TRIM_MAX[1]
+    lift = np.clip(_trim(motions)[:, 2] - rising / BRAKING_S, -most, most)
     return np.asarray(command.thrust + hover_thrust * lift / GRAVITY)
 
 
 def braking_tilt(motions: ReckonedMotions) -> tuple[Array, Array]:
     """Return roll and pitch [rad] that brake each vehicle, (n,) each."""
-    acc = (_balance(motions) - _coming(motions) / BRAKING_S)[:, :2]
+    acc = (_trim(motions) - _coming(motions) / BRAKING_S)[:, :2]
     acc *= np.minimum(1.0, BRAKING_MAX / np.maximum(np.linalg.norm(acc, axis=1), 1e-9))[:, None]
     yaw = motions.track[:, YAW]
     ahead = np.cos(yaw) * acc[:, 0] + np.sin(yaw) * acc[:, 1]
@@ -92,14 +92,14 @@ def resting_places(motions: ReckonedMotions) -> Array:
     return np.asarray(motions.track[:, POS : POS + 2] + time * coming)
 
 
-def _balance(motions: ReckonedMotions) -> Array:
-    """Return the accelerations by commands that keep the velocities [m/s^2], world, (n, 3)."""
-    return np.asarray(motions.track[:, BALANCE : BALANCE + 3] - motions.push)
+def _trim(motions: ReckonedMotions) -> Array:
+    """Return the commanded accelerations that keep the velocities constant [m/s^2], world, (n, 3)."""
+    return np.asarray(motions.track[:, TRIM : TRIM + 3] - motions.push)
 
 
 def _coming(motions: ReckonedMotions) -> Array:
     """Return the velocities once all commands have taken effect [m/s], world, (n, 3)."""
     track, lag = motions.track, np.array([LAG_S, LAG_S, THRUST_LAG_S])
-    coming = track[:, VEL : VEL + 3] + lag * (track[:, ACC : ACC + 3] - _balance(motions))
+    coming = track[:, VEL : VEL + 3] + lag * (track[:, ACC : ACC + 3] - _trim(motions))
     coming[:, :2] += track[:, JERK : JERK + 2] / TILT_SQUARE
     return np.asarray(coming)

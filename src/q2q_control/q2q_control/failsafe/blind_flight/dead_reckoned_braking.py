@@ -3,7 +3,7 @@
 The motion of every vehicle is integrated from its commands (dead_reckoning); one without measurements flies
 by braking_law instead of level. While the controller still flies it on a predicted state, it gets the
 dead-reckoned position and velocity: a filter, which knows no commands, predicts straight on. A downwash that
-is predicted is so for a lost vehicle where it was last; what is not predicted of it is in the balance. Both
+is predicted is so for a lost vehicle where it was last; what is not predicted of it is in the trim. Both
 fade with time, and as others move from above it (fading_downwash).
 """
 
@@ -21,11 +21,11 @@ from q2q_control.failsafe.blind_flight.braking_law import (
     resting_places,
 )
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
-    BALANCE,
     LAG_S,
     POS,
     SEEN,
     TRACKED,
+    TRIM,
     UNKNOWN,
     UNSETTLED,
     VEL,
@@ -189,7 +189,7 @@ class DeadReckonedBraking:
         followed = (status[blind] != LOST) & self._predicted
         left = self._fading.shares(blind, followed, places, self._t)
         self._push[blind] *= left[:, None]
-        self._push[blind, 2] += (1.0 - left) * self._track[blind, BALANCE + 2]
+        self._push[blind, 2] += (1.0 - left) * self._track[blind, TRIM + 2]
 
 
 def is_blind(status: Status) -> NDArray[np.bool_]:

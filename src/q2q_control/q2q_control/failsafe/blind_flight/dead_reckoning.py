@@ -1,4 +1,4 @@
-"""Motion of vehicles by their own commands, and the balance: what else moves them.
+"""Motion of vehicles by their own commands, and the trim against what else moves them.
 
     a' = j,  j' = W^2 (u - a - L j)   u: acceleration that the command asks for; vertically a' = (u - a) / L_T
     v' = a + eta - b,  p' = v         eta: predicted downwash, 0 without a prediction
@@ -20,7 +20,7 @@ that b is 0 counts as much as those of the time L. With h between measurements:
                                       b -= max((1 - e^(-w h))^2 / h, 6 s h / k^2) (v - o)
 
 For 2 L after a gap (flown_time) nothing is learned: what was in effect meanwhile is not known. Without
-measurements the motion is integrated, with the balance of the last one. Thrust that b_z takes away is
+measurements the motion is integrated, with the trim of the last one. Thrust that b_z takes away is
 taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 
 | symbol | name | meaning [unit] |
@@ -29,7 +29,7 @@ taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 | v | VEL | velocity, world [m/s] |
 | a | ACC | acceleration by commands, world [m/s^2] |
 | j | JERK | its horizontal rate of change, world [m/s^3] |
-| b | BALANCE | acceleration by commands at which the velocity is steady, plus eta [m/s^2] |
+| b | TRIM | trim acceleration: commanded acceleration that keeps the velocity constant, plus eta [m/s^2] |
 | o | OBSERVED | velocity of the observer [m/s] |
 | psi | YAW | last measured yaw [rad] |
 | L, L_T | LAG_S, THRUST_LAG_S | from a command to its tilt, to its thrust, mean [s] |
@@ -58,17 +58,17 @@ LAG_S = THRUST_LAG_S + _LOOP_S
 TILT_SQUARE = 2.0 / (LAG_S**2 - CRAZYFLIE_2_0.thrust_lag**2 - _LOOP_S**2 + 2.0 / _LOOP.frequency**2)
 """W^2 [1/s^2]."""
 OBSERVER = 2.0, 8.0
-"""Bandwidth of the balance, horizontal and vertical [rad/s]: below 1 / L and 1 / L_T; a gust is none."""
-BALANCE_MAX = 1.5, 3.0
-"""Largest balance on an axis, horizontal and vertical, and largest lift of a vehicle without measurements
+"""Bandwidth of the trim, horizontal and vertical [rad/s]: below 1 / L and 1 / L_T; a gust is none."""
+TRIM_MAX = 1.5, 3.0
+"""Largest trim on an axis, horizontal and vertical, and largest lift of a vehicle without measurements
 [m/s^2]: a tilt of 0.15 rad; less than the thrust of a Crazyflie 2.0 leaves above its weight. A vehicle on the
-ground balances whatever it is told."""
+ground is in trim whatever it is commanded."""
 OUTLIER_SPEED = 2.0
 """Error of the observed velocity that no disturbance makes: its track restarted [m/s]."""
 
 TRACKED = int(TrackStatus.TRACKED)
 """Status of a measured vehicle."""
-POS, VEL, ACC, BALANCE, YAW, SEEN, OBSERVED, JERK, KNOWN_S, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
+POS, VEL, ACC, TRIM, YAW, SEEN, OBSERVED, JERK, KNOWN_S, UNSETTLED = 0, 3, 6, 9, 12, 13, 14, 17, 19, 20
 """Columns of a track, the first one of vectors; SEEN is 1 if its last tick measured the vehicle."""
 TRACK_WIDTH = 21
 UNKNOWN = np.array([math.nan] * 3 + [0.0] * (TRACK_WIDTH - 3))
@@ -114,7 +114,7 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
     """Propagate a track (TRACK_WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
     one[UNSETTLED] = max(one[UNSETTLED] - elapsed, 0.0)
-    level = GRAVITY * share / (1.0 + one[BALANCE + 2] / GRAVITY)  # a weak rotor or battery gives less
+    level = GRAVITY * share / (1.0 + one[TRIM + 2] / GRAVITY)  # a weak rotor or battery gives less
     ahead, aside = level * math.sin(pitch) * math.cos(roll), -level * math.sin(roll)
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
     lift = GRAVITY * (share * math.cos(roll) * math.cos(pitch) - 1.0)
@@ -126,7 +126,7 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
             left = lacking * math.exp(-elapsed / THRUST_LAG_S)
             made = THRUST_LAG_S * (lacking - left)
         pushed = push[k] if abs(push[k]) < math.inf else 0.0
-        gained = (aimed + pushed - one[BALANCE + k]) * elapsed + made
+        gained = (aimed + pushed - one[TRIM + k]) * elapsed + made
         one[VEL + k] += gained
         one[OBSERVED + k] += gained
         one[ACC + k] = aimed + left
@@ -156,14 +156,14 @@ def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
             one[OBSERVED + k] = vel[k]
         elif elapsed > 0.0:
             observed, learned = _gains(OBSERVER[k // 2], elapsed, one[KNOWN_S])
-            balance, most = one[BALANCE + k] - learned * error, BALANCE_MAX[k // 2]
+            trim, most = one[TRIM + k] - learned * error, TRIM_MAX[k // 2]
             one[OBSERVED + k] += observed * error
-            one[BALANCE + k] = min(max(balance, -most), most)
+            one[TRIM + k] = min(max(trim, -most), most)
 
 
 @compiled
 def _gains(bandwidth: float, elapsed: float, known: float) -> tuple[float, float]:
-    """Return the gains of the observed velocity [-] and of the balance [1/s], `known` [s] after the first."""
+    """Return the gains of the observed velocity [-] and of the trim [1/s], `known` [s] after the first."""
     fast, sure = math.exp(-bandwidth * elapsed), known**3 / (known**3 + LAG_S**3)
     observed = max(1.0 - fast * fast, (1.0 + 3.0 * sure) * elapsed / known)
     return observed, max((1.0 - fast) ** 2 / elapsed, 6.0 * sure * elapsed / known**2)

@@ -1,7 +1,7 @@
 """Downwash on vehicles without measurements: how much of the last known one is left.
 
 Others above vehicle i were at offsets d_ij, horizontally, when its downwash was last known: predicted at its
-place, and the rest of it a part of its measured balance. What is left of both, as those move:
+place, and the rest of it a part of its measured trim. What is left of both, as those move:
 
     share_i = mean_j exp(-|d_ij - d_ij(0)|^2 / W^2) exp(-t / B)       1 if nobody was above
 
@@ -28,7 +28,7 @@ FADE_S = 0.5
 """Time in which a downwash is forgotten [s]: a vehicle lifted out of it unnoticed rises to those above."""
 ABOVE_RADIUS = 0.5
 """Horizontal distance within which a vehicle above counts [m]: four widths, 0.3, and what it moves by at
-0.8 m/s while the balance still holds its downwash, 0.25 s (2 / OBSERVER, vertically; dead_reckoning)."""
+0.8 m/s while the trim still holds its downwash, 0.25 s (2 / OBSERVER, vertically; dead_reckoning)."""
 
 
 class Places(NamedTuple):

@@ -40,7 +40,7 @@ IN_WAKE = 0.25
 """Horizontal distance from one above within which its wake tilts a vehicle [m]: that of its edge, 0.06, and
 what its axis may be carried away by."""
 LEARNT_S = 1.5
-"""Time in which 95 % of a balance is learned [s]: three of the observer's time constants, horizontally."""
+"""Time in which 95 % of a trim is learned [s]: three of the observer's time constants, horizontally."""
 
 
 def last_measured(ticks: RunTicks) -> NDArray[np.intp]:
