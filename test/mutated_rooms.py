@@ -77,7 +77,7 @@ ROOMS = (
                 "position_tracks",
                 "attitude_tracks",
                 "mocap_filter",
-                "mocap_filter_lies",
+                "mocap_filter_combined_faults",
                 "mocap_names",
                 "mocap_stamps",
             )

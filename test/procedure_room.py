@@ -1,7 +1,7 @@
 """A room in simulated time in which a real node of ours flies vehicles of real firmware by the procedure.
 
 The node stands on a StandInNode: what it publishes and calls is kept, or handed to whom it is for; its clocks
-are the room's. Motion capture, filter, trajectory and controller are the road's own blocks.
+are the room's. Motion capture, filter, trajectory and controller are the blocks that fly everywhere.
 """
 
 from collections.abc import Callable

@@ -91,7 +91,7 @@ def test_an_executable_that_cannot_start_is_one_line(prefix: Path):
     assert done.stderr == f"ros2 (small): cannot start {prefix}/lib/toy/node: No such file or directory\n"
 
 
-def test_it_says_what_it_is_not(prefix: Path):
+def test_help_says_that_only_run_and_pkg_exist(prefix: Path):
     done = ros2(prefix, "--help")
     assert done.returncode == 0
     assert "nothing else" in done.stdout

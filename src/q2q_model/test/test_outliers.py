@@ -112,7 +112,7 @@ def test_a_time_that_falls_is_refused_with_the_place():
         find_outliers(t, pos)
 
 
-def test_thresholds_are_thresholds():
+def test_a_jump_within_a_raised_threshold_is_no_outlier():
     t, pos = _flight()
     pos[300, 0] += [0.1, 0.0, 0.0]
     assert find_outliers(t, pos).sum() == 1

@@ -172,7 +172,7 @@ def test_a_file_that_is_no_case_is_refused(tmp_path: Path):
         read_case(path)
 
 
-def test_a_bug_ends_with_its_block():
+def test_a_seeded_bug_is_removed_when_its_context_exits():
     assert len({bug.name for bug in SEEDED_BUGS}) == len(SEEDED_BUGS) == 20
     for bug in SEEDED_BUGS:
         sound = vars(bug.place)[bug.function]

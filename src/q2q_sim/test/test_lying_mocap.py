@@ -17,7 +17,7 @@ from q2q_sim.faults.faults import Fault
     ],
     ids=lambda lie: lie.kind,
 )
-def test_no_policy_is_violated(seed: int, lie: Fault) -> None:
+def test_frozen_swapped_or_flipped_poses_for_seconds_violate_no_policy(seed: int, lie: Fault) -> None:
     run = draw_run(seed)
     document = {**run.document, "faults": [fault_document(lie)]}
     assert fly_pure(Run(seed, document, run.options)).violations == ()

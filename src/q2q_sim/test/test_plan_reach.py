@@ -33,7 +33,7 @@ def test_the_reach_is_that_of_full_thrust_up_down_and_aside():
     assert beyond_reach(rest_to_rest(0.0, 0.0, up + 0.2, 0.25), 2.0, CRAZYFLIE_2_0) == pytest.approx(0.2)
 
 
-def test_speed_takes_a_vehicle_along():
+def test_initial_speed_extends_the_reach():
     start = Goal(np.zeros(3), np.array([5.0, 0.0, 0.0]), np.zeros(3), 0.0, np.zeros(3))
     end = Goal(np.array([1.0, 0.0, 0.0]), np.array([5.0, 0.0, 0.0]), np.zeros(3), 0.0, np.zeros(3))
     piece = piece_between(start, end, 0.2)

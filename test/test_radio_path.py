@@ -1,4 +1,4 @@
-"""The road over the air: controller, radio pilot, cflib's encoders, link model, CRTP endpoint, firmware.
+"""The radio path: controller, radio pilot, cflib's encoders, link model, CRTP endpoint, firmware.
 
 Section 5.2's flight (50 s, Q2 passes over Q1) in simulated time, beside the direct link of the same room.
 """
@@ -58,7 +58,7 @@ class _Link(CflibSender):
         )
 
 
-class _Road:
+class _RadioPath:
     """Room whose vehicles are flown by radio."""
 
     def __init__(self, scenario: Scenario, seed: int, positioning: str) -> None:
@@ -94,18 +94,18 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
     """Return every vehicle's height error [m], (T, n), of a flight by RPYT setpoint or by full state."""
     model = find_model(scenario.model).interaction
     blocks = blocks_of(scenario, Options(mode), model)
-    road = _Road(scenario, seed, positioning)
+    path = _RadioPath(scenario, seed, positioning)
     names, scale = scenario.names, RpytScale(scenario.vehicle.full_pwm_thrust)
     pilot = RadioPilot(
-        {name: road.link(k) for k, name in enumerate(names)},
+        {name: path.link(k) for k, name in enumerate(names)},
         RadioPilotParams(),
         level_rpyt(scenario.vehicle.hover_thrust, scale) if by == "rpyt" else None,
     )
-    for vehicle in road.fleet.vehicles:
+    for vehicle in path.fleet.vehicles:
         vehicle.firmware.parameters.set("stabilizer.controller", MELLINGER if by == "full state" else 1)
     errors = []
     for k in range(round(scenario.duration / TICK_S)):
-        tick = road.room.capture()
+        tick = path.room.capture()
         t = tick.frame.t
         state = blocks.mocap_filter.update(tick.frame)
         downwash = blocks.predictor.update(state)
@@ -123,7 +123,7 @@ def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", se
         else:
             pilot.fly_full_states(names, full_states(expected, aware), t)
         errors.append(tick.truth.pos[:, 2] - expected.pos[:, 2])
-        road.advance()
+        path.advance()
     assert set(pilot.phases.values()) == {Phase.FLYING}
     return np.array(errors)
 
@@ -188,14 +188,14 @@ def test_acc_less_eta_on_mellingers_loop_cuts_the_error_as_the_aware_pid_does() 
 
 
 def test_a_lone_marker_reaches_the_vehicle_as_a_position_without_attitude() -> None:
-    road = _Road(_room(), 0, "external")
-    link, firmware = road.link(0), road.fleet.vehicles[0].firmware
+    path = _RadioPath(_room(), 0, "external")
+    link, firmware = path.link(0), path.fleet.vehicles[0].firmware
     before, turn = np.array(firmware.external.quat), (0.0, 0.0, 0.6, 0.8)
 
     def fed(quat: tuple[float, ...] | None) -> Array:
         link.send_place((1.0, 2.0, 3.0), quat)
         for _ in range(10):
-            road.advance()
+            path.advance()
         return np.array(firmware.external.quat)
 
     np.testing.assert_array_equal(fed(None), before)

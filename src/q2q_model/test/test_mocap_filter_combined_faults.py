@@ -1,4 +1,4 @@
-"""Lies that come together: swapped markers of which one was moved, a frozen outlier; a clock set back."""
+"""Faults that come together: swapped markers of which one was moved, a frozen outlier; a clock set back."""
 
 import numpy as np
 import pytest
