@@ -54,7 +54,7 @@ ROOMS = (
     ),
     Room(
         (
-            "q2q_model.estimation.clock_resets",
+            "q2q_model.signals.clock_resets",
             *(
                 f"q2q_model.estimation.{name}"
                 for name in (

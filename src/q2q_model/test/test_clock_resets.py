@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_model.estimation.clock_resets import CONFIRM_STAMPS, ClockResetDetector
+from q2q_model.signals.clock_resets import CONFIRM_STAMPS, ClockResetDetector
 
 
 def test_stamps_that_rise_for_long_enough_are_a_new_time() -> None:

@@ -23,7 +23,7 @@ reports as LOST move aside, also if another controller flies it: that takes the 
 a vehicle returns to the height of its setpoint before it follows that (q2q_control.failsafe.evasion).
 
 A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
-of rising old stamps is a clock that was set back (q2q_model.estimation.clock_resets, as in the mocap filter):
+of rising old stamps is a clock that was set back (q2q_model.signals.clock_resets, as in the mocap filter):
 the controller is reset, ages continue. A jump back by more than SET_BACK_S is a new flight: everything is
 reset but an emergency. The same tick again gets the same command, and if it comes for level_s
 (stalled_stamps) that of a missing tick, short of landing: a simulator that is halted lets nobody fall. Live,
@@ -44,7 +44,7 @@ from q2q_control.failsafe.ladder import FallbackParams, fallback_command, landed
 from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_control.inputs.controller import Controller
-from q2q_model.estimation.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector
+from q2q_model.signals.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import (
     Array,
     CommandStatus,

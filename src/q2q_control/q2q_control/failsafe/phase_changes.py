@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.estimation.clock_resets import SET_BACK_S
+from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCommand, rows_by_name
 
 EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"

@@ -13,7 +13,7 @@ from std_msgs.msg import Float32, Header
 
 from q2q_control.radio.link import LinkHealth, OnboardPose
 from q2q_control.radio.radio_vehicles import other_publishers
-from q2q_model.signals.decimation import Decimation
+from q2q_model.node.decimation import Decimation
 from q2q_model.signals.values import Names
 
 QUEUE = 10

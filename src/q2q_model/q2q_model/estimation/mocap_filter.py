@@ -14,7 +14,7 @@ about frames:
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
-  Old stamps that increase for 0.1 s (q2q_model.estimation.clock_resets) mean a clock that was set back: the
+  Old stamps that increase for 0.1 s (q2q_model.signals.clock_resets) mean a clock that was set back: the
   tracks go on in the new time, their last samples as old as the first of these stamps. A stamp older by more
   than `clock_jump_s` means another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
@@ -28,7 +28,6 @@ import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
-from q2q_model.estimation.clock_resets import ClockResetDetector
 from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.nominal_frame import (
@@ -42,6 +41,7 @@ from q2q_model.estimation.nominal_frame import (
 from q2q_model.estimation.pose_faults import pose_faults
 from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE
 from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
+from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_model.signals.values import (
     Array,
     Mask,

@@ -26,8 +26,8 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.estimation.clock_resets import SET_BACK_S
 from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
+from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle

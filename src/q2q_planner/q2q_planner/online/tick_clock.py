@@ -1,12 +1,12 @@
 """Clock of a replanner's ticks: which of them are late, and by how much the clock was set back.
 
 A clock that was set back is that of the first of its old stamps: the time for which they have risen by when
-that is known (q2q_model.estimation.clock_resets) has passed, as in lost ticks.
+that is known (q2q_model.signals.clock_resets) has passed, as in lost ticks.
 """
 
 from math import inf
 
-from q2q_model.estimation.clock_resets import ClockResetDetector
+from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_planner.online.replanner import LONGEST_GAP
 
 

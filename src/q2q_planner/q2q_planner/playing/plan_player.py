@@ -15,9 +15,9 @@ from math import isfinite
 
 import numpy as np
 
-from q2q_model.estimation.clock_resets import SET_BACK_S, ClockResetDetector
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
+from q2q_model.signals.clock_resets import SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.playing.braked_plan import brake_plan

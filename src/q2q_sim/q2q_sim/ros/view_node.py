@@ -11,6 +11,7 @@ from q2q_msgs.msg import Plan
 from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
+from q2q_model.node.decimation import Decimation
 from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
@@ -19,7 +20,6 @@ from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.plan_message import decode_plan
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE
-from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable

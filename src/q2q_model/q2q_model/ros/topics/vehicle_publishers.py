@@ -11,8 +11,8 @@ from itertools import chain
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from q2q_model.node.decimation import Decimation
 from q2q_model.ros.topics.audience import Audience
-from q2q_model.signals.decimation import Decimation
 from q2q_model.signals.values import Names
 from q2q_model.signals.vehicle_name import VEHICLE_NAME
 
