@@ -12,7 +12,7 @@
 import numpy as np
 
 from q2q_model.geometry.rotations import rotate
-from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, index_of
+from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 
 LONGEST_STEP = 0.1
@@ -37,21 +37,14 @@ class MeasuredPush:
         passed, self._t = state.t - self._t, state.t
         dt = passed if 0.0 <= passed < LONGEST_STEP else LONGEST_STEP
         if state.names != self._names:
-            self._thrust = reordered_rows(self._names, state.names, self._thrust)
+            self._thrust = rows_by_name(self._thrust, self._names, state.names, np.nan)
             self._names = state.names
-        commanded = reordered_rows(command.names, state.names, command.thrust)
+        commanded = rows_by_name(command.thrust, command.names, state.names, np.nan)
         keep = np.exp(-dt / self._vehicle.thrust_lag) if self._vehicle.thrust_lag > 0.0 else 0.0
         before = np.where(np.isfinite(self._thrust), self._thrust, commanded)
         settled = keep * before + (1.0 - keep) * commanded
         self._thrust = np.where(np.isfinite(commanded), settled, before)
-        force = rotate(state.quat, reordered_rows(imu.names, state.names, imu.specific_force_body))[:, 2]
+        felt = rows_by_name(imu.specific_force_body, imu.names, state.names, np.nan)
+        force = rotate(state.quat, felt)[:, 2]
         body_z = rotate(state.quat, np.array([0.0, 0.0, 1.0]))[:, 2]
         return np.asarray(force - self._thrust * body_z / self._vehicle.mass)
-
-
-def reordered_rows(names: Names, among: Names, values: Array) -> Array:
-    """Return the rows of `values` in the order of `among`; NaN for missing ones."""
-    rows = index_of(among, names)
-    out = np.full((len(among), *values.shape[1:]), np.nan)
-    out[rows >= 0] = values[rows[rows >= 0]]
-    return out

@@ -6,7 +6,6 @@ the air is bounded. It is within the bounds if at most half of the thrusts are b
 
 import numpy as np
 
-from q2q_model.estimation.measured_push import reordered_rows
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR
 from q2q_model.identification.force.recorded_force import HEAVIEST, LIGHTEST
 from q2q_model.signals.values import Names, SwarmCommand, SwarmState, rows_by_name
@@ -29,7 +28,7 @@ class CarriedWeight:
         if state.names != self._names:
             self._counts = rows_by_name(self._counts, self._names, state.names)
             self._names = state.names
-        thrust = reordered_rows(command.names, state.names, command.thrust)
+        thrust = rows_by_name(command.thrust, command.names, state.names, np.nan)
         share = thrust / self._vehicle.hover_thrust
         airborne = np.isfinite(share) & (state.pos[:, 2] > FLOOR)
         beyond = np.stack([share < LIGHTEST, share > HEAVIEST, np.isfinite(share)], axis=-1)
