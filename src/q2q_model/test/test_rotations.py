@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from q2q_model.geometry import rotations as rot
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 
 ROUNDING = 1e-12  # a few dozen products of numbers near 1 in float64
@@ -43,6 +44,12 @@ def test_euler_angles_survive_the_round_trip(roll: float, pitch: float, yaw: flo
     back = rot.euler_from_quat(rot.quat_from_euler(roll, pitch, yaw))
     # near pitch 1.5 the angles amplify rounding by 1 / cos(1.5)^2 = 200
     assert np.allclose(back, [roll, pitch, yaw], atol=1e-9)
+
+
+@given(seeds)
+def test_the_yaw_of_one_quaternion_is_that_of_many(seed: int):
+    quat = _quats(np.random.default_rng(seed), ())
+    assert abs(yaw_of(*quat.tolist()) - rot.yaw_from_quat(quat)) <= ROUNDING
 
 
 def test_positive_pitch_tips_thrust_along_plus_x_and_positive_roll_along_minus_y():

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -40,8 +41,7 @@ def thrust_acc_of_command(command: Command, quat: Array, mass: float) -> Array:
     thrust, roll, pitch = command.thrust, command.roll, command.pitch
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):
-        x, y, z, w = quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3]
-        yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        yaw = yaw_of(quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3])
         forward, left = math.cos(roll[i]) * math.sin(pitch[i]), -math.sin(roll[i])
         specific = thrust[i] / mass
         acc[i, 0] = (forward * math.cos(yaw) - left * math.sin(yaw)) * specific

@@ -36,6 +36,7 @@ import numpy as np
 from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
 from q2q_control.inputs.controller import THRUST_LEAST
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -115,20 +116,13 @@ def write_command(acc: Array, row: Array, limits: ThrustLimits, values: Array) -
     upright = 1.0 - 2.0 * (row[QUAT_AT] * row[QUAT_AT] + row[QUAT_AT + 1] * row[QUAT_AT + 1])
     desired = limits.mass * (GRAVITY + acc[2]) / max(upright, UPRIGHT_MIN)
     thrust = min(max(desired, THRUST_LEAST * limits.mass * GRAVITY), limits.thrust_max)
-    yaw = _yaw_of(row)
+    yaw = yaw_of(row[QUAT_AT], row[QUAT_AT + 1], row[QUAT_AT + 2], row[QUAT_AT + 3])
     tilt = _tilt(acc, yaw, thrust, limits)
     wrapped = (row[YAW] - yaw + math.pi) % (2.0 * math.pi) - math.pi
     yaw_rate = row[YAW_RATE] + limits.k_yaw * wrapped
     values[0], values[1], values[2] = thrust, tilt.roll, tilt.pitch
     values[3] = min(max(yaw_rate, -limits.yaw_rate_max), limits.yaw_rate_max)
     return Excess(desired - thrust, tilt.cut)
-
-
-@compiled
-def _yaw_of(row: Array) -> float:
-    """Return the present yaw [rad]."""
-    x, y, z, w = row[QUAT_AT], row[QUAT_AT + 1], row[QUAT_AT + 2], row[QUAT_AT + 3]
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 @compiled

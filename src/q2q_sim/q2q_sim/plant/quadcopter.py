@@ -41,6 +41,7 @@ from q2q_control.attitude.attitude_law import (
 )
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -245,8 +246,7 @@ def _stand(row: Array, body: Body) -> None:
         row[VX + k] = after
         row[P + k] = 0.0
     row[Z] = 0.0
-    x, y, z, w = row[QX], row[QY], row[QZ], row[QW]
-    half_yaw = 0.5 * math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    half_yaw = 0.5 * yaw_of(row[QX], row[QY], row[QZ], row[QW])
     row[QX], row[QY], row[QZ], row[QW] = 0.0, 0.0, math.sin(half_yaw), math.cos(half_yaw)
 
 

@@ -46,6 +46,7 @@ import numpy as np
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_control.inputs.controller import LATENCY_S
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Status, TrackStatus
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
@@ -103,7 +104,7 @@ def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], 
         measured = status[i] == TRACKED and abs(pos[i].sum() + vel[i].sum() + quat[i].sum()) < math.inf
         if measured:
             _correct(one, pos[i], vel[i], elapsed)
-            one[YAW] = _yaw(quat[i])
+            one[YAW] = yaw_of(quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3])
         one[SEEN] = 1.0 if measured else 0.0
         unmeasured += not measured
     return unmeasured
@@ -167,10 +168,3 @@ def _gains(bandwidth: float, elapsed: float, known: float) -> tuple[float, float
     fast, sure = math.exp(-bandwidth * elapsed), known**3 / (known**3 + LAG_S**3)
     observed = max(1.0 - fast * fast, (1.0 + 3.0 * sure) * elapsed / known)
     return observed, max((1.0 - fast) ** 2 / elapsed, 6.0 * sure * elapsed / known**2)
-
-
-@compiled
-def _yaw(quat: Array) -> float:
-    """Return the yaw of a quaternion [rad], xyzw, (4,)."""
-    x, y, z, w = quat
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
