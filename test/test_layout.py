@@ -42,6 +42,7 @@ QUESTIONS = (
     ("where is the potential field?", "q2q_planner/online/potential_field.py", "PotentialField"),
     ("which replanner has a guarantee?", "q2q_planner/online/safe/safe_replanner.py", "SafeReplanner"),
     ("where is the PID?", "q2q_control/pid/pid.py", "Pid"),
+    ("where is a command clipped?", "q2q_control/attitude/thrust_vector.py", "write_command"),
     ("where is the Riccati recursion?", "q2q_control/mpc/solver/riccati.py", "solve"),
     ("where is the failsafe ladder?", "q2q_control/failsafe/ladder.py", "fallback_command"),
     ("where is a real vehicle's radio link?", "q2q_control/radio/cflib_link.py", "CflibLink"),

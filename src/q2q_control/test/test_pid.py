@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pid_swarms import only, random_swarm, swarm
 
+from q2q_control.attitude.thrust_vector import UPRIGHT_MIN, WEIGHT_MIN, ThrustLimits
 from q2q_control.inputs.alignment import (
     ETA,
     POS,
@@ -22,7 +23,6 @@ from q2q_control.inputs.alignment import (
 )
 from q2q_control.pid.pid import Pid, PidParams, pid_gains, pid_limits
 from q2q_control.pid.pid_kernel import pid_rows
-from q2q_control.pid.thrust_vector import UPRIGHT_MIN, WEIGHT_MIN, ThrustLimits
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler, yaw_from_quat
 from q2q_model.signals.values import (
     Array,

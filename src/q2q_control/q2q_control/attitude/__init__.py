@@ -1,1 +1,1 @@
-"""Onboard attitude loop and rotor allocation."""
+"""Thrust and attitude of a demanded acceleration, onboard attitude loop, rotor allocation."""

@@ -1,16 +1,16 @@
 """Commands of a tick from commanded accelerations, in one compiled call.
 
-Thrust, roll, pitch and yaw rate within their limits (q2q_control.pid.thrust_vector), completed by the last
-ones where a vehicle is not usable (q2q_control.failsafe.last_commands).
+Thrust, roll, pitch and yaw rate within their limits (q2q_control.attitude.thrust_vector), completed by the
+last ones where a vehicle is not usable (q2q_control.failsafe.last_commands).
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.attitude.thrust_vector import ThrustLimits, command_rows
 from q2q_control.failsafe.last_commands import Last, complete_commands
 from q2q_control.inputs.alignment import Aligned
-from q2q_control.pid.thrust_vector import ThrustLimits, command_rows
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Status, SwarmCommand
 

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
@@ -46,7 +47,6 @@ from q2q_control.mpc.prediction.neighbours import (
 from q2q_control.mpc.prediction.vehicle_tracks import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
-from q2q_control.pid.thrust_vector import ThrustLimits, largest_thrust
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated

@@ -3,7 +3,7 @@
     a     = r''_ref + K_p s (r_ref - r) + K_d (r'_ref - r') + K_i xi - eta     on x, y, z
     xi'   = r_ref - r                                                          (23)
     s     = min(1, e / |r_ref - r|),  K_p e = K_d v_max                        horizontally, and vertically
-    U1, phi_d, theta_d, r_d from a by q2q_control.pid.thrust_vector
+    U1, phi_d, theta_d, r_d from a by q2q_control.attitude.thrust_vector
 
 s is ours: from further than e a vehicle returns at v_max relative to its setpoint. By the linear law one that
 is carried 4 m up falls at 6 m/s, which no thrust stops above the floor.
@@ -32,12 +32,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
 from q2q_control.inputs.controller import TILT_MAX
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
-from q2q_control.pid.thrust_vector import ThrustLimits, largest_thrust
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
     Interference,

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from q2q_control.attitude.thrust_vector import Excess, ThrustLimits, write_command
 from q2q_control.failsafe.last_commands import Last, complete_commands
 from q2q_control.inputs.alignment import ETA_AT, POS_AT, REF_ACC_AT, REF_POS_AT, REF_VEL_AT, VEL_AT
-from q2q_control.pid.thrust_vector import Excess, ThrustLimits, write_command
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Status
 
