@@ -42,7 +42,7 @@ from q2q_model.vehicle.constants import GRAVITY
 BRAKING_S = 0.5
 """Time constant of braking [s]: more than two lags."""
 BRAKING_MAX = 3.5
-"""Largest deceleration [m/s^2]: that of TILT_MAX at hover thrust is 3.58 (q2q_control.inputs.controller)."""
+"""Largest deceleration [m/s^2]: TILT_MAX at hover thrust gives 3.58 (q2q_control.inputs.command_path)."""
 SINK_MAX = 0.8
 """Velocity of sinking from which a landing vehicle brakes [m/s]: it touches down at 1.1 m/s."""
 

@@ -1,0 +1,10 @@
+"""Numbers that packages without a common import repeat."""
+
+import pytest
+
+from q2q_control.inputs.command_path import LATENCY_S
+from q2q_sim.scenarios.room_profiles import REAL
+
+
+def test_controllers_expect_the_delays_of_camera_and_radio_in_the_real_room() -> None:
+    assert pytest.approx(REAL.vicon.latency + REAL.radio.latency, abs=1e-9) == LATENCY_S  # whole nanoseconds
