@@ -24,6 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.inputs.command_path import LONGEST_HOLD_S
 from q2q_model.signals.values import Array, CommandStatus, Status, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 
@@ -40,7 +41,12 @@ class FallbackParams:
         read_only=True,
     )  # fmt: skip
     level_s: float = tunable(
-        0.10, "live: time without a tick until level hover", unit="s", low=0.0, high=1.0, read_only=True
+        LONGEST_HOLD_S,
+        "live: time without a tick until level hover",
+        unit="s",
+        low=0.0,
+        high=1.0,
+        read_only=True,
     )
     land_s: float = tunable(
         1.0, "age from which a vehicle sinks", unit="s", low=0.1, high=60.0, read_only=True

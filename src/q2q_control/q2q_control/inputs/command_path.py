@@ -1,7 +1,13 @@
-"""Delay of a command on its way to the rotors, and the limits of what is sent there."""
+"""Delay of a command on its way to the rotors, its limits, and how long it holds without a newer one."""
+
+from q2q_model.signals.clock_resets import PATIENCE_S
 
 LATENCY_S = 0.026
 """Time from a tick's stamp to its command's effect [s]: camera (10 ms) and radio (16) of the room `real`."""
+
+LONGEST_HOLD_S = PATIENCE_S
+"""Time for which a vehicle's last command is repeated before it levels [s], unless told otherwise: until old
+stamps are known to be of a clock that was set back."""
 
 TILT_MAX = 0.35
 """Largest angle of thrust to vertical that a controller commands unless told otherwise [rad]."""

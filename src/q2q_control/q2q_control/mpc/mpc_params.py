@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from q2q_control.inputs.command_path import LATENCY_S, TILT_MAX
+from q2q_control.inputs.command_path import LATENCY_S, LONGEST_HOLD_S, TILT_MAX
 from q2q_model.tunable import check_bounds, tunable
 
 
@@ -80,7 +80,7 @@ class MpcParams:
         0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
     )
     hold_time: float = tunable(
-        0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
+        LONGEST_HOLD_S, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
     )
 
     def __post_init__(self) -> None:

@@ -35,7 +35,7 @@ import numpy as np
 from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
-from q2q_control.inputs.command_path import TILT_MAX
+from q2q_control.inputs.command_path import LONGEST_HOLD_S, TILT_MAX
 from q2q_control.inputs.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
 from q2q_model.signals.repeated_stamp import is_repeated
@@ -87,7 +87,7 @@ class PidParams:
         read_only=True,
     )
     hold_time: float = tunable(
-        0.1, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
+        LONGEST_HOLD_S, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
     )
 
     def __post_init__(self) -> None:
