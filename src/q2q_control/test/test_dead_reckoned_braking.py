@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reckoned_flights import HOVER, NAMES, TICK, UP, LostVehicle, flown, level_at, state_at, ticked
 
-from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S, SINK_MAX
+from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S, SINK_MAX, TOUCHDOWN_MAX
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
     LAG_S,
@@ -107,6 +107,7 @@ def test_who_lands_is_kept_from_rising_and_from_sinking_fast() -> None:
     assert landed(0.0, 1.0) == pytest.approx(free * (1.0 - THRUST_LAG_S), rel=0.05)
     for vel in (0.0, -2.0):  # exp(-4 s / 0.5 s) of what is beyond, and free fall from the height of 2 m
         assert landed(vel, 4.0) == pytest.approx(free * BRAKING_S - SINK_MAX, rel=0.03)
+    assert pytest.approx(SINK_MAX - free * BRAKING_S, abs=0.01) == TOUCHDOWN_MAX  # rounded up
 
 
 def test_a_downwash_fades_alike_after_the_clock_was_set_back() -> None:

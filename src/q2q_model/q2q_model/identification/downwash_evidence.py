@@ -6,17 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import GAPS, UNDER, ForceSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.signals.values import Array
 
 NEAR = 0.5
 """Horizontal distance within which a vehicle counts as above or below another [m]."""
-
-UNDER = 0.15
-"""Horizontal distance of exposed rows in the scoring rule (downwash_force) [m]."""
-GAPS = (0.1, 1.2)
-"""Height differences of exposed rows in the scoring rule [m]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ vehicle, once all its commands have taken effect (dead_reckoning), is braked:
     T = (T_fallback + m a_z) / (cos phi cos theta)
 
 A vehicle that lands is kept from rising and from sinking fast: V_z counts where it is above 0 or below
--v_max, and v_max + (1 - land_share) g tau is the fastest, 1.1 m/s (ladder).
+-v_max, and v_max + (1 - land_share) g tau is the fastest, TOUCHDOWN_MAX.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -44,7 +44,9 @@ BRAKING_S = 0.5
 BRAKING_MAX = 3.5
 """Largest deceleration [m/s^2]: TILT_MAX at hover thrust gives 3.58 (q2q_control.inputs.command_path)."""
 SINK_MAX = 0.8
-"""Velocity of sinking from which a landing vehicle brakes [m/s]: it touches down at 1.1 m/s."""
+"""Velocity of sinking from which a landing vehicle brakes [m/s]."""
+TOUCHDOWN_MAX = 1.1
+"""Largest velocity of sinking at which it touches down [m/s]: SINK_MAX + (1 - land_share) g BRAKING_S."""
 
 
 class ReckonedMotions(NamedTuple):

@@ -38,6 +38,18 @@ ABSENT_APART = 0.5
 """Least horizontal distance of a vehicle that is away [m]: there is no observable downwash beyond."""
 FEWEST_FREE = 200
 """Fewest free rows for the median."""
+APART = 0.3
+"""Horizontal distance beyond which a neighbour does not count as above [m]."""
+HARDLY_ABOVE = 0.05
+"""Height difference below which one does not, whatever the distance [m]."""
+UNDER = 0.15
+"""Horizontal distance of exposed rows [m]."""
+GAPS = (0.1, 1.2)
+"""Height differences of exposed rows [m]."""
+OVER = 0.1
+"""Horizontal distance of upper rows [m]."""
+OVER_GAPS = (0.15, 0.8)
+"""Height differences of upper rows [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,13 +159,13 @@ def scored_rows(record: ForceRecord, i: int) -> ScoredRows:
     rel = pos[:, others] - pos[:, i : i + 1]
     across, dz = np.hypot(rel[..., 0], rel[..., 1]), rel[..., 2]
     usable = known_rows(record)[:, i] & (pos[:, i, 2] > FLOOR) & ~record.saturated[:, i]
-    above = (across < 0.3) & (dz > 0.0)
-    under = (across < 0.1) & (dz > -0.8) & (dz < -0.15)
+    above = (across < APART) & (dz > 0.0)
+    over = (across < OVER) & (dz > -OVER_GAPS[1]) & (dz < -OVER_GAPS[0])
     return ScoredRows(
         usable=usable,
-        free=usable & ((across > 0.3) | (dz < 0.05)).all(axis=1),
-        exposed=usable & ((across < 0.15) & (dz > 0.1) & (dz < 1.2)).any(axis=1),
-        upper=usable & under.any(axis=1) & ~above.any(axis=1),
+        free=usable & ((across > APART) | (dz < HARDLY_ABOVE)).all(axis=1),
+        exposed=usable & ((across < UNDER) & (dz > GAPS[0]) & (dz < GAPS[1])).any(axis=1),
+        upper=usable & over.any(axis=1) & ~above.any(axis=1),
     )
 
 

@@ -1,7 +1,8 @@
 """Vehicles that no command carries: pushed down by more than the largest one holds, or too weak to come back.
 
-    m (g - eta_z) > k U1_max                         k: share of the thrust that battery and rotors still give
-    m (g + 2 SINKING / settle) > k U1_max,  k < 1    found as it sinks, it has half of `settle` to stop
+    m (g - eta_z) > k U1_max                      k: share of the thrust that battery and rotors still give
+    m (g + 2 v / settle) > k U1_max,  k < 1       found as it sinks at v = TOUCHDOWN_MAX, it has half of
+                                                  `settle` to stop
 
 Battery sags and weak rotors are known only where faults are injected. A rotor that gives less costs its share
 of the four. Where the downwash is unknown, no vehicle is pushed.
@@ -9,6 +10,7 @@ of the four. Where the downwash is unknown, no vehicle is pushed.
 
 import numpy as np
 
+from q2q_control.failsafe.blind_flight.braking_law import TOUCHDOWN_MAX
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
@@ -17,8 +19,6 @@ from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances
 
 ROTORS = 4
-SINKING = 1.1
-"""Largest velocity at which a vehicle lands blind [m/s] (q2q_control.failsafe.ladder)."""
 
 
 def overpowered(evidence: Evidence, circumstances: Circumstances) -> Mask:
@@ -26,7 +26,8 @@ def overpowered(evidence: Evidence, circumstances: Circumstances) -> Mask:
     vehicle, left = circumstances.vehicle, thrust_left(evidence, circumstances.faults)
     most = left * vehicle.rpyt_thrust_max / vehicle.mass
     pushed = GRAVITY - evidence.true_downwash[..., 2] > most
-    return np.asarray(pushed | (left < 1.0) & (GRAVITY + 2.0 * SINKING / circumstances.limits.settle > most))
+    needed = GRAVITY + 2.0 * TOUCHDOWN_MAX / circumstances.limits.settle
+    return np.asarray(pushed | (left < 1.0) & (needed > most))
 
 
 def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
