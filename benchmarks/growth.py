@@ -14,7 +14,7 @@ from cost_growth.points import Curve, measured_curves
 from cost_growth.power_law import PowerLaw
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import LAYOUTS
-from q2q_sim.loop.assembly import TICK_S
+from q2q_model.signals.stamps import TICK_S
 from row import Row
 
 SIZES = (2, 5, 10, 20, 50, 100, 200, 500, 1000)

@@ -19,6 +19,7 @@ from q2q_model.node.reply import Reply
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.playing.glide import GlideParams
@@ -26,7 +27,7 @@ from q2q_planner.playing.plan_player import PlanPlayer
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import Wire
 from q2q_sim.loop.assembly import Options, blocks_of
-from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 
 BOOT_TICKS = 60

@@ -21,8 +21,8 @@ from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
 from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.loop.room import TICK_S
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator

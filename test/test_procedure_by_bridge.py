@@ -10,7 +10,7 @@ from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, Server, by_bridge
 from room_node import Client, Future
 
 from q2q_control.flight_procedure.steps import Call
-from q2q_sim.loop.room import TICK_S
+from q2q_model.signals.stamps import TICK_S
 
 SERVERS_ORDER = [
     "trajectory/wait", "arm", "takeoff",

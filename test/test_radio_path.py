@@ -25,6 +25,7 @@ from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import full_states, level_rpyt, rpyt_setpoints
 from q2q_control.radio.vehicle_record import Phase
 from q2q_model.files.find_model import find_model
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.thrust_map import BRUSHED_MOTOR, PWM_FULL
@@ -36,7 +37,7 @@ from q2q_sim.firmware.motors.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
 from q2q_sim.firmware.motors.thrust_curve import CURVE
 from q2q_sim.loop.assembly import Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.loop.room import Room
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

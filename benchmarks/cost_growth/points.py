@@ -16,7 +16,7 @@ from cost_growth.power_law import PowerLaw, power_law
 from cost_growth.scene import Scene, scene_of
 from cost_growth.timed_blocks import Task, TimedBlock, timed_blocks
 from q2q_model.signals.cdr import encode
-from q2q_sim.loop.assembly import TICK_S
+from q2q_model.signals.stamps import TICK_S
 
 REPETITIONS = 5
 MOST_TICKS, LEAST_TICKS, VEHICLE_TICKS = 200, 20, 4000

@@ -3,7 +3,7 @@
 import pytest
 
 from q2q_control.failsafe.blind_flight.flown_time import GAP_S, LONGEST_STEP, FlownTime
-from q2q_control.failsafe.stalled_stamps import PERIOD
+from q2q_model.signals.stamps import TICK_S
 
 
 def flown(steps: list[float]) -> list[float]:
@@ -16,7 +16,7 @@ def flown(steps: list[float]) -> list[float]:
     return found
 
 
-@pytest.mark.parametrize("step", [PERIOD, 0.004, 0.1, 0.3])
+@pytest.mark.parametrize("step", [TICK_S, 0.004, 0.1, 0.3])
 def test_steps_of_any_rate_are_flown_as_told(step: float) -> None:
     assert flown([step] * 5)[1:] == [step] * 4
 
@@ -28,22 +28,22 @@ def test_a_single_missing_frame_of_a_slow_camera_is_flown() -> None:
 
 @pytest.mark.parametrize("ahead", [0.06, 0.34, 5.0, 3600.0])
 def test_a_clock_set_ahead_is_flown_as_one_tick(ahead: float) -> None:
-    assert flown([PERIOD, ahead + PERIOD, PERIOD]) == pytest.approx([PERIOD] * 3)
+    assert flown([TICK_S, ahead + TICK_S, TICK_S]) == pytest.approx([TICK_S] * 3)
 
 
 def test_a_leap_after_late_frames_is_flown_for_as_long_as_they_were_late() -> None:
     """Frames come 0.08 s late for 0.2 s and are in time at once: all is flown once, however long it took."""
-    steps = [PERIOD] * 3 + [0.0] * 8 + [PERIOD] * 12 + [PERIOD + 0.08] + [PERIOD] * 3
+    steps = [TICK_S] * 3 + [0.0] * 8 + [TICK_S] * 12 + [TICK_S + 0.08] + [TICK_S] * 3
     assert flown(steps) == pytest.approx(steps)
 
 
 def test_a_clock_set_ahead_while_frames_are_late_is_told_from_them() -> None:
-    steps = [PERIOD] * 3 + [0.0] * 8 + [PERIOD + 0.34 + 0.08, PERIOD]
-    assert flown(steps)[-2:] == pytest.approx([PERIOD + 0.08, PERIOD])
+    steps = [TICK_S] * 3 + [0.0] * 8 + [TICK_S + 0.34 + 0.08, TICK_S]
+    assert flown(steps)[-2:] == pytest.approx([TICK_S + 0.08, TICK_S])
 
 
 def test_frames_that_overtake_each_other_leave_nothing_for_a_leap() -> None:
-    assert flown([0.02, 0.0] * 50 + [0.5])[-1] == pytest.approx(0.02 + PERIOD)
+    assert flown([0.02, 0.0] * 50 + [0.5])[-1] == pytest.approx(0.02 + TICK_S)
 
 
 def test_what_a_timer_counted_is_flown_up_to_what_the_filter_coasts() -> None:
@@ -56,5 +56,5 @@ def test_a_timer_that_counted_late_frames_leaves_none_of_them_for_a_leap() -> No
     for _ in range(11):
         time.wait()
     assert time.update(0.11, told=False) == 0.11
-    assert time.update(PERIOD, told=True) == PERIOD
-    assert time.update(0.5, told=True) == pytest.approx(2 * PERIOD)
+    assert time.update(TICK_S, told=True) == TICK_S
+    assert time.update(0.5, told=True) == pytest.approx(2 * TICK_S)

@@ -9,6 +9,7 @@ import pytest
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
@@ -17,7 +18,6 @@ from q2q_sim.experiments.guided.stated_properties.brake_property import FAST, SH
 from q2q_sim.experiments.guided.stated_properties.hidden_motion import learned_push
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import TICK_S
 
 LAST, BLIND, END = 350, 400, 450
 """Ticks in which cf1 is measured last, in which it begins to fly level, and after the flight."""

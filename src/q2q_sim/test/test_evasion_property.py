@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import (
     CommandStatus,
     SetpointStatus,
@@ -20,7 +21,6 @@ from q2q_sim.experiments.guided.attack_case import with_faults
 from q2q_sim.experiments.guided.stated_properties.evasion_property import CLEAR, LEAST_ACC, NEAR, evasion
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import TICK_S
 
 LOST, END = 350, 400
 """Ticks in which cf2 is lost, and after the flight."""

@@ -8,11 +8,12 @@ import pytest
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.rotations import matrix_from_quat
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, random_faults
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.room import TICK_S, Room, Tick
+from q2q_sim.loop.room import Room, Tick
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import Injected
 

@@ -13,6 +13,7 @@ from q2q_control.onboard.app_folder import write_app
 from q2q_control.onboard.native_app import AppBuildError, AppLibrary, compile_app
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.files.model_file import ModelFile
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -24,7 +25,7 @@ from q2q_sim.crtp.pilot import ECHO
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
-from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 

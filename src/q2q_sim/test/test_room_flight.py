@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.cdr import encode
+from q2q_model.signals.stamps import TICK_NS
 from q2q_model.signals.values import MocapFrame, SwarmCommand
-from q2q_sim.loop.room import TICK_NS, Room
+from q2q_sim.loop.room import Room
 from q2q_sim.loop.room_flight import NOTHING, Output, RoomFlight
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SetpointStatus
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
@@ -17,7 +18,7 @@ from q2q_sim.experiments.guided.stated_properties.filter_properties import swap
 from q2q_sim.experiments.guided.stated_properties.replanner_properties import held_acc, promise, stop
 from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import TICK_S, safe_replanner_params
+from q2q_sim.loop.assembly import safe_replanner_params
 
 BUGS = {bug.name: bug for bug in SEEDED_BUGS}
 PASS = 4.5

@@ -2,13 +2,12 @@
 
 In lockstep stamps are the only clock, so that a frame that is published again has to get the same answer. One
 that comes again and again, or stamps that went back, show a stalled clock while vehicles fly on:
-every such frame counts as PERIOD. Live, the wall clock tells (q2q_control.failsafe.tick_watch).
+every such frame counts as a tick. Live, the wall clock tells (q2q_control.failsafe.tick_watch).
 """
 
 from math import inf
 
-PERIOD = 0.01
-"""Time that a frame counts for [s]: that of motion capture at 100 Hz."""
+from q2q_model.signals.stamps import TICK_S
 
 
 class StalledStamps:
@@ -21,4 +20,4 @@ class StalledStamps:
         """Take a frame that is not newer than `newest` [s]; return for how long that is the newest [s]."""
         self._frames = self._frames + 1 if newest == self._newest else 1
         self._newest = newest
-        return self._frames * PERIOD
+        return self._frames * TICK_S

@@ -5,15 +5,15 @@ would accelerate a vehicle without need. So downwash marked STALE_SOURCE decays:
 
     eta_used = eta exp(-(t - t_valid) / fade_time)         t_valid: time it was last not stale
 
-A dropout of 0.1 to 0.3 s leaves most of the downwash.
+A dropout of 0.1 to 0.3 s leaves most of the downwash. That which is stale in its first message counts as
+valid a tick ago.
 """
 
 import numpy as np
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Interference, InterferenceStatus
 
-FIRST = 0.01
-"""Downwash that is stale in its first message counts as valid a tick ago [s]."""
 _STALE = int(InterferenceStatus.STALE_SOURCE)
 
 
@@ -39,7 +39,7 @@ class DownwashTrust:
             return interference
         rows = np.flatnonzero(interference.status == _STALE)
         stale = [interference.names[row] for row in rows]
-        first = max(self._t, interference.t - FIRST)
+        first = max(self._t, interference.t - TICK_S)
         since = np.array([self._valid.setdefault(name, first) for name in stale])
         share = np.ones(len(interference.names))
         share[rows] = np.exp(-np.maximum(interference.t - since, 0.0) / self._fade_time)

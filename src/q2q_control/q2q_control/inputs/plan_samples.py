@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_control.inputs.preview import SampledPreview
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Names, check_unique
 from q2q_model.trajectory.polynomials import Trajectory
 
-STEP = 0.01
-"""Sampling time [s], the tick of motion capture, so that samples on ticks are not interpolated."""
+STEP = TICK_S
+"""Sampling time [s]: samples on ticks are not interpolated."""
 
 MOST_SAMPLES = 10_000_000
 """Most samples of all vehicles: 0.7 GB, ten vehicles for 10 000 s."""

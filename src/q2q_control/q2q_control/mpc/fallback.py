@@ -17,10 +17,8 @@ from q2q_control.mpc.prediction.forecast import Forecast
 from q2q_control.mpc.prediction.previous_solution import PredictedSolution
 from q2q_control.mpc.problem.horizon import CUT_OFF, INTERRUPTED, Horizon, HorizonSolution
 from q2q_model.compiled import compiled
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
-
-TICK = 0.01
-"""Time that a command acts before the next one [s]: the 100 Hz tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +163,7 @@ def first_tick_lead(horizon: Horizon, step: float, v: int, axis: int) -> float:
     An input responds to the mean downwash and reference of its stage, half a stage ahead, but the command
     acts half a tick ahead. The difference is taken from the trend of u*.
     """
-    early = 0.5 * max(step - TICK, 0.0) / step
+    early = 0.5 * max(step - TICK_S, 0.0) / step
     rise = horizon.reference[v, 1, 6 + axis] - horizon.reference[v, 0, 6 + axis]
     return float(early * (horizon.push[v, 1, axis] - horizon.push[v, 0, axis] - rise))
 

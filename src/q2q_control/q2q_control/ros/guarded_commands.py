@@ -1,6 +1,6 @@
 """Guard of a controller node: an emergency service, the hand-over in flight and, live, a watch on the clock.
 
-Live, a timer checks every PERIOD_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms
+Live, a timer checks every TICK_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
 When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller starts anew.
 """
@@ -24,15 +24,13 @@ from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.stamps import stamp_from_time
+from q2q_model.signals.stamps import TICK_S, stamp_from_time
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 EMERGENCY = "all/emergency"
 """Name of the emergency service, as in Crazyswarm2."""
 PROCEDURES = ("radio/status", "crazyswarm/status")
 """Statuses of the flight procedure; one of these nodes flies the vehicles."""
-PERIOD_S = 0.01
-"""Period of the checks [s]: one tick."""
 _SATURATED = int(CommandStatus.SATURATED)  # numpy takes 5 us to read an enumeration
 
 
@@ -70,7 +68,7 @@ class GuardedCommands:
             node.create_subscription(DiagnosticStatus, topic, partial(self._follow, HandOver()), LATCHED)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
-            steady_timer(node, PERIOD_S, self._check)
+            steady_timer(node, TICK_S, self._check)
 
     def reset(self) -> None:
         """Forget all ticks."""

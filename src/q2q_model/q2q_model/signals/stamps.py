@@ -6,6 +6,10 @@ last bit for 40 % of stamps.
 
 NANOSECONDS = 1_000_000_000
 """Nanoseconds per second."""
+TICK_NS = 10_000_000
+"""Period of the ticks [ns]: that of motion capture at 100 Hz."""
+TICK_S = TICK_NS * 1e-9
+"""The same [s]."""
 END_S = 2**31 - 86_400
 """Stamps from here on are refused [s]: `sec` is an int32, and stamps of up to a day later must fit, too."""
 

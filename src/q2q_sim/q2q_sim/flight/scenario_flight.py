@@ -11,6 +11,7 @@ from pathlib import Path
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
@@ -119,7 +120,7 @@ def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[flo
         raise ValueError(f"bag {bag} exists: choose another folder or delete it")
     folder.mkdir(parents=True, exist_ok=True)
     specs = node_specs(scenario, request, folder, bag)
-    total = scenario.duration / assembly.TICK_S
+    total = scenario.duration / TICK_S
     with running_nodes(specs, folder, lambda: progress(0.0)) as running:
         running.director.start()
         timing = running.director.wait_summary(lambda ticks: progress(ticks / total))
@@ -137,7 +138,7 @@ def recorded_run(request: FlightRequest, timing: FlightTiming, folder: Path, bag
     around = Circumstances(vehicle=scenario.vehicle, faults=scenario.faults)
     verdict = with_lost_ticks(verdict_of(flight, around, timing.missed_ticks), flight, timing.ticks)
     if unfinished:
-        flown = timing.ticks * assembly.TICK_S
+        flown = timing.ticks * TICK_S
         verdict = with_finding(verdict, end_of_bag(bag, flight, flown, unfinished))
     return FlightRun(request, flight, measure(flight, scenario.vehicle), timing, bag, verdict)
 

@@ -36,12 +36,11 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_sim.loop.room import TICK_S
 from q2q_sim.scenarios.block_overrides import block_params
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
 
-__all__ = ["TICK_S", "Blocks", "Mode", "Options", "blocks_of", "plan_around", "plan_of"]
+__all__ = ["Blocks", "Mode", "Options", "blocks_of", "plan_around", "plan_of"]
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
 MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")

@@ -14,12 +14,13 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import TICK_NS, TICK_S
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.loop.assembly import TICK_S, Blocks, Mode, Options, blocks_of
+from q2q_sim.loop.assembly import Blocks, Mode, Options, blocks_of
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.loop.room import TICK_NS, Room, Tick
+from q2q_sim.loop.room import Room, Tick
 from q2q_sim.scenarios.scenario import Scenario
 
 Listener = Callable[[str, int, Signal], None]

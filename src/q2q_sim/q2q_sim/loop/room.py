@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.signals.stamps import time_from_stamp
+from q2q_model.signals.stamps import TICK_NS, TICK_S, time_from_stamp
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -37,9 +37,6 @@ from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.sensors.imu import Imu
 from q2q_sim.sensors.vicon import Flags, Vicon
 
-TICK_NS = 10_000_000
-"""VICON's frame period [ns]: 100 Hz."""
-TICK_S = time_from_stamp(TICK_NS)
 STEPS = PHYSICS_RATE // 100
 """Physics steps a tick."""
 LARGEST = float(np.radians(np.finfo(np.float32).max))

@@ -12,12 +12,13 @@ from typing import NamedTuple
 from q2q_model.node.health import Health
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_sim.air.air_names import AirError
 from q2q_sim.link.doubled_commands import DoubledCommands
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
 from q2q_sim.loop.lockstep import CommandGate, ResendTimer
-from q2q_sim.loop.room import TICK_S, Room, Tick
+from q2q_sim.loop.room import Room, Tick
 from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.scenarios.scenario import Scenario
 

@@ -27,9 +27,8 @@ from q2q_model.node.connections import (
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
-from q2q_model.signals.stamps import BadStampError, stamp_from_parts
+from q2q_model.signals.stamps import TICK_NS, BadStampError, stamp_from_parts
 from q2q_sim.loop.flight_clock import FlightTiming, timing_from_text
-from q2q_sim.loop.room import TICK_NS
 
 POLL_S = 0.05
 """Period of graph queries [s]."""

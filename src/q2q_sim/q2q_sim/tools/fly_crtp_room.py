@@ -7,10 +7,11 @@ from contextlib import suppress
 from time import monotonic, sleep
 from types import FrameType
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, unflown_faults
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
-from q2q_sim.loop.room import TICK_S, Room
+from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_firmware
 

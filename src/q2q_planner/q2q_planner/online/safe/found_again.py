@@ -19,6 +19,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask, Names, SwarmState, TrackStatus, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.committed_motion import CommittedMotion, distance
@@ -26,7 +27,7 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s
 """Age of a measurement beyond which a controller does not fly a vehicle [s]."""
-FRESH_S = 0.01
+FRESH_S = TICK_S
 """Age of a measurement that is of this tick or the last one [s]."""
 LEFT_BEHIND = 0.5
 """Distance of a measured vehicle from its motion beyond which the proof says nothing about it [m]."""

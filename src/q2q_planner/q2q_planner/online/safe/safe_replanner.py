@@ -46,6 +46,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.repeated_stamp import is_repeated
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import (
     Array,
     Mask,
@@ -84,8 +85,6 @@ from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion, wanted_mo
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 from q2q_planner.online.tick_clock import TickClock
 
-TURN = 0.01
-"""Time for which the same vehicle of a pair yields first [s]: one tick."""
 _SHIFTED, _PROMISE_BROKEN = int(SetpointStatus.SHIFTED), int(SetpointStatus.PROMISE_BROKEN)
 
 
@@ -211,7 +210,7 @@ def _choice(
     if not (params.enabled and len(traffic.pairs.i)):
         return np.full(traffic.own, NEW, dtype=np.int8)
     law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
-    rule = ChoiceRule(law, FLOOR, params.hold, round(committed.t / TURN))
+    rule = ChoiceRule(law, FLOOR, params.hold, round(committed.t / TICK_S))
     whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
     return choices_at(committed.rows, wanted, whole, proven, rule)
 

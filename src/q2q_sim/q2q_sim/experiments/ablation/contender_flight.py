@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.experiments.ablation.ablation_cases import Case, scenarios_of
@@ -23,7 +24,7 @@ from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup
 from q2q_sim.experiments.ablation.onboard_flight import Trace, fly_on_board
 from q2q_sim.experiments.ablation.side_by_side import side_by_side, with_vehicles
-from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of
+from q2q_sim.loop.assembly import Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios.scenario import Scenario

@@ -16,6 +16,7 @@ import numpy as np
 from q2q_control.onboard.app_folder import write_app
 from q2q_control.onboard.native_app import AppLibrary, compile_app
 from q2q_model.files.model_file import ModelFile
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import Vehicle
@@ -28,7 +29,7 @@ from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.firmware_tick import MELLINGER
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
-from q2q_sim.loop.assembly import TICK_S, plan_of
+from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import ticks_of
 from q2q_sim.loop.room import STEPS, Room
 from q2q_sim.scenarios.scenario import Scenario

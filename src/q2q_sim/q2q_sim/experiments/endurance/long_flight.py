@@ -10,10 +10,10 @@ from pathlib import Path
 
 import yaml
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_sim.flight.running_nodes import running_nodes
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.flight.unfinished_bag import why_unfinished
-from q2q_sim.loop import assembly
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.processes.usage import ProcessUsage, usage_of
 
@@ -86,7 +86,7 @@ def fly_long(
         pids = {spec.label: running.processes.pid(spec.label) for spec in specs}
 
         def look(ticks: int) -> None:
-            flown = ticks * assembly.TICK_S
+            flown = ticks * TICK_S
             wall = progress(flown / scenario.duration)
             last = samples[-1] if samples else None
             if ticks and (last is None or (wall - last.wall >= SAMPLE_S and flown > last.flown)):

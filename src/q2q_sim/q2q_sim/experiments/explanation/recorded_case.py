@@ -12,11 +12,12 @@ import numpy as np
 from q2q_model.bag import FlightFacts, read_facts, read_flight
 from q2q_model.files.model_names import check_model_name
 from q2q_model.flights.flight import Flight
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
 from q2q_sim.bag_topics.scenario_facts import flown_scenario
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
-from q2q_sim.loop.assembly import TICK_S, Options
+from q2q_sim.loop.assembly import Options
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
 

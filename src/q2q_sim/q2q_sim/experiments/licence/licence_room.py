@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from q2q_model.signals.stamps import TICK_NS, TICK_S
 from q2q_model.signals.values import Array, Names
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -27,7 +28,7 @@ from q2q_sim.firmware.commander.setpoint import Mode
 from q2q_sim.firmware.controllers.columns import MOTOR
 from q2q_sim.firmware.firmware import Build, Firmware
 from q2q_sim.firmware.supervisor.rules import State
-from q2q_sim.loop.room import TICK_NS, TICK_S, Room
+from q2q_sim.loop.room import Room
 from q2q_sim.plant.quadcopter import POS, QUAT, ROTORS, VEL, R
 from q2q_sim.scenarios.room_profiles import CAPTURE
 from q2q_sim.scenarios.scenario import Scenario

@@ -24,6 +24,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, install_modules
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, stock_vehicles
@@ -34,7 +35,6 @@ from q2q_sim.experiments.licence.program.program_turns import Turns
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure, end_by, is_of_room
 from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
-from q2q_sim.loop.room import TICK_S
 from q2q_sim.processes.parent_death import die_with_parent
 
 REST_S = 5.0

@@ -9,11 +9,10 @@ import numpy as np
 from scipy.linalg import toeplitz
 from scipy.optimize import linprog
 
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
-DT = 0.01
-"""The house's tick [s], for which a jerk is held."""
 REST = 0.5
 """Time within which a vehicle comes to rest once it is back [s]; from 0.1 m before, a stop takes 0.4 s."""
 ROUNDING = 1e-6
@@ -35,16 +34,16 @@ def can_return(offset: Array, seconds: float, near: float, params: SafeReplanner
 
 
 def _axis_can_return(axis: Array, seconds: float, near: float, params: SafeReplannerParams) -> bool:
-    ticks, first = round((seconds + REST) / DT), round(seconds / DT) - 1
-    t = DT * np.arange(1, ticks + 1)
+    ticks, first = round((seconds + REST) / TICK_S), round(seconds / TICK_S) - 1
+    t = TICK_S * np.arange(1, ticks + 1)
     pos, vel, acc = (
         axis[0] + t * axis[1] + 0.5 * t**2 * axis[2],
         axis[1] + t * axis[2],
         np.full(ticks, axis[2]),
     )
-    since = DT * np.arange(ticks)  # from the end of a tick's jerk to the end of a later tick
-    by_acc, by_vel = np.full(ticks, DT), DT * (since + 0.5 * DT)
-    by_pos = ((since + DT) ** 3 - since**3) / 6.0
+    since = TICK_S * np.arange(ticks)  # from the end of a tick's jerk to the end of a later tick
+    by_acc, by_vel = np.full(ticks, TICK_S), TICK_S * (since + 0.5 * TICK_S)
+    by_pos = ((since + TICK_S) ** 3 - since**3) / 6.0
     to_acc, to_vel, to_pos = (toeplitz(column, np.zeros(ticks)) for column in (by_acc, by_vel, by_pos))
     rows, most = _within(to_acc, acc, params.acc_max + ROUNDING)
     of_vel, most_vel = _within(to_vel, vel, params.speed_max + ROUNDING)

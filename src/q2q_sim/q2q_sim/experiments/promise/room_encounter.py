@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, SetpointStatus
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.experiments.encounters import AFTERWARDS, CLEAR, NEAR, random_encounter
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.playing.plan_waypoints import waypoints_of
-from q2q_sim.experiments.promise.fastest_return import DT, can_return
+from q2q_sim.experiments.promise.fastest_return import can_return
 from q2q_sim.experiments.promise.tracking_tube import TubeConditions
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.scenarios.room_profiles import REAL
@@ -196,7 +197,7 @@ def _record(seed: int, scenario: Scenario, plan: SwarmPlan, case: PromiseCase) -
 
 def _from_goals(flown: _Flown, goal: Array) -> Array:
     """Return where setpoints are from their goals (n, 3), and how they move, AFTERWARDS before the end."""
-    row = int(np.searchsorted(flown.t, flown.t[-1] - AFTERWARDS - 0.5 * DT))
+    row = int(np.searchsorted(flown.t, flown.t[-1] - AFTERWARDS - 0.5 * TICK_S))
     return np.concatenate(((flown.safe_pos[row] - goal)[..., None], flown.safe_motion[row]), axis=-1)
 
 

@@ -16,6 +16,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.ablation.side_by_side import side_by_side
@@ -25,7 +26,7 @@ from q2q_sim.experiments.robustness.perturbations import (
     flown_room,
     with_faster_paths,
 )
-from q2q_sim.loop.assembly import TICK_S, Mode, Options, blocks_of, ignore_accelerometers
+from q2q_sim.loop.assembly import Mode, Options, blocks_of, ignore_accelerometers
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library

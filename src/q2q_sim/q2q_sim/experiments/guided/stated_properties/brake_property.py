@@ -31,6 +31,7 @@ from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S
 from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
@@ -43,7 +44,6 @@ from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
 )
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
-from q2q_sim.loop.assembly import TICK_S
 from q2q_sim.monitors.policies import Violation
 
 FAST = 0.4

@@ -14,13 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
 from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
-from q2q_sim.loop.assembly import TICK_S, safe_replanner_params
+from q2q_sim.loop.assembly import safe_replanner_params
 from q2q_sim.monitors.policies import Violation
 
 STOPS_EVERY = 5
