@@ -1,10 +1,8 @@
 """Random processes of unit variance in a room's air: the residual of each vehicle, the wander of each jet.
 
 A process is drawn in blocks of one second, ahead of the physics. Each has a random stream of its own, so that
-switching one off leaves the others unchanged. An Ornstein-Uhlenbeck process of correlation time T is exact
-for any step h and stationary from the first step on:
-
-    n(t + h) = n(t) e^(-h/T) + sqrt(1 - e^(-2 h/T)) w,    w ~ N(0, 1)
+switching one off leaves the others unchanged. Ornstein-Uhlenbeck processes are those of
+q2q_sim.ornstein_uhlenbeck.
 
 A recording at 100 Hz is cut and pasted: every block is a random piece of it, interpolated between samples;
 during its first 0.1 s the previous piece fades out. Both pieces are weighted by sine and cosine, so that the
@@ -18,6 +16,7 @@ import numpy as np
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.room_air import RoomAir
+from q2q_sim.ornstein_uhlenbeck import ExactStep, advance_processes, exact_step
 from q2q_sim.random_streams import stream
 
 RESIDUAL, WANDER_X, WANDER_Y = 0, 1, 2
@@ -32,14 +31,11 @@ FADE_S = 0.1
 
 
 @compiled(**BORROWING)
-def filter_noise(noise: Array, last: Array, keep: float, fresh: float) -> None:
-    """Turn white noise (steps, n) in place into an Ornstein-Uhlenbeck process that goes on from `last` (n,).
-
-    `keep` and `fresh` are e^(-h/T) and sqrt(1 - e^(-2 h/T)).
-    """
+def filter_noise(noise: Array, last: Array, weights: ExactStep) -> None:
+    """Turn white noise (steps, n) in place into Ornstein-Uhlenbeck processes that go on from `last` (n,)."""
     for k in range(noise.shape[0]):
-        for i in range(noise.shape[1]):
-            last[i] = keep * last[i] + fresh * noise[k, i]
+        advance_processes(last, noise[k], weights)
+        for i in range(last.size):
             noise[k, i] = last[i]
 
 
@@ -50,13 +46,12 @@ class OrnsteinUhlenbeck:
         """Draw the first values; `step` and the correlation time `time` are in [s]."""
         self._rng = rng
         self._last = rng.standard_normal(count)
-        self._keep = math.exp(-step / time)
-        self._fresh = math.sqrt(-math.expm1(-2.0 * step / time))
+        self._weights = exact_step(step, time)
 
     def block(self, steps: int) -> Array:
         """Return the next `steps` values, (steps, count)."""
         values = self._rng.standard_normal((steps, len(self._last)))
-        filter_noise(values, self._last, self._keep, self._fresh)
+        filter_noise(values, self._last, self._weights)
         return values
 
 

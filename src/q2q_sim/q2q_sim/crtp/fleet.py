@@ -54,7 +54,7 @@ class Fleet:
         """Advance by one tick of 10 ms.
 
         Args:
-            drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
+            drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (n, 7).
         """
         for i, vehicle in enumerate(self.vehicles):
             self._rows.setpoints[i] = vehicle.firmware.tick()

@@ -76,7 +76,7 @@ class PlantInputs(NamedTuple):
 
     air: Air
     drive: Array
-    """Acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7)."""
+    """Acceleration by wind [m/s^2], world, then the gain of each rotor, (n, 7)."""
     body: Body
 
 
@@ -101,7 +101,7 @@ def fly_tick(
     Args:
         swarm: the vehicles; their state changes.
         controllers: setpoints and memory; memory and drift change.
-        drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
+        drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (n, 7).
         each: called before every step, if given.
     """
     around = PlantInputs(swarm.air, drive, swarm.body)

@@ -53,7 +53,7 @@ class AmbientDisturbance:
 
 
 def ambient_of_air(air: FlownAir, count: int, tick: float, seed: int) -> AmbientDisturbance:
-    """Return the weather of `count` vehicles in an air; `tick` is the period of its gusts [s]."""
+    """Return the disturbance of `count` vehicles in an air; `tick` is the period of its gusts [s]."""
     own, mean, params = None, STILL, DisturbanceParams()
     if isinstance(air, RoomAir):
         own = air.vehicle
@@ -66,6 +66,6 @@ def ambient_of_air(air: FlownAir, count: int, tick: float, seed: int) -> Ambient
 
 
 def ambient_of_scenario(scenario: Scenario, tick: float, seed: int) -> AmbientDisturbance:
-    """Return the weather of a scenario's disturbance; it is not part of the recorded push."""
+    """Return a scenario's own disturbance; it is not part of the recorded push."""
     n = len(scenario.names)
     return AmbientDisturbance(Disturbance(scenario.disturbance, n, tick, seed), np.zeros(n), recorded=False)

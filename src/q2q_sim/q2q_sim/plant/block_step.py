@@ -48,7 +48,7 @@ LANES = 8
 COMMAND, COMMAND_WIDTH = STATE_WIDTH, 4
 """First line after those of the state, and their number: thrust [N], roll, pitch [rad], yaw rate [rad/s]."""
 DRIVE, DRIVE_WIDTH = COMMAND + COMMAND_WIDTH, 7
-"""Acceleration by moving air [m/s^2], world, then the gain of each rotor."""
+"""Acceleration by wind [m/s^2], world, then the gain of each rotor."""
 TILT = DRIVE + DRIVE_WIDTH
 """Roll, pitch before the step [rad], and 0 for the yaw."""
 VALID = TILT + 3
@@ -191,7 +191,7 @@ def advance_rows(state: Array, commands: Array, drive: Array, body: Body, work: 
     Args:
         state: rows, (n, STATE_WIDTH), changed in place.
         commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each, (n, 4).
-        drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
+        drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (n, 7).
         body: constants of the vehicles.
         work: workspace.
     """

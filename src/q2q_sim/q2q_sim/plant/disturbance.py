@@ -1,9 +1,6 @@
-"""Disturbances of a real room: moving air, and rotors that give slightly less thrust than commanded.
+"""Disturbances of a real room: wind, and rotors that give slightly less thrust than commanded.
 
-Air: an Ornstein-Uhlenbeck acceleration on each axis with correlation time T, exact for any tick dt and
-stationary from the first tick:
-
-    a(t + dt) = a(t) e^(-dt/T) + sigma sqrt(1 - e^(-2 dt/T)) n,    n ~ N(0, 1)
+Wind: a steady one, and gusts, an Ornstein-Uhlenbeck acceleration a on each axis (q2q_sim.ornstein_uhlenbeck).
 
 Rotors: each vehicle gives a fraction k of its thrust, drawn once per flight. Real flights show k of 0.97 to
 0.99, a constant offset of (1 - k) g = 0.1 to 0.3 m/s^2.
@@ -15,7 +12,6 @@ Rotors: each vehicle gives a fraction k of its thrust, drawn once per flight. Re
 | k | thrust_gain | [-] |
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +19,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
+from q2q_sim.ornstein_uhlenbeck import ExactStep, advance_processes, exact_step
 from q2q_sim.random_streams import DrawnAhead, stream
 
 Three = tuple[float, float, float]
@@ -31,13 +28,13 @@ STILL = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class DisturbanceParams:
-    """Size of wind and rotor errors; the defaults are still air and perfect rotors."""
+    """Size of gusts and rotor errors; the defaults are still air and perfect rotors."""
 
     air_std: float = tunable(
-        0.0, "standard deviation of the acceleration by moving air", unit="m/s^2", low=0.0, high=10.0
+        0.0, "standard deviation of the acceleration by gusts", unit="m/s^2", low=0.0, high=10.0
     )
     air_time: float = tunable(
-        1.0, "correlation time of the acceleration by moving air", unit="s", low=1e-3, high=100.0
+        1.0, "correlation time of the acceleration by gusts", unit="s", low=1e-3, high=100.0
     )
     thrust_gain_min: float = tunable(1.0, "smallest rotor gain", low=0.5, high=1.5)
     thrust_gain_max: float = tunable(1.0, "largest rotor gain", low=0.5, high=1.5)
@@ -70,8 +67,7 @@ class Disturbance:
         self._normal = DrawnAhead(stream(seed, "air").standard_normal, (vehicles, 3)).next
         self._std = params.air_std
         self._mean, self._steady = np.array(mean), any(mean)
-        self._keep = math.exp(-tick / params.air_time)
-        self._fresh = params.air_std * math.sqrt(-math.expm1(-2.0 * tick / params.air_time))
+        self._weights = exact_step(tick, params.air_time, params.air_std)
         gain = stream(seed, "thrust gain").uniform(
             params.thrust_gain_min, params.thrust_gain_max, (vehicles, 1)
         )
@@ -81,22 +77,21 @@ class Disturbance:
 
     @property
     def wind(self) -> Array:
-        """Return the acceleration by moving air now [m/s^2], world, (n, 3)."""
+        """Return the acceleration by wind now [m/s^2], world, (n, 3)."""
         return np.asarray(self.drive[:, :3] + self._mean)
 
     def step(self) -> Array:
-        """Return the drive of this tick, (n, 7), and advance the air by one tick."""
+        """Return the drive of this tick, (n, 7), and advance the gusts by one tick."""
         now = self.drive.copy()
         if self._std > 0.0:
-            advance_wind(self.drive, self._normal(), self._keep, self._fresh)
+            advance_gusts(self.drive, self._normal(), self._weights)
         if self._steady:
             now[:, :3] += self._mean
         return now
 
 
 @compiled
-def advance_wind(drive: Array, normal: Array, keep: float, fresh: float) -> None:
-    """Advance the air of a drive (n, 7) by one tick, by standard normal deviates (n, 3)."""
+def advance_gusts(drive: Array, normal: Array, weights: ExactStep) -> None:
+    """Advance the gusts of a drive (n, 7) by one tick, by standard normal deviates (n, 3)."""
     for i in range(len(drive)):
-        for k in range(3):
-            drive[i, k] = keep * drive[i, k] + fresh * normal[i, k]
+        advance_processes(drive[i, :3], normal[i], weights)

@@ -18,7 +18,7 @@ level, with its yaw kept. A commanded thrust of zero stops the motors, as in the
 | f_max | ceiling | largest thrust of a rotor [N] |
 | k | gain | thrust over commanded thrust of a rotor: battery, wear [-] |
 | T_lag | thrust_lag | [s]; decay = exp(-h / T_lag) |
-| eta + a_air | push | acceleration by the air (downwash, ground) and by moving air [m/s^2], world |
+| eta + a_air | push | acceleration by the air (downwash, ground) and by wind [m/s^2], world |
 | tau_air | | torque of the air [N m], body |
 | h | step | [s] |
 
@@ -71,7 +71,7 @@ RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA)
 TORQUE = slice(TX, CEILING1)
 
 GAIN1 = 3
-"""Column of the first rotor's gain in a drive row, after the acceleration by moving air [m/s^2]."""
+"""Column of the first rotor's gain in a drive row, after the acceleration by wind [m/s^2]."""
 
 Two = tuple[float, float]
 Three = tuple[float, float, float]
@@ -299,7 +299,7 @@ def advance(row: Array, command: Four, drive: Array, body: Body, commanded: Arra
     Args:
         row: state, (STATE_WIDTH,), changed in place.
         command: thrust [N], roll, pitch [rad], yaw rate [rad/s].
-        drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (7,).
+        drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (7,).
         body: constants of the vehicle.
         commanded: workspace for rotor thrusts, (4,).
     """

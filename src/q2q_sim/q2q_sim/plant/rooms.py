@@ -91,7 +91,7 @@ class RoomsInputs(NamedTuple):
     commands: Array
     """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (steps, rooms * n, 4)."""
     drive: Array
-    """Acceleration by moving air [m/s^2], world, then the gain of each rotor, (rooms * n, 7)."""
+    """Acceleration by wind [m/s^2], world, then the gain of each rotor, (rooms * n, 7)."""
     body: Body
 
 
@@ -156,7 +156,7 @@ class Rooms:
 
         Args:
             commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, rooms, n, 4).
-            drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (rooms, n, 7).
+            drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (rooms, n, 7).
 
         Raises:
             ValueError: an array of another shape.

@@ -169,7 +169,7 @@ class Swarm:
 
         Args:
             commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, n, 4).
-            drive: acceleration by moving air [m/s^2], world, then the gain of each rotor, (n, 7).
+            drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (n, 7).
 
         Raises:
             AirError: the air's own class gives no valid push.

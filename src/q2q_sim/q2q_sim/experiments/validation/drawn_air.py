@@ -1,6 +1,6 @@
 """An air as the draws of a recorded flight meet it.
 
-Downwash, residual, edge torque, ground effect, headroom and lag act as in any flight, gusts as moving air.
+Downwash, residual, edge torque, ground effect, headroom and lag act as in any flight, and gusts.
 What differs from flight to flight is that of the recording: the offset of each vehicle, with steady wind in
 it (onboard_law), because the recorded commands contain what the integral had learned of it, the headroom
 of each vehicle's motors at the flight's voltage, and the drag of the rotors (redrawn_flight).
@@ -20,7 +20,7 @@ from q2q_sim.plant.swarm import Swarm
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """Vehicles and moving air of one draw."""
+    """Vehicles and gusts of one draw."""
 
     swarm: Swarm
     gusts: Disturbance
