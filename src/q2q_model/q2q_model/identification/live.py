@@ -89,10 +89,10 @@ class LiveRefinement:
     def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> LiveEstimate:
         """Return the estimate after one tick; a stamp not later than the last is ignored.
 
-        One that is SET_BACK_S earlier is of a clock that was set back, as by another flight: what was learned
-        stays, and the tick is the first.
+        One that is more than SET_BACK_S earlier is of a clock that was set back, as by another flight: what
+        was learned stays, and the tick is the first.
         """
-        if state.t <= self._t - SET_BACK_S:
+        if state.t < self._t - SET_BACK_S:
             self._forget_motion()
         if state.t <= self._t:
             return self._estimate()

@@ -10,7 +10,7 @@ from math import inf
 CONFIRM_STAMPS = 3
 """Least number of old stamps in order, whatever their rate."""
 SET_BACK_S = 1.0
-"""Step back that sets a clock back at once, and is no late frame, where nothing else is chosen [s]."""
+"""Step back beyond which a frame is not late, and sets the clock back at once, unless told otherwise [s]."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1

@@ -124,14 +124,14 @@ class PlanPlayer:
 
     def _is_late(self, t: float) -> bool:
         """Return whether a frame at t [s] is older than the last one, and the clock was not set back."""
-        if self._last is None or not self._last.t - SET_BACK_S < t < self._last.t:
+        if self._last is None or not self._last.t - SET_BACK_S <= t < self._last.t:
             self._old.reset()
             return False
         return not self._old.rise(t)
 
     def _follow_clock(self, t: float) -> None:
         """Follow a clock that was set back to t [s]."""
-        if self.played is None or self._last is None or t > self._last.t - SET_BACK_S:
+        if self.played is None or self._last is None or t >= self._last.t - SET_BACK_S:
             return
         if self._wait:
             self.played = replace(self.played, start=self.played.start + t - self._last.t)

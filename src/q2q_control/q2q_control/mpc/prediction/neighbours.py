@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from q2q_control.inputs.alignment import Aligned
 from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours
 from q2q_model.compiled import compiled
+from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, check_unique, rows_by_name
 
@@ -36,8 +37,6 @@ TRACKING = 0.05
 """Spread of a neighbour about its reference [m]: the default `tracking` of the safe replanner."""
 SILENT = 5
 """Periods without a prediction after which a neighbour is silent: one or two are lost messages."""
-CLOCK_JUMP = 1.0
-"""A prediction older than the last one by more [s] is of a clock that was set back."""
 LEAST_STEP, MOST_AHEAD = 1e-3, 100.0
 """Least step, and most time from the tick to the start [s]: as integers, steps to a time do not overflow."""
 
@@ -101,14 +100,17 @@ class HeardPredictions:
         self._heard: dict[str, list[HeardPath]] = {}
 
     def hear(self, prediction: PredictedPaths) -> None:
-        """Take a prediction; the last two of a vehicle are kept, since one may be of the tick to come."""
+        """Take a prediction; the last two of a vehicle are kept, since one may be of the tick to come.
+
+        Those later than it by more than SET_BACK_S are of a clock that was set back.
+        """
         t, pos = prediction.t, prediction.pos.astype(np.float64)
         for row, name in enumerate(prediction.names):
             heard = HeardPath(t, prediction.start, prediction.step, pos[row])
             kept = [
                 one
                 for one in self._heard.get(name, [])
-                if abs(one.t - heard.t) > SAME_STAMP and one.t < heard.t + CLOCK_JUMP
+                if abs(one.t - heard.t) > SAME_STAMP and one.t <= heard.t + SET_BACK_S
             ]
             self._heard[name] = sorted([*kept, heard], key=lambda one: one.t)[-2:]
 
