@@ -48,6 +48,11 @@ REFUSALS = (
     ("q2q_sim.commands.fly swarm2000", 1, "1 to 1000 vehicles"),
     ("q2q_sim.commands.fly table6 --model nosuch", 1, "paper_law"),
     ("q2q_sim.commands.fly table6 --real x", 1, "table6 and --real x: give one of them"),
+    (
+        "q2q_sim.commands.fly --real x --seed 3 --ignoring",
+        1,
+        "--real x and aware, seed: a replay has only the options",
+    ),
     ("q2q_sim.commands.crtp tabel6", 1, "did you mean table6?"),
     ("q2q_sim.commands.report none", 1, "no bag at none"),
     ("q2q_sim.commands.report . --vehicle nosuch", 1, "unknown vehicle"),

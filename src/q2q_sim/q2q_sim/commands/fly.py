@@ -26,6 +26,9 @@ EXAMPLE = """  scripts/fly --list
   scripts/fly table6_room --air room --model moving_law
   scripts/fly --real dc19_swap_ss_02"""
 
+OF_A_REPLAY = ("real", "model", "json")
+"""Options of a replayed recording."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Fly the scenario of the command line; return the exit status."""
@@ -33,6 +36,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(args: Namespace) -> Work:
+    _check(args)
+    if args.real:
+        _check_replay(args)
+    if not args.list:
+        from q2q_sim.processes.preloaded_fork import start_warm_parent
+
+        print(f"fly: {args.real or args.scenario}: starting", file=sys.stderr, flush=True)
+        start_warm_parent()  # it imports in parallel
+    from q2q_sim.tools.fly_scenario import run
+
+    return run
+
+
+def _check(args: Namespace) -> None:
+    """Raise ValueError for options that cannot be flown, alone or together."""
     if not (args.list or args.real or args.scenario):
         raise ValueError("give a scenario: `scripts/fly --list` names them")
     if args.real and args.scenario:
@@ -49,14 +67,17 @@ def _prepare(args: Namespace) -> Work:
         check_model_name(args.model)
     if args.bag and args.bag.exists():
         raise ValueError(f"bag {args.bag} exists: choose another folder or delete it")
-    if not args.list:
-        from q2q_sim.processes.preloaded_fork import start_warm_parent
 
-        print(f"fly: {args.real or args.scenario}: starting", file=sys.stderr, flush=True)
-        start_warm_parent()  # it imports in parallel
-    from q2q_sim.tools.fly_scenario import run
 
-    return run
+def _check_replay(args: Namespace) -> None:
+    """Raise ValueError for options of a simulated flight, which a replay would ignore."""
+    usual = vars(parser().parse_args(["--real", args.real]))
+    ignored = [name for name in usual if name not in OF_A_REPLAY and vars(args)[name] != usual[name]]
+    if ignored:
+        raise ValueError(
+            f"--real {args.real} and {', '.join(ignored)}: a replay has only the options --model and --json; "
+            "everything else is as it was recorded"
+        )
 
 
 def parser() -> CommandLine:
