@@ -25,9 +25,10 @@ from q2q_control.explicit.law import (
 )
 from q2q_control.explicit.situations import random_encounters, random_situations
 from q2q_control.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
+from q2q_control.mpc.horizon_solver import horizon_solver
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.receding import Mpc, MpcSetup
@@ -184,6 +185,28 @@ def test_where_no_bound_is_met_the_law_is_the_optimum():
     # slopes are not in the linear law: downwash changes by 1 m/s^2 a metre, errors of cm pass within 0.2 s
     assert np.percentile(np.abs(off), 95) < 0.02
     assert not law.last.any()
+
+
+@pytest.mark.parametrize("climb", [0.5, -1.0])
+def test_on_an_accelerating_reference_the_law_commands_what_the_horizon_commands(climb: float) -> None:
+    law = random_law()
+    unbent = replace(
+        law, bounds=np.array([-9.0, 9.0]), linear=np.zeros_like(law.linear), last=np.zeros_like(law.last)
+    )
+    t, none = np.arange(STAGES + 1) * PARAMS.step, np.zeros(0, np.intp)
+    reference, push = np.zeros((1, STAGES + 1, 9)), np.zeros((1, STAGES, 3))
+    reference[0][:, [2, 5, 8]] = np.stack([1.0 + 0.5 * climb * t**2, climb * t, np.full(t.size, climb)], 1)
+    push[0, :, 2] = 0.2 * np.cos(t[:-1])
+    start = np.zeros((1, 3, 3))
+    start[0, 2] = 0.95, 0.1, climb + 0.3  # below, faster, and accelerating more
+    low, high = np.full((1, 3), -9.0), np.full((1, STAGES, 3), 9.0)
+    horizon = Horizon(start, reference, push, reference[..., :3].copy(), low, high, np.full(3, 100.0))
+    downwash = DownwashHorizon(push, none, none, np.zeros((0, STAGES, 3, 3)))
+    ours, theirs = (
+        solver(PARAMS, TEXTBOOK_065).solve(horizon, downwash, np.zeros((1, STAGES, 3), np.int8), lambda: True)
+        for solver in (explicit_solver(unbent), horizon_solver)
+    )
+    assert ours.inputs[0, 0, 2] == pytest.approx(theirs.inputs[0, 0, 2], abs=1e-9)
 
 
 def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part():

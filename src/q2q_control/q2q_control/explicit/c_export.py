@@ -2,7 +2,7 @@
 
     float q2q_explicit(const float states[2][3], const float push[2][N], const float slope[2][N]);
 
-Returns the vertical acceleration command less the reference's [m/s^2]. Inputs are those of
+Returns the vertical acceleration command, the reference's included [m/s^2]. Inputs are those of
 q2q_control.explicit.features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4
 has no other.
 """

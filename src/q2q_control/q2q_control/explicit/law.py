@@ -3,7 +3,7 @@
     u = clip(base + gate (w0 . z + b0 + W3 tanh(W2 tanh(W1 z + b1) + b2)), low, high),  z = (x - mean) / scale
 
 base, gate and x are those of q2q_control.explicit.features; u is the first vehicle's vertical acceleration
-command, less its reference's acceleration. Where no bound is met the gate is 0 and u the MPC's own answer.
+command, its reference's included. Where no bound is met the gate is 0 and u the MPC's own answer.
 """
 
 import json

@@ -63,7 +63,7 @@ class TeacherSolution(NamedTuple):
     """Solutions of K situations."""
 
     inputs: Array
-    """First commands of both vehicles, less their references' accelerations [m/s^2], (K, 2)."""
+    """First commands of both vehicles, their references' accelerations included [m/s^2], (K, 2)."""
     errors: Array
     """Predicted height errors [m], (K, 2, N + 1)."""
     modes: NDArray[np.int8]
