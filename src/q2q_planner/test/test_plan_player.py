@@ -244,7 +244,9 @@ def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:
         np.testing.assert_allclose(curve.at(np.array(1.0), 1), 0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize(("s", "end"), [(-1.0, 0.0), (0.0, 0.5), (7.9, 8.0), (8.0, 8.0), (20.0, 8.0)])
+@pytest.mark.parametrize(
+    ("s", "end"), [(-1.0, 0.0), (-0.3, 0.0), (0.0, 0.0), (0.1, 0.6), (7.9, 8.0), (8.0, 8.0), (20.0, 8.0)]
+)
 def test_braking_ends_half_its_duration_later_in_the_plan_or_at_its_ends(s: float, end: float) -> None:
     for curve, whole in zip(brake_plan(PLAN, s).trajectories, PLAN.trajectories, strict=True):
         np.testing.assert_allclose(curve.at(np.array(5.0)), whole.at(np.array(end)), atol=1e-9)
@@ -289,6 +291,9 @@ def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -
         glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), stacked, GlideParams())
 
 
-def test_a_plan_that_rests_nowhere_else_is_one_point() -> None:
-    resting: SwarmPlan = brake_plan(PLAN, 30.0)
-    assert [len(curve.durations) for curve in resting.trajectories] == [1, 1]
+@pytest.mark.parametrize("t", [4.7, 40.0])
+def test_vehicles_held_before_or_after_their_plan_are_at_rest_already(t: float) -> None:
+    player = PlanPlayer(PLAN, 5.0, GlideParams(), wait=False)
+    rest = player.update(frame(t, GROUND))
+    assert player.hold().reason == "at rest in 0.0 s"
+    np.testing.assert_array_equal(player.update(frame(t + 0.4, GROUND)).pos, rest.pos)

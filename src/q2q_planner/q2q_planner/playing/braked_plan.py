@@ -18,7 +18,10 @@ BRAKE_S = 1.0
 
 
 def brake_plan(plan: SwarmPlan, s: float) -> SwarmPlan:
-    """Return the plan that starts at plan time s [s] of `plan` and comes to rest within BRAKE_S."""
+    """Return the plan that starts at plan time s [s] of `plan` and comes to rest within BRAKE_S.
+
+    Before its start and after its end it is at rest already.
+    """
     curves = tuple(_braked(one, s) for one in plan.trajectories)
     return replace(plan, trajectories=curves)
 
@@ -27,9 +30,9 @@ def _braked(curve: Trajectory, s: float) -> Trajectory:
     ends = np.cumsum(curve.durations)
     begin, last = float(np.clip(s, 0.0, ends[-1])), min(s + 0.5 * BRAKE_S, float(ends[-1]))
     knots = np.array([begin, *ends[(ends > begin + _LEAST) & (ends < last - _LEAST)], last])
-    if last - begin <= _LEAST:  # at rest before its start or after its end
+    if s <= 0.0 or last - begin <= _LEAST:  # at rest before its start or after its end
         point = curve.at(np.array(begin))
-        return Trajectory(np.array([BRAKE_S]), point.reshape(1, AXES, 1))
+        return Trajectory(np.array([_LEAST]), point.reshape(1, AXES, 1))
     tau = BRAKE_S - np.sqrt(np.maximum(BRAKE_S**2 - 2.0 * BRAKE_S * (knots - s), 0.0))
     order = 2 * curve.coefficients.shape[-1] - 1
     pieces = np.zeros((len(knots) - 1, AXES, order))
@@ -44,7 +47,7 @@ def _braked(curve: Trajectory, s: float) -> Trajectory:
 
 
 _LEAST = 1e-6
-"""Shortest piece of plan time that is kept [s]: 1 um at 1 m/s."""
+"""Shortest piece of plan time that is kept [s]: 1 um at 1 m/s. A trajectory at rest takes as long."""
 
 
 def _composed(outer: Array, inner: Array) -> Array:
