@@ -57,8 +57,8 @@ def test_encounters_keep_zone_and_tubes_apart_by_motions_of_bounded_jerk(seed: i
     assert not any((one.status == BROKEN).any() for one in flown)
     acc = accelerations(flown)
     assert np.abs(acc).max() <= PARAMS.acc_max * (1.0 + 1e-9)
-    # a vehicle that returns to its reference takes on its acceleration: jerk_max * hold at most
-    assert np.abs(np.diff(acc, axis=0)).max() <= PARAMS.jerk_max * (TICK + PARAMS.hold) * (1.0 + 1e-9)
+    # a vehicle that returns to its reference takes on its acceleration: jerk_max * TICK at most
+    assert np.abs(np.diff(acc, axis=0)).max() <= 2.0 * PARAMS.jerk_max * TICK * (1.0 + 1e-9)
 
 
 def test_a_reference_at_30_m_per_s2_is_left_and_followed_within_the_bounds() -> None:
@@ -74,6 +74,27 @@ def test_a_reference_at_30_m_per_s2_is_left_and_followed_within_the_bounds() -> 
     assert np.abs(np.diff(moved, axis=0)).max() <= PARAMS.jerk_max * TICK * (1.0 + 1e-9)
     assert flown[60].status[0] == SetpointStatus.SHIFTED  # announced: it is not where it was asked to be
     assert np.abs(flown[-1].pos - pos).max() < 0.02
+
+
+@pytest.mark.parametrize("tick", [0.005, 0.01, 0.02])
+@pytest.mark.parametrize(("share", "followed"), [(0.95, True), (1.05, False)])
+def test_a_reference_is_followed_bit_for_bit_up_to_the_largest_jerk_at_any_rate(
+    tick: float, share: float, followed: bool
+) -> None:
+    peak = 1.8
+    rate = share * PARAMS.jerk_max / peak  # of a sine whose jerk is largest at t = 0
+    replanner, kept, moved = SafeReplanner(PARAMS), [], []
+    for k in range(100):
+        x = np.sin(rate * k * tick) * peak * np.array([[-1.0 / rate**2, 0.0, 0.0], [1.0, 0.0, 0.0]])
+        vel = np.array([[-np.cos(rate * k * tick) * peak / rate, 0.0, 0.0]])
+        asked = reference(k * tick, x[:1], vel, x[1:])
+        answer = replanner.update(asked, None)
+        kept.append(answer is asked)
+        moved.append(answer)
+    assert all(kept) == followed
+    # one that returns to its reference takes on its acceleration, too
+    jumps = np.abs(np.diff(accelerations(moved), axis=0))
+    assert jumps.max() <= 2.0 * PARAMS.jerk_max * tick * (1.0 + 1e-9)
 
 
 def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:

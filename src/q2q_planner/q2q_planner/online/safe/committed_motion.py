@@ -14,6 +14,8 @@ from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
+ROUNDING = 1e-9
+"""Of a change of acceleration at exactly the largest jerk [m/s^2]."""
 
 
 class MotionRows(NamedTuple):
@@ -42,8 +44,10 @@ class ReferenceRows(NamedTuple):
 class FollowBounds(NamedTuple):
     """Bounds that a reference must keep to be followed."""
 
-    jump: float
-    """Largest jump of an acceleration on an axis [m/s^2]."""
+    jerk: float
+    """Of an axis [m/s^3]."""
+    hold: float
+    """Longest time since the tick before that counts [s]."""
     acc: float
     """[m/s^2]."""
     speed: float
@@ -147,8 +151,8 @@ def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
 
 
 def follow_bounds(params: SafeReplannerParams) -> FollowBounds:
-    """Return the bounds of a reference; a jump is what the jerk changes within `hold`."""
-    return FollowBounds(params.jerk_max * params.hold, params.acc_max, params.speed_max)
+    """Return the bounds of a reference."""
+    return FollowBounds(params.jerk_max, params.hold, params.acc_max, params.speed_max)
 
 
 @compiled
@@ -177,7 +181,8 @@ def near_rows(rows: MotionRows, reference: ReferenceRows) -> Mask:
 def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBounds) -> Mask:
     """Return whose reference keeps the bounds of jerk, acceleration and speed at this tick, (n,).
 
-    An acceleration that jumps by no more than the jerk changes it within `hold` keeps that of the jerk.
+    An acceleration keeps the bound of jerk if it changed by no more than that within the time since the tick
+    before, or within `hold` if that was longer ago: what is gone of a vehicle's hold.
     """
     followed = np.empty(rows.hold.size, np.bool_)
     acc, vel = reference.acc, reference.vel
@@ -187,6 +192,7 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
             length(vel[row, 0], vel[row, 1], vel[row, 2]),
         )
         followed[row] = size <= bounds.acc and speed <= bounds.speed
+        jump = bounds.jerk * (bounds.hold - rows.hold[row]) + ROUNDING
         for axis in range(3):
-            followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= bounds.jump
+            followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= jump
     return followed
