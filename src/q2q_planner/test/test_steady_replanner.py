@@ -97,6 +97,25 @@ def test_a_reference_is_followed_bit_for_bit_up_to_the_largest_jerk_at_any_rate(
     assert jumps.max() <= 2.0 * PARAMS.jerk_max * tick * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize(("hold", "tick"), [(0.06, 0.01), (0.1, 0.05), (0.2, 0.1)])
+def test_a_step_keeps_the_largest_acceleration_when_ticks_are_slow_or_lost(hold: float, tick: float) -> None:
+    params, pos, still = (
+        replace(PARAMS, hold=hold, jerk_max=100.0),
+        np.array([[0.0, 0.0, 1.0]]),
+        np.zeros((1, 3)),
+    )
+    beyond = pos + np.array([[2.0, 0.0, 0.0]])
+    for lost in range(12):  # from this tick on, as many as `hold` covers
+        replanner, flown = SafeReplanner(params), [pos[0]]
+        for k in range(round(4.0 / tick)):
+            if not lost < k < lost + round(hold / tick):
+                asked = reference(k * tick, pos if k == 0 else beyond, still, still)
+                answer = replanner.update(asked, None)
+                flown.append(answer.pos[0])
+                assert np.abs(answer.acc).max() <= PARAMS.acc_max * (1.0 + 1e-9)
+        assert np.abs(flown[-1] - beyond).max() < 0.1  # it goes there
+
+
 def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
     pos, still = np.array([[0.0, 0.0, 1.0], [9.0, 0.0, 1.0]]), np.zeros((2, 3))
     for axis, most in ((0, PARAMS.tracking), (2, PARAMS.tracking_z)):

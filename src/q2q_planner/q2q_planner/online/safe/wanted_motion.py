@@ -2,8 +2,8 @@
 
 On its reference a vehicle wants the reference's acceleration, else that of the tracking law of (20),
 e'' = -k_d e' - k_p e, within acc_max; where jerk is bounded, the shift e shrinks as fast as it can stop
-(`approach_speed`), and the acceleration approaches the wanted one with the time constant LAG. Control
-barriers (`barrier`) correct both.
+(`approach_speed`), and the acceleration approaches the wanted one with the time constant LAG, or `hold` if
+that is longer. Control barriers (`barrier`) correct both.
 """
 
 from typing import NamedTuple
@@ -51,6 +51,8 @@ class _WantedLaw(NamedTuple):
     k_d: float
     acc: float
     jerk: float
+    lag: float
+    """Of the approach to the wanted acceleration [s]: at least `hold`, so that none is passed."""
     keep: float
     """Distance to keep from the grown zone [m]."""
     back: ApproachLaw
@@ -80,6 +82,7 @@ def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
         params.k_d,
         params.acc_max,
         params.jerk_max,
+        max(LAG, params.hold),
         params.margin + FLOOR,
         ApproachLaw(params.approach, RETURN_BRAKE * params.acc_max),
         HEADROOM * params.speed_max,
@@ -102,7 +105,7 @@ def _wanted(
     begin = np.empty_like(acc)
     for row in range(own):
         begin[row] = reference.acc[row] if rows.on_reference[row] else rows.acc[row]
-    return begin, jerk_towards(acc, begin, LAG, law.jerk), pushed
+    return begin, jerk_towards(acc, begin, law.lag, law.jerk), pushed
 
 
 @compiled

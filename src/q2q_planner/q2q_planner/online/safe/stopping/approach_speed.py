@@ -26,7 +26,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 
 LAG = 0.05
-"""Time constant at which the acceleration approaches the wanted one where jerk is bounded [s]."""
+"""Time constant of the acceleration towards the wanted one where jerk is bounded [s]; `hold` if longer."""
 
 
 class ApproachLaw(NamedTuple):
