@@ -39,7 +39,9 @@ def unit_process(rng: np.random.Generator, ticks: int, step: float = STEP) -> Ar
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(ticks)))
 
 
-def flown(seed: int, step: float = STEP, sway: float = 0.5) -> list[ForceSamples]:
+def flown(
+    seed: int, step: float = STEP, sway: float = 0.5, noise: float = PROCESS.noise
+) -> list[ForceSamples]:
     """Return 6000 pushes of a vehicle under another that passes to and fro, with residual and noise."""
     rng, t = np.random.default_rng(seed), step * np.arange(6000)
     pos = np.zeros((t.size, 2, 3))
@@ -48,7 +50,7 @@ def flown(seed: int, step: float = STEP, sway: float = 0.5) -> list[ForceSamples
     motion = Motion(t, pos, np.gradient(pos, step, axis=0), np.tile([0.0, 0.0, 1.0], (t.size, 2, 1)))
     push = eta_along(LAW, motion)[..., 2]
     push[:, 0] += PROCESS.std(push[:, 0]) * unit_process(rng, t.size, step)
-    push += PROCESS.noise * rng.standard_normal(push.shape)
+    push += noise * rng.standard_normal(push.shape)
     good = np.ones(push.shape, dtype=bool)
     record = ForceRecord(f"flight{seed}", NAMES, motion, push, good, ~good)
     return [one for one in force_samples(record) if one.vehicle == 0]
@@ -62,6 +64,19 @@ def test_the_fit_finds_the_process_that_residuals_were_made_with() -> None:
         deviation = (span.high - span.value) / 2.5706  # t of five, 97.5 %
         assert abs(span.value - truth) < 4.0 * deviation, name
         assert deviation < 0.8 * truth, name  # noise, the least of them, hides below the process
+
+
+def test_noise_of_the_measurement_changes_neither_floor_nor_slope() -> None:
+    quiet, noisy = (
+        fit_residual(LAW, [one for seed in range(12) for one in flown(seed, sway=0.32, noise=noise)])
+        for noise in (0.05, 0.5)
+    )
+    assert quiet is not None
+    assert noisy is not None
+    # in three series of 12 flights by at most 0.035 and 0.02; as part of the deviation by 0.09 and 0.05
+    assert noisy.process.floor == pytest.approx(quiet.process.floor, abs=0.05)
+    assert noisy.process.slope == pytest.approx(quiet.process.slope, abs=0.03)
+    assert noisy.process.noise == pytest.approx(0.5, rel=0.05)
 
 
 @pytest.mark.parametrize("rates", [(50.0,), (33.0,), (20.0,), (100.0, 20.0)])

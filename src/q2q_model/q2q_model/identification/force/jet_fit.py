@@ -262,16 +262,19 @@ def _affine(push: Array, error: Array) -> tuple[float, float]:
     return float(min(wide * floor, MOST_STD)), float(min(wide * share, MOST_STD))
 
 
-def deviation_of(push: Array, error: Array) -> tuple[float, float]:
+def deviation_of(push: Array, error: Array, noise: float = 0.0) -> tuple[float, float]:
     """Return floor [m/s^2] and share, (floor + share |eta|), of maximum likelihood for a normal.
+
+    The variance of the errors is the square of that deviation, plus that of a noise.
 
     Args:
         push: |eta| [m/s^2], (k,), k at least 1.
         error: |y - eta| [m/s^2], (k,).
+        noise: its standard deviation [m/s^2].
     """
 
     def negative_log_likelihood(x: Array) -> float:
-        std = np.exp(x[0]) + np.exp(x[1]) * push
+        std = np.hypot(np.exp(x[0]) + np.exp(x[1]) * push, noise)
         return float(np.sum(np.log(std) + 0.5 * (error / std) ** 2))
 
     first = np.log([max(float(np.sqrt(np.mean(error**2))), 1e-6), 0.1])
