@@ -62,7 +62,7 @@ class MpcParams:
         6.6, "bound on U1 if thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
     )
     thrust_rate_max: float = tunable(
-        100.0, "largest rate of thrust over mass", unit="m/s^3", low=0.1, high=1e4
+        100.0, "largest rate of thrust over mass", unit="m/s^3", low=50.0, high=1e4
     )
     reserve: float = tunable(
         0.0,
@@ -72,7 +72,7 @@ class MpcParams:
         high=4.0,
     )
     tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
-    tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=0.1, high=30.0)
+    tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=1.0, high=30.0)
     k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
     iterations: int = tunable(12, "most recursions of a solve", low=1, high=200)

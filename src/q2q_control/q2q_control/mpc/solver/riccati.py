@@ -6,8 +6,10 @@ Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is s
 (N n)^3, and N^2 for the matrices. Then the guess is updated: a free input beyond a bound is put on it, an
 input on a bound with a multiplier of the wrong sign is freed. The pattern of the last tick is nearly right,
 so one or two recursions suffice. If updating all inputs at once does not reduce the number of wrong guesses,
-they are updated one by one, last first, which cannot cycle. Sources: Judice, Pires, Computers Oper. Res. 21
-(1994), block principal pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati inside a QP of MPC.
+they are updated one by one, last first. With bounds of inputs alone this cannot cycle; where many rate bounds
+bind, which depend on the state, it can, so MpcParams allows no rates at which that is frequent. Sources:
+Judice, Pires, Computers Oper. Res. 21 (1994), block principal pivoting; Rao, Wright, Rawlings, JOTA 99
+(1998), Riccati inside a QP of MPC.
 
     V_k(x) = x' P_k x + 2 p_k' x;   Quu = R + S + B' P B,   Qux = B' P A - S E,   Qu = B' (P c + p) - R u*
     free inputs  u = -Quu^-1 (Qux x + Qu);   multiplier of a bound  g = Quu u + Qux x + Qu
