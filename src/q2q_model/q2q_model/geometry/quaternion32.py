@@ -2,7 +2,7 @@
 
 Source: firmware: modules/interface/quatcompress.h. Two bits name the largest part, which is made positive (q
 and -q are one attitude) and follows from the length; each other part has a sign and 9 bits of |part| sqrt 2.
-An error of a part is at most 1 / (2 * 511 * sqrt 2) = 0.0007.
+Each of these errs by at most 1 / (2 * 511 * sqrt 2) = 0.0007, the largest part by their sum, 0.0021.
 """
 
 import math
