@@ -93,6 +93,14 @@ def test_too_few_flights_for_a_tube_are_refused_before_they_are_flown(alpha: flo
         run(parser().parse_args(asked))
 
 
+@pytest.mark.parametrize(("row", "error"), [(0, np.nan), (-1, np.nan), (-1, np.inf), (slice(None), 0.0)])
+def test_errors_that_give_no_tube_are_refused(row: int | slice, error: float) -> None:
+    errors = np.random.default_rng(3).random((24, 2))
+    errors[row, 1] = error
+    with pytest.raises(ValueError, match="must be finite, and most above 0"):
+        learn_tube(errors, 0.05, CONDITIONS)
+
+
 def test_a_tube_file_gives_the_tube_back_and_a_wrong_one_names_its_key(tmp_path: Path) -> None:
     tube = learn_tube(np.random.default_rng(2).random((200, 2)), 0.05, CONDITIONS)
     file = tmp_path / "tube.json"

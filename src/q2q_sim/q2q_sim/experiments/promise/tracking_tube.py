@@ -104,7 +104,7 @@ def learn_tube(errors: Array, alpha: float, conditions: TubeConditions) -> Track
     """Return the tube of flights with largest errors (horizontal, vertical) [m], (m, 2).
 
     Raises:
-        ValueError: alpha is not between 0 and 1, or there are too few flights.
+        ValueError: alpha is not between 0 and 1, there are too few flights, or their errors give no shape.
     """
     if not 0.0 < alpha < 1.0:
         raise ValueError(f"alpha = {alpha:g}: above 0 and below 1 is allowed")
@@ -112,6 +112,8 @@ def learn_tube(errors: Array, alpha: float, conditions: TubeConditions) -> Track
     shaping = ceil(SHAPE_SHARE * len(errors))
     sizing = errors[shaping:]
     shape = np.median(errors[:shaping], axis=0) if shaping else np.ones(2)
+    if not (np.isfinite(errors).all() and (shape > 0.0).all()):
+        raise ValueError(f"errors with medians {shape} m: all must be finite, and most above 0")
     size = conformal_bound((sizing / shape).max(axis=1, initial=0.0), alpha)
     horizontal, vertical = (size * shape).tolist()
     return TrackingTube(alpha, len(sizing), horizontal, vertical, conditions)
