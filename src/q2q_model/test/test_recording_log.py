@@ -54,6 +54,17 @@ def test_a_log_belongs_to_its_vehicles_and_ticks_in_any_order_and_rate(tmp_path:
         assert found.whole.sum() == 2 * rows.size
 
 
+def test_rows_without_a_force_are_a_gap_of_their_vehicle_alone(tmp_path: Path):
+    log = _log()
+    values = log.values.copy()
+    values[7, 0, COLUMNS.index("faz_est")] = np.nan
+    recording = recording_of_bag(_bag(tmp_path / "flight", replace(log, values=values)))
+    assert recording.log is not None
+    found = push_of_log("flight", recording.log, motion_of(recording.flight))
+    assert np.argwhere(~found.whole).tolist() == [[7, 0]]
+    assert np.isfinite(found.push).all()
+
+
 def test_a_log_of_other_vehicles_or_another_clock_is_refused(tmp_path: Path):
     other = replace(_log(), names=("cf1", "cf3"))
     with pytest.raises(BagError, match="other: its log is of cf1, cf3, not of cf1, cf2:"):

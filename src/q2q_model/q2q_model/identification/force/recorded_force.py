@@ -93,13 +93,14 @@ def motor_duty(log: FlightLog) -> Array:
 
 def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
     """Return the vertical force in a flight's log, at the ticks and vehicles of the log and the motion."""
-    logged = np.isfinite(log.column("gap"))
+    force = log.column("faz_est")
+    known = np.isfinite(force)
     return ForceRecord(
         name=name,
         names=log.names,
         motion=motion,
-        push=np.where(logged, log.column("faz_est") / LOG_MASS, 0.0),
-        whole=log.column("gap") == 0.0,
+        push=np.where(known, force / LOG_MASS, 0.0),
+        whole=np.asarray((log.column("gap") == 0.0) & known),
         saturated=np.asarray(motor_duty(log).max(axis=-1) > FULL_DUTY),
     )
 
