@@ -1,4 +1,4 @@
-"""Flights recorded below 100 Hz teach the air of the room that they were flown in."""
+"""Flights recorded below 100 Hz, or with lost rows, teach the air of the room that they were flown in."""
 
 from dataclasses import fields, replace
 
@@ -7,27 +7,38 @@ import pytest
 from known_air import RESIDUAL, SECONDS, assert_within
 from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_force
 
+from q2q_model.signals.values import Rows
 from q2q_sim.air.learning.jet.other_flights import LeftOut
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.residual.wake_misses import LAGS, wake_misses
-from q2q_sim.air.learning.statistics.autocovariance import flight_lags
+from q2q_sim.air.learning.statistics.autocovariance import flight_lags, lagged_pairs
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import ResidualTerm
 
 
-def every(record: AirRecord, step: int) -> AirRecord:
-    """Return every `step`-th row of a record."""
+def kept(record: AirRecord, rows: Rows) -> AirRecord:
+    """Return some rows of a record."""
     motion = replace(
-        record.motion, **{one.name: getattr(record.motion, one.name)[::step] for one in fields(record.motion)}
+        record.motion, **{one.name: getattr(record.motion, one.name)[rows] for one in fields(record.motion)}
     )
     arrays = {
-        one.name: values[::step]
+        one.name: values[rows]
         for one in fields(record)
         if isinstance(values := getattr(record, one.name), np.ndarray)
     }
     thin = replace(record, motion=motion, **arrays)
-    return with_force(thin, np.stack([one.y[::step] for one in record.samples], axis=1))
+    return with_force(thin, np.stack([one.y[rows] for one in record.samples], axis=1))
+
+
+def every(record: AirRecord, step: int) -> AirRecord:
+    """Return every `step`-th row of a record."""
+    return kept(record, np.arange(0, record.motion.t.size, step))
+
+
+def lossy(record: AirRecord, seed: int) -> AirRecord:
+    """Return a record that lost 30 % of its rows."""
+    return kept(record, np.flatnonzero(np.random.default_rng(seed).random(record.motion.t.size) >= 0.3))
 
 
 @pytest.fixture(scope="module")
@@ -90,3 +101,19 @@ def test_gusts_of_slow_flights_have_the_time_of_fast_ones(step: int) -> None:
     assert found is not None
     assert_within(found.values, "wind.gust_std_mps2", 0.15)
     assert_within(found.values, "wind.gust_time_s", 0.3)
+
+
+def test_lags_are_times_where_rows_are_lost(pairs: list[AirRecord]) -> None:
+    """Counted in rows that are left, times are 0.7 of what they are."""
+    thin = [lossy(record, seed) for seed, record in enumerate(pairs)]
+    lags = flight_lags(thin[0].motion.t, LAGS)
+    t, known = thin[0].motion.t, np.ones(thin[0].motion.t.size, dtype=bool)
+    for lag, (first, second) in zip(lags.times, lagged_pairs(known, lags), strict=True):
+        np.testing.assert_allclose(t[second] - t[first], lag, atol=1e-9)
+        assert first.size > 0.4 * t.size  # 0.7 of the rows have the later one
+    whole, found = (residual_term([LeftOut(tuple(one), wide_jet())], None) for one in (pairs, thin))
+    assert whole is not None
+    assert found is not None
+    assert found.term.time_s == pytest.approx(whole.term.time_s, rel=0.1)
+    clear = [wake_misses(one, wide_jet(), None)[0].clear for one in (pairs, thin)]
+    np.testing.assert_allclose(clear[1], clear[0], atol=2e-3)  # noise 0.01 / sqrt(pairs)

@@ -57,8 +57,7 @@ def _sums(record: AirRecord, one: ForceSamples, lags: Lags) -> Array:
     known = record.clear[:, one.vehicle]
     y = one.y - one.y[known].mean()
     found = []
-    for lag in lags.ticks:
-        first, second = lagged_pairs(known, int(lag))
+    for first, second in lagged_pairs(known, lags):
         found.append([float(first.size), float(y[first] @ y[second])])
     return np.array(found)
 

@@ -60,8 +60,7 @@ def _sums(wakes: Sequence[WakeMisses], lags: Array) -> Array:
         t = one.record.motion.t
         inside = np.minimum(one.eta / INSIDE, 1.0)
         column = np.searchsorted(lags, one.lags.times)
-        for k, step in enumerate(one.lags.ticks):
-            first, second = lagged_pairs(one.one.exposed, int(step))
+        for k, (first, second) in enumerate(lagged_pairs(one.one.exposed, one.lags)):
             a, b, a2, b2 = inside[first], one.eta[first], inside[second], one.eta[second]
             product = one.missed[first] * one.missed[second] - one.clear[k]
             columns.append(np.stack([np.ones(first.size), product, a * a2, a * b2 + a2 * b, b * b2], axis=1))

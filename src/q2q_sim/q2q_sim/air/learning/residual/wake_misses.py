@@ -57,7 +57,7 @@ def _wake(
     lags = flight_lags(record.motion.t, LAGS)
     own = np.zeros(lags.ticks.size)
     if clear.sum() >= FEWEST_CLEAR:
-        own = autocovariance(one.y - one.y[clear].mean(), clear, lags.ticks)
+        own = autocovariance(one.y - one.y[clear].mean(), clear, lags)
     return WakeMisses(record, one, eta, one.y + eta, lags, own)
 
 
