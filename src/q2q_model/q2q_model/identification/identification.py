@@ -205,7 +205,7 @@ def _gains(
             k_d=spread["k_d"],
             needs_offset=needs_offset,
             needs_integral=False,
-            rms=float(np.concatenate(found.mse).mean() ** 0.5),
+            rms=found.rms,
             from_commands=False,
         )
         told = [f"gains are from trajectories, downwash and lag included: {missing}"]

@@ -59,6 +59,8 @@ class TrajectoryGains:
     """Of the gains and the lag."""
     mse: tuple[Array, ...]
     """Mean square error of each vehicle [m^2], (n,) of every flight."""
+    rms: float
+    """Root mean square error of all rows of all vehicles [m]."""
     rows: float
     """Effective number of independent residuals."""
     terms: int = 2
@@ -97,6 +99,7 @@ def gains_from_trajectories(
         loop=replace(_loop(names, found.x), offset=float(each.mean())),
         intervals=tuple(zip(names, spread, strict=True)),
         mse=tuple((residual**2).mean(axis=0) for residual in residuals),
+        rms=_rms(residuals),
         rows=found.fun.size * (1.0 - rho) / (1.0 + rho),
         terms=len(names) + (each.size if OFFSET in options else 0),
     )
@@ -118,16 +121,16 @@ def gains_by_powell(records: Sequence[AltitudeRecord]) -> TrajectoryGains:
         (name, Interval(float(x), float("nan"), float("nan")))
         for name, x in zip(("k_p", "k_d"), found.x, strict=True)
     )
-    mse = tuple((_solved(record, found.x) ** 2).mean(axis=0) for record in records)
-    return TrajectoryGains(loop=loop, intervals=unknown, mse=mse, rows=float("nan"))
+    residuals = [_solved(record, found.x) for record in records]
+    mse = tuple((residual**2).mean(axis=0) for residual in residuals)
+    return TrajectoryGains(loop=loop, intervals=unknown, mse=mse, rms=_rms(residuals), rows=float("nan"))
 
 
 def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01) -> bool:
     """Return whether an F test finds the extra terms of `more` significant."""
     extra = more.terms - less.terms
     freedom = max(more.rows - more.terms, 1.0)
-    unexplained = np.concatenate(more.mse).sum()
-    ratio = (np.concatenate(less.mse).sum() - unexplained) / unexplained * freedom / extra
+    ratio = (less.rms**2 - more.rms**2) / more.rms**2 * freedom / extra
     return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < level)
 
 
@@ -159,6 +162,10 @@ def _solved(record: AltitudeRecord, gains: Array) -> Array:
 def _loop(names: Sequence[str], x: Array) -> AltitudeLoop:
     values = {"k_p": 0.0, "k_d": 0.0} | dict(zip(names, (float(v) for v in x), strict=True))
     return AltitudeLoop(**values)
+
+
+def _rms(residuals: Sequence[Array]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate([residual.ravel() for residual in residuals]) ** 2)))
 
 
 def _correlation(residuals: Sequence[Array]) -> float:
