@@ -1,21 +1,21 @@
 """The law of recorded vehicles is read from thrust commands, which are the size of the whole force."""
 
 import os
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from q2q_model.geometry.rotations import quat_from_euler
-from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.drawn_air import Draw
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
-from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, tracked_flight
+from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, flying_grid, tracked_flight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
 from q2q_sim.plant.swarm import Swarm
 
@@ -105,6 +105,22 @@ def test_a_flight_is_redrawn_with_thrusts_of_the_size_of_the_force():
     acc = acc + feedback(LAW, error, flight.ref_vel - drawn.vel[0], DT * np.cumsum(error, axis=0))
     size = np.linalg.norm(acc + np.array([0.0, 0.0, GRAVITY]), axis=-1)
     np.testing.assert_allclose(drawn.thrust[0], CRAZYFLIE_2_0.mass * size, rtol=1e-9)
+
+
+def test_times_without_a_recorded_row_are_not_compared():
+    recording = recording_of_bag(Path(__file__).parents[3] / "bags" / "table2_1")
+    whole, grid = tracked_flight(recording, CRAZYFLIE_2_0), flying_grid(recording.flight)
+    begin = grid[np.flatnonzero(whole.exposed[:, 0])[0]]
+    t = recording.flight.t
+    there = (t < begin - 0.3) | (t > begin + 0.2)
+    columns = {one.name: getattr(recording.flight, one.name) for one in fields(recording.flight)}
+    left = {name: values[there] for name, values in columns.items() if isinstance(values, np.ndarray)}
+    thin = tracked_flight(replace(recording, flight=replace(recording.flight, **left)), CRAZYFLIE_2_0)
+    hole = (grid > begin - 0.3 + 0.6 * DT) & (grid < begin + 0.2 - 0.6 * DT)
+    assert whole.usable[hole, 0].mean() > 0.9
+    for mask in (thin.usable, thin.exposed, thin.free):
+        assert not mask[hole].any()
+    np.testing.assert_array_equal(thin.exposed[grid > begin + 0.3], whole.exposed[grid > begin + 0.3])
 
 
 @NEEDS_DATA

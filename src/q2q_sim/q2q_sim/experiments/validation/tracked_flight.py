@@ -90,7 +90,9 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         for masks in zip(*((row.usable, row.exposed, row.free) for row in rows), strict=True)
     )
     grid = flying_grid(flight)
-    nearest = np.searchsorted(flight.t, grid - 0.5 * (grid[1] - grid[0])).clip(0, flight.t.size - 1)
+    half = 0.5 * (grid[1] - grid[0])
+    nearest = np.searchsorted(flight.t, grid - half).clip(0, flight.t.size - 1)
+    there = (flight.t[nearest] <= grid + half)[:, None]
     return TrackedFlight(
         name=flight.name,
         names=flight.names,
@@ -104,9 +106,9 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         acc=resample(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
         thrust=resample(flight.t, flight.thrust, grid),
         compensated=resample(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
-        usable=usable[nearest],
-        exposed=exposed[nearest],
-        free=free[nearest],
+        usable=usable[nearest] & there,
+        exposed=exposed[nearest] & there,
+        free=free[nearest] & there,
         scored=np.asarray(free.sum(axis=0) >= FEWEST_FREE),
         headroom=recorded_headroom(recording, vehicle),
     )
