@@ -8,6 +8,7 @@ import pytest
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.identification.force.recorded_force import first_order_lag
 from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
+from q2q_sim.experiments.validation.error_figures import spectrum_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share
 from q2q_sim.experiments.validation.estimate_noise import colour_noise, noise_density
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration
@@ -28,6 +29,17 @@ def test_white_noise_fills_the_bands_by_their_width():
     noise = np.random.default_rng(0).standard_normal(200_000)
     power = band_power(noise, DT).mean(axis=0)
     np.testing.assert_allclose(power[2:], np.diff(EDGES)[2:] * 2.0 * DT, rtol=0.05)
+
+
+@pytest.mark.parametrize("seconds", [10.0, 100.0])
+def test_the_spectrum_of_white_noise_is_its_density_however_long_the_flight(seconds: float):
+    rng, ticks = np.random.default_rng(0), round(seconds / DT)
+    recorded, drawn = 0.01 * rng.standard_normal(ticks), 0.01 * rng.standard_normal((5, ticks))
+    part = error_sums(recorded, drawn, np.ones(ticks, dtype=bool), DT, 0.95)
+    (axes,) = spectrum_figure([part, part], "made").axes
+    for stairs in axes.patches:
+        density = stairs.get_data().values[3:]
+        np.testing.assert_allclose(density, 2.0 * DT, rtol=0.4)  # 1 cm: 2 dt cm^2; 6 lines of 3 segments
 
 
 def test_the_share_of_a_segment_is_that_of_its_rows():

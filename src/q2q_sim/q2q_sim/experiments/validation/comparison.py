@@ -50,6 +50,8 @@ class ErrorSums:
     """Recorded power in each band, summed over segments [m^2], (bands,)."""
     power_drawn: Array
     """Simulated power, mean over draws [m^2], (bands,)."""
+    segments: int
+    """Segments of the sums of power."""
 
     def __add__(self, other: "ErrorSums") -> "ErrorSums":
         """Return the sums over the rows of both."""
@@ -106,6 +108,7 @@ def error_sums(recorded: Array, drawn: Array, rows: Mask, dt: float, share: floa
         worst_drawn=np.abs(s).max(axis=1, initial=0.0),
         power=power[0],
         power_drawn=power[1],
+        segments=int(segments.sum()),
     )
 
 

@@ -30,16 +30,16 @@ def error_figure(one: ValidatedFlight) -> Figure:
 
 
 def spectrum_figure(parts: Sequence[ErrorSums], title: str) -> Figure:
-    """Draw the power of recorded and simulated errors in each octave band, from sums with segments."""
-    recorded = CENTIMETRE**2 * sum(part.power for part in parts)
-    drawn = CENTIMETRE**2 * sum(part.power_drawn for part in parts)
-    segments = 1.0 / np.diff(EDGES)
+    """Draw the mean density of recorded and simulated errors in each octave band; some have segments."""
+    scale = CENTIMETRE**2 / (sum(part.segments for part in parts) * np.diff(EDGES))
+    recorded = scale * sum(part.power for part in parts)
+    drawn = scale * sum(part.power_drawn for part in parts)
     figure, (axes,) = panels(1)
     for power, colour, label in (
         (recorded, palette.MEASURED, "recorded"),
         (drawn, palette.MODEL, "simulated"),
     ):
-        axes.stairs(power * segments, EDGES, color=colour, label=label, baseline=None, linewidth=2)
+        axes.stairs(power, EDGES, color=colour, label=label, baseline=None, linewidth=2)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_title(title)
