@@ -79,6 +79,14 @@ def test_what_a_flight_leaves_of_the_wake_is_played_back(tmp_path: Path) -> None
     assert found.jet is not None
 
 
+def test_tables_of_flights_in_a_folder_are_played_back(tmp_path: Path) -> None:
+    n = np.cumsum(np.random.default_rng(3).standard_normal(UNDER))
+    write_flight(tmp_path / "pair.csv", n)
+    (tmp_path / "manifest.csv").write_text("name,seconds\npair,11\n")
+    alone, folder = (recording_of(find_air(f"recorded:{path}")) for path in (tmp_path / "pair.csv", tmp_path))
+    np.testing.assert_array_equal(folder, alone)
+
+
 def test_a_flight_without_a_pair_is_refused(tmp_path: Path) -> None:
     write_flight(tmp_path / "pair.csv", np.zeros(UNDER))
     table = (tmp_path / "pair.csv").read_text().splitlines()

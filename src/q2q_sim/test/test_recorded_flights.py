@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.identification.recording_files import flights_among
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
-from q2q_sim.tools.recorded_flights import flights_among, read_flights, vehicle_of
+from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 HEAD = "t,x,y,z\n"
 ROWS = "".join(f"{0.01 * k},0,0,1\n" for k in range(3))

@@ -1,16 +1,43 @@
-"""Recordings read from bags and tables, with filtered states."""
+"""Recordings read from bags, tables (Parquet, CSV) and folders of them, with filtered states."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.bag import BagError, TopicMap, read_flight, read_flight_log, read_mapped_flight
+from q2q_model.bag import BagError, TopicMap, is_bag, read_flight, read_flight_log, read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.flight_table import flight_table, log_of, signals_of
-from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.table_file import TABLES, read_columns
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.identification.filtered_states import with_filtered_states
+
+
+def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Return the bags and tables among paths and in folders, and a note on each other file."""
+    found, notes = [], []
+    for path in paths:
+        if path.is_dir() and not is_bag(path):
+            there = sorted(one for one in path.iterdir() if one.suffix in TABLES or is_bag(one))
+            others = [one for one in there if one.suffix == ".csv" and not is_flight_csv(one)]
+            if len(there) == len(others):
+                raise ValueError(f"{path} is no bag, and has neither a bag nor a table of a flight in it")
+            found += [one for one in there if one not in others]
+            notes += [f"skipped: {one} has no column t: it is no flight" for one in others]
+        elif path.suffix in TABLES or is_bag(path) or not path.exists():
+            found.append(path)
+        else:
+            notes.append(f"skipped: {path} is neither a bag nor a table (.parquet, .csv)")
+    if not found:
+        raise ValueError("; ".join(notes))
+    return found, notes
+
+
+def is_flight_csv(path: Path) -> bool:
+    """Return whether a CSV file has a column t, as a flight has and a list of flights has not."""
+    with path.open(encoding="utf-8", errors="replace") as stream:
+        return "t" in [name.strip().strip('"') for name in stream.readline().split(",")]
 
 
 def recording_of_table(path: Path) -> Recording:

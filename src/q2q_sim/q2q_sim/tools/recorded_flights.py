@@ -6,7 +6,7 @@ from pathlib import Path
 from q2q_model.bag import TopicMap, is_bag
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.identification.recording_files import flights_among, recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, common_vehicle
 from q2q_model.tools.recordings import read_recordings
 
@@ -26,32 +26,6 @@ def read_flights(paths: Sequence[Path], topics: TopicMap | None = None) -> tuple
     if twice:
         raise ValueError(f"flight {', '.join(twice)} is given twice; give each flight once")
     return recordings, [*notes, *(f"repaired: {repair}" for repair in repairs)]
-
-
-def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """Return the bags and tables among paths and in folders, and a note on each other file."""
-    found, notes = [], []
-    for path in paths:
-        if path.is_dir() and not is_bag(path):
-            there = sorted(one for one in path.iterdir() if one.suffix in TABLES or is_bag(one))
-            others = [one for one in there if one.suffix == ".csv" and not is_flight_csv(one)]
-            if len(there) == len(others):
-                raise ValueError(f"{path} is no bag, and has neither a bag nor a table of a flight in it")
-            found += [one for one in there if one not in others]
-            notes += [f"skipped: {one} has no column t: it is no flight" for one in others]
-        elif path.suffix in TABLES or is_bag(path) or not path.exists():
-            found.append(path)
-        else:
-            notes.append(f"skipped: {path} is neither a bag nor a table (.parquet, .csv)")
-    if not found:
-        raise ValueError("; ".join(notes))
-    return found, notes
-
-
-def is_flight_csv(path: Path) -> bool:
-    """Return whether a CSV file has a column t, as a flight has and a list of flights has not."""
-    with path.open(encoding="utf-8", errors="replace") as stream:
-        return "t" in [name.strip().strip('"') for name in stream.readline().split(",")]
 
 
 def vehicle_of(paths: Sequence[Path], override: str = "") -> FlownVehicle:

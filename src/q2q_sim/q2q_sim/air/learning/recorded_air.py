@@ -14,10 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.bag import is_bag
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
+from q2q_model.identification.recording_files import flights_among, recording_of_bag, recording_of_table
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
@@ -40,7 +39,7 @@ def recorded_air(name: str) -> RoomAir:
     """
     room = load(air_path(ROOM))
     try:
-        recordings = [_recording(path) for path in _flights(recorded_paths(name, room.flights))]
+        recordings = [_recording(path) for path in flights_among(recorded_paths(name, room.flights))[0]]
     except ValueError as error:
         raise AirError(f"air {name}: {error}") from error
     lag = room.vehicle.thrust_lag_s if room.vehicle else CRAZYFLIE_2_0.thrust_lag
@@ -89,17 +88,6 @@ def _pieces(wake: WakeMisses, process: ResidualTerm) -> list[Array]:
     return [
         np.interp(np.arange(t[k[0]], t[k[-1]], 1.0 / RECORDED_HZ), t[k], n[k]) for k in stretches if k.size
     ]
-
-
-def _flights(paths: Sequence[Path]) -> list[Path]:
-    """Return the flights among paths and in folders."""
-    found = []
-    for path in paths:
-        inside = [path]
-        if path.is_dir() and not is_bag(path):
-            inside = sorted(one for one in path.iterdir() if one.suffix == ".parquet" or is_bag(one))
-        found += inside
-    return found
 
 
 def _recording(path: Path) -> Recording:
