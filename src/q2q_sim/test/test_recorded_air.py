@@ -11,6 +11,7 @@ from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import AirError, air_path, check_air
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.learning.jet.jet_table import push_in_table
+from q2q_sim.air.learning.recorded_air import FADE
 from q2q_sim.air.room_air import RoomAir
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -77,6 +78,16 @@ def test_what_a_flight_leaves_of_the_wake_is_played_back(tmp_path: Path) -> None
     np.testing.assert_allclose(played, (seen - seen.mean()) / seen.std(), atol=1e-6)
     assert isinstance(found, RoomAir)
     assert found.jet is not None
+
+
+def test_a_hole_in_the_rows_is_not_played_back(tmp_path: Path) -> None:
+    n = np.cumsum(np.random.default_rng(3).standard_normal(UNDER))
+    write_flight(tmp_path / "pair.csv", n)
+    table = (tmp_path / "pair.csv").read_text().splitlines()
+    (tmp_path / "hole.csv").write_text("\n".join(table[:801] + table[901:]) + "\n")
+    played = recording_of(find_air(f"recorded:{tmp_path / 'hole.csv'}"))
+    assert UNDER - 100 - FADE - 4 <= len(played) <= UNDER - 100 - FADE
+    assert np.abs(np.diff(played, 2)).min() > 1e-9  # nowhere straight, as a bridge over the hole is
 
 
 def test_tables_of_flights_in_a_folder_are_played_back(tmp_path: Path) -> None:

@@ -80,11 +80,12 @@ def _process(room: RoomAir) -> ResidualTerm:
 
 
 def _pieces(wake: WakeMisses, process: ResidualTerm) -> list[Array]:
-    """Return n on every stretch of exposed rows, sampled at RECORDED_HZ."""
+    """Return n on every stretch of exposed rows without a hole of FADE_S, sampled at RECORDED_HZ."""
     size = process.floor_mps2 + process.slope * wake.eta
     n = wake.missed / np.sqrt(size**2 + wake.clear[0])
     rows, t = np.flatnonzero(wake.one.exposed & (wake.eta > INSIDE)), wake.record.motion.t
-    stretches = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    ends = (np.diff(rows) > 1) | (np.diff(t[rows]) > FADE_S)
+    stretches = np.split(rows, np.flatnonzero(ends) + 1)
     return [
         np.interp(np.arange(t[k[0]], t[k[-1]], 1.0 / RECORDED_HZ), t[k], n[k]) for k in stretches if k.size
     ]
