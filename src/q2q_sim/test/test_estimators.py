@@ -25,8 +25,14 @@ from q2q_sim.experiments.estimators.estimator_table import (
 )
 from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion, recorded_motion
-from q2q_sim.experiments.estimators.replayed_estimates import filtered_motion, predicted_positions, sent_poses
-from q2q_sim.firmware.estimator import DT
+from q2q_sim.experiments.estimators.replayed_estimates import (
+    ALL_AXES,
+    filtered_motion,
+    predicted_positions,
+    sent_poses,
+)
+from q2q_sim.firmware.estimator import DT, NOISE_STEPS
+from q2q_sim.firmware.extended_kalman import ExtendedKalmanParams, process_noise
 
 T = np.arange(0.0, 12.0, DT)
 RATE, RADIUS = 2.0 * np.pi / 4.0, 0.4
@@ -142,6 +148,14 @@ def test_the_numbers_of_an_estimate_that_diverges_beyond_all_numbers_are_json() 
     (pooled,) = document["pooled"]  # type: ignore[misc]  # a list of them
     assert (pooled["median_m"], pooled["worst_m"]) == (pytest.approx(0.025), None)  # type: ignore[call-overload, index]
     json.dumps(document, allow_nan=False)
+
+
+def test_the_build_with_all_axes_trusts_them_alike() -> None:
+    """procNoiseAcc_xy and _z are both 0.5 there (kalman_core.c); z has 1.0 in the other build."""
+    added = np.sqrt(np.diag(process_noise(ALL_AXES)) / NOISE_STEPS) * NOISE_STEPS / DT
+    np.testing.assert_allclose(added[3:6], 0.5)
+    stock = np.sqrt(np.diag(process_noise(ExtendedKalmanParams())) / NOISE_STEPS) * NOISE_STEPS / DT
+    np.testing.assert_allclose(stock[3:6], [0.5, 0.5, 1.0])
 
 
 def test_the_interval_of_a_median_spans_the_flights() -> None:

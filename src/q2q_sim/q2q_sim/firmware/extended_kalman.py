@@ -10,9 +10,8 @@ part that emulated vehicles fly with: they know attitude and acceleration.) Ever
 
 and the attitude error d is moved into q. Its weaknesses are kept: in flight only the z of the accelerometer
 counts, so that drag is taken for a tilt; poses count as current however late they are; none is gated; the
-accelerometer's and gyroscope's biases are not estimated; variances stay above 1e-6. `all_axes` is the build
-with CONFIG_ESTIMATOR_KALMAN_GENERAL_PURPOSE. An estimate beyond 100 m
-or 10 m/s starts again.
+accelerometer's and gyroscope's biases are not estimated; variances stay above 1e-6. GENERAL_PURPOSE is
+the build with CONFIG_ESTIMATOR_KALMAN_GENERAL_PURPOSE. An estimate beyond 100 m or 10 m/s starts again.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -74,6 +73,10 @@ class ExtendedKalmanParams:
     def __post_init__(self) -> None:
         """Check the bounds."""
         check_bounds(self)
+
+
+GENERAL_PURPOSE = ExtendedKalmanParams(acc_noise_z=0.5, all_axes=True)
+"""Defaults of the build with CONFIG_ESTIMATOR_KALMAN_GENERAL_PURPOSE (kalmanCoreDefaultParams)."""
 
 
 class ExtendedKalman:

@@ -13,7 +13,7 @@ filter's by its velocity from the tick before, or as it coasts; the firmware's b
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ from q2q_model.geometry.pose_ahead import extrapolate_pose
 from q2q_model.signals.values import Array, Mask, MocapFrame, TrackStatus
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.firmware.estimator import DT
-from q2q_sim.firmware.extended_kalman import ExtendedKalman, ExtendedKalmanParams
+from q2q_sim.firmware.extended_kalman import GENERAL_PURPOSE, ExtendedKalman, ExtendedKalmanParams
 from q2q_sim.random_streams import stream
 from q2q_sim.sensors.imu import ImuParams
 
@@ -38,9 +38,9 @@ Neural-Swarm2 (T-RO 2021). Gyroscope: the bias of the `real` room, and ten times
 which is assumed."""
 FED = ExtendedKalmanParams(pos_std=POSE_STD["locSrv.extPosStdDev"], quat_std=POSE_STD["locSrv.extQuatStdDev"])
 """As `radio` sets them."""
-ALL_AXES = ExtendedKalmanParams(pos_std=0.003, quat_std=0.3, all_axes=True)
-"""Chosen on four of the flights in docs/estimators.md: markers are up to 4 degrees askew, and the tilt that
-the positions tell is better than theirs."""
+ALL_AXES = replace(GENERAL_PURPOSE, pos_std=0.003, quat_std=0.3)
+"""Standard deviations chosen on four of the flights in docs/estimators.md: markers are up to 4 degrees askew,
+and the tilt that the positions tell is better than theirs."""
 RECORDED = "recorded"
 NAME = ("cf1",)
 
