@@ -26,19 +26,20 @@ from q2q_model.geometry.rotations import (
     quat_multiply,
     rotate_inverse,
 )
+from q2q_model.identification.force.downwash_force import FLOOR
 from q2q_model.identification.gains.altitude_record import resample
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import DT
 
 SMOOTHED = 9
-"""Ticks of a derivative: noise of 0.03 mm becomes 0.4 mm/s."""
+"""Ticks of a derivative: noise of 0.03 mm becomes 1.0 mm/s."""
 LIFTED = 0.05
 """Height above the start in flight [m]."""
 SLOWEST_HZ = 80.0
 """Least rate of motion capture [Hz]: conditions are cuts of samples at 100 Hz."""
 SHORTEST = 5.0
-"""Least time in the air [s]."""
+"""Least time above FLOOR [s]: a vehicle that hops or tips does not fly."""
 ROUNDING = 1e-6
 """Of a time [s]."""
 OWN_ESTIMATE = ("est_x", "est_y", "est_z")
@@ -73,7 +74,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     """Return the motion in a recording of one vehicle.
 
     Raises:
-        ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or less than SHORTEST in the air.
+        ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or less than SHORTEST above FLOOR.
     """
     flight = recording.flight
     if len(flight.names) != 1:
@@ -93,10 +94,12 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     at = np.arange(t[0], t[-1] + ROUNDING, DT)
     pos = np.asarray(CubicSpline(t, flight.mocap_pos[there, 0])(at))
     quat = normalised(resample(t, continuous_quats(flight.mocap_quat[there, 0]), at))
-    flying = in_flight(pos[:, 2])
-    if flying.sum() < SHORTEST / DT:
-        flown = flying.sum() * DT
-        raise ValueError(f"flight {flight.name} is {flown:.1f} s in the air; {SHORTEST:g} are needed")
+    flying, high = in_flight(pos[:, 2]), pos[:, 2] > pos[0, 2] + FLOOR
+    if high.sum() < SHORTEST / DT:
+        raise ValueError(
+            f"flight {flight.name} is {high.sum() * DT:.1f} s more than {FLOOR:g} m above its start; "
+            f"{SHORTEST:g} s are needed"
+        )
     vel = savgol_filter(pos, SMOOTHED, 3, deriv=1, delta=DT, axis=0)
     felt = np.diff(vel, axis=0, prepend=vel[:1]) / DT + GRAVITY * UP
     body = quat_multiply(quat, tilt_of(rotate_inverse(quat, felt)[flying].mean(axis=0)))
