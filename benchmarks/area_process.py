@@ -56,7 +56,7 @@ class Bench:
         ) as process:
             try:
                 return process.wait()
-            except KeyboardInterrupt:  # the terminal has told the area, too
+            except KeyboardInterrupt:  # the terminal names the area, too
                 process.wait()
                 raise
 

@@ -58,7 +58,7 @@ def _lockstep(vehicles: int, *, stack: bool) -> list[Row]:
 
 
 def _cpu(flight: str, cores: float | None) -> list[Row]:
-    """Return the row of a flight's CPU; none if it was too short to tell."""
+    """Return the row of a flight's CPU; none if it was too short to measure."""
     return [] if cores is None else [Row(f"{flight}: CPU", cores, "cores")]
 
 
@@ -67,7 +67,7 @@ def _way(*, stack: bool) -> str:
 
 
 def _flown(vehicles: int, duration: float, *, live: bool, stack: bool) -> tuple[FlightRun, float | None]:
-    """Return the flight, and how many cores its nodes used; None if it was too short to tell."""
+    """Return the flight, and how many cores its nodes used; None if it was too short to measure."""
     readings: list[tuple[float, float]] = []
 
     def follow(share: float) -> None:

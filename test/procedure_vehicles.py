@@ -64,7 +64,7 @@ class Link(CflibSender):
     params: Mapping[str, float]
     """What is set once connected."""
     reported: dict[str, object] = field(default_factory=dict)
-    """What is told in place of the truth."""
+    """What is reported in place of the truth."""
 
     @property
     def pose(self) -> OnboardPose:
@@ -138,12 +138,12 @@ class Server:
     room: ProcedureRoom
     ignore_signals: set[str] = field(default_factory=set)
     """Services that answer and do nothing."""
-    tells: set[str] = field(default_factory=lambda: {"status", "onboard", "parameters"})
-    """What it was set up to tell."""
+    reports: set[str] = field(default_factory=lambda: {"status", "onboard", "parameters"})
+    """What it was set up to report."""
     offset: float = 0.0
     """Of the estimates from the truth [m]."""
     held: dict[str, float] = field(default_factory=dict)
-    """Parameters that it tells in place of the vehicles'."""
+    """Parameters that it reports in place of the vehicles'."""
     bridge: Crazyswarm | None = None
     """Node that asks it."""
 
@@ -170,7 +170,7 @@ class Server:
 
     def _parameters(self, request: GetParameters.Request) -> GetParameters.Response:
         """Answer as rclcpp does: nothing at all where one of the parameters has no value."""
-        if "parameters" not in self.tells:
+        if "parameters" not in self.reports:
             return GetParameters.Response()
         return GetParameters.Response(values=[self._value(name) for name in request.names])
 
@@ -202,7 +202,7 @@ class Server:
             x, y, z = firmware.pos.tolist()
             onboard = kinds.LogDataGeneric(values=[x, y + self.offset, z])
             for topic, message in (("status", status), ("onboard", onboard)):
-                if topic in self.tells:
+                if topic in self.reports:
                     takers[f"{vehicle.name}/{topic}"](message)
 
     def _serve(self, name: str, act: Callable[[int, object], None]) -> Callable[[object], object]:

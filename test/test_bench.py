@@ -85,14 +85,14 @@ def test_both_values_are_in_the_table_and_the_rows(
     assert [cell.strip() for cell in line.split("│")[1:-1]] == ["tick", "2", "8", "s", "0.25"]
 
 
-def test_an_area_that_fails_there_is_told_in_one_sentence(
+def test_an_area_that_fails_there_is_reported_in_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Capture
 ):
     here = checkout(tmp_path / "here", {"air": [("a", 1.0)]})
     there = checkout(tmp_path / "there", {}, "air")
     assert run(here, monkeypatch, "air", "--beside", str(there)) == (0, [("a", 1.0, None)])
-    told = [line for line in capfd.readouterr().err.splitlines() if "failed" in line]
-    assert told == [f"bench: in {there}: air failed with status 1: ValueError: no luck with air"]
+    message = [line for line in capfd.readouterr().err.splitlines() if "failed" in line]
+    assert message == [f"bench: in {there}: air failed with status 1: ValueError: no luck with air"]
 
 
 def test_an_area_that_fails_here_is_not_run_there(

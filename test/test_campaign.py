@@ -144,7 +144,7 @@ def test_outcomes_survive_a_file_and_nonsense_is_refused() -> None:
         from_document({"seed": 1})
 
 
-def test_an_interrupted_campaign_goes_on_and_a_violation_is_told(
+def test_an_interrupted_campaign_goes_on_and_a_violation_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     flown: list[int] = []

@@ -53,7 +53,7 @@ def test_the_node_pages_are_what_the_nodes_declare(nodes: list[NodeInterface]):
     assert out_of_date(pages(nodes), ROOT / OUT) == [], "run scripts/docs"
 
 
-def test_a_page_tells_every_field_of_the_parameters_with_unit_and_bounds(nodes: list[NodeInterface]):
+def test_a_page_reports_every_field_of_the_parameters_with_unit_and_bounds(nodes: list[NodeInterface]):
     page = pages(nodes)["mocap_filter.md"]
     for field in MocapFilterParams.__dataclass_fields__.values():
         row = next(line for line in page.splitlines() if line.startswith(f"| `{field.name}` |"))

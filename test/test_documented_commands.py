@@ -33,7 +33,7 @@ ELSEWHERE: Mapping[str, str] = {
     "scripts/bench": "takes minutes; every benchmark's rows are tested in its own package",
     "scripts/paper": "takes minutes; test_paper remakes parts",
     "ros2 run q2q_sim robustness": "takes a quarter of an hour; test_robustness_page flies a short one",
-    "ros2 run q2q_sim endurance": "takes minutes to an hour; test_endurance tells made samples",
+    "ros2 run q2q_sim endurance": "takes minutes to an hour; test_endurance reports made samples",
     "ros2 run q2q_sim estimators": "the reader's own flights; test_estimators replays a made one",
     "ros2 run q2q_sim explain": "takes a minute; test_explanation explains shorter flights",
     "scripts/licence": "the reader's own programs, and a score of minutes; test_licence flies two programs",
@@ -196,7 +196,7 @@ def test_a_failed_command_is_noticed() -> None:
         look_at(Answer(2, "no such file"), "here", "")
 
 
-def test_a_flight_that_falls_must_be_told_of() -> None:
+def test_a_flight_that_falls_must_be_reported() -> None:
     fallen = Answer(1, "table\nverdict: cf2 hit the floor at 5.6 s\n")
     look_at(fallen, "here", "it says verdict: cf2 hit the floor at 5.6 s and")
     with pytest.raises(AssertionError, match="does not say so"):

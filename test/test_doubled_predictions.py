@@ -18,7 +18,7 @@ from q2q_model.node.rehearsal import rehearsal
 from q2q_model.signals.values import Names, SwarmState
 
 PERIOD = 0.1
-TOLD = "predictions: another node flies cf1, too; stop one (mpc_a, mpc_b write it)"
+MESSAGE = "predictions: another node flies cf1, too; stop one (mpc_a, mpc_b write it)"
 
 
 @dataclass
@@ -91,7 +91,7 @@ def doubts(wiring: Wiring) -> list[str]:
     return [doubt for doubt in wiring.health.doubts.values() if doubt]
 
 
-def test_a_second_node_of_the_same_vehicle_is_told_once_and_doubted_until_it_is_gone() -> None:
+def test_a_second_node_of_the_same_vehicle_is_reported_once_and_doubted_until_it_is_gone() -> None:
     node, mpc, wiring = Room("mpc_a", {}, {}), Solved(), Wiring()
     exchange = PredictionExchange(node, mpc, ("cf1",), PERIOD)
     exchange.wire(wiring, live=True)
@@ -107,8 +107,8 @@ def test_a_second_node_of_the_same_vehicle_is_told_once_and_doubted_until_it_is_
         assert len(node.published["predictions"]) == 1
         node.published["predictions"].clear()
         found.append(doubts(wiring))
-    assert found == [[], [TOLD], [TOLD], [], [TOLD]]
-    assert node.lines == [TOLD]
+    assert found == [[], [MESSAGE], [MESSAGE], [], [MESSAGE]]
+    assert node.lines == [MESSAGE]
     assert mpc.heard == []
 
 

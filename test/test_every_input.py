@@ -235,7 +235,7 @@ def give_everything(node: Open) -> None:
 
 
 def expect_refusals(node: Open, invalid: tuple[str, ...]) -> None:
-    """Give invalid bytes to every input of a node, which counts and tells each of them."""
+    """Give invalid bytes to every input of a node, which counts and reports each of them."""
     for topic, kind, take in node.inputs:
         for what in invalid if kind in KINDS else ():
             before = node.refused()
@@ -266,7 +266,7 @@ def feed(monkeypatch: pytest.MonkeyPatch, package: str, name: str, give: Callabl
 
 
 @pytest.mark.parametrize(("package", "name"), NODES)
-def test_nothing_that_comes_in_ends_a_node_and_invalid_bytes_are_told(
+def test_nothing_that_comes_in_ends_a_node_and_invalid_bytes_are_reported(
     monkeypatch: pytest.MonkeyPatch, package: str, name: str
 ) -> None:
     def give(node: Open) -> None:

@@ -84,8 +84,8 @@ def _read(sound: list[str], hostile: list[str], folder: Path) -> tuple[dict[str,
         text=True,
         check=True,
     )
-    told = json.loads(done.stdout)
-    return told["outcome"], told["seen"]
+    answer = json.loads(done.stdout)
+    return answer["outcome"], answer["seen"]
 
 
 def test_files_are_read_where_imports_and_execution_are_forbidden(

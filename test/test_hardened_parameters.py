@@ -178,13 +178,15 @@ def test_what_a_node_does_not_heed_in_flight_is_refused(
 
 
 @pytest.mark.parametrize("name", NODES)
-def test_all_parameters_are_told_with_a_value_as_by_param_dump(
+def test_all_parameters_are_reported_with_a_value_as_by_param_dump(
     name: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     node = real_node(name, tmp_path_factory.getbasetemp())
     service = node.node._parameter_service
-    told = service._get_parameters_callback(GetParameters.Request(names=node.names), GetParameters.Response())
-    kinds = {one: value.type for one, value in zip(node.names, told.values, strict=True)}
+    response = service._get_parameters_callback(
+        GetParameters.Request(names=node.names), GetParameters.Response()
+    )
+    kinds = {one: value.type for one, value in zip(node.names, response.values, strict=True)}
     assert {ParameterType.PARAMETER_NOT_SET} & set(kinds.values()) == set()
     if "vehicles" in kinds:
         assert kinds["vehicles"] == ParameterType.PARAMETER_STRING_ARRAY

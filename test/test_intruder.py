@@ -57,7 +57,7 @@ print(json.dumps([kept.reached(), opened.reached()]))
 """
 """Writer of commands, plans, models and clock, and caller of emergencies, in two domains.
 
-It stops when it reaches everything in the second, and tells what it reaches in each."""
+It stops when it reaches everything in the second, and prints what it reaches in each."""
 
 
 def clean_environment(**more: str) -> dict[str, str]:
@@ -108,7 +108,7 @@ def _victims(**environment: str) -> subprocess.Popen[str]:
     )
 
 
-TELL_SHARED = """
+PRINT_SHARED = """
 import json, re
 import rclpy
 from q2q_model.ros.node.run import start_ros
@@ -129,7 +129,7 @@ def test_a_node_that_keeps_to_its_machine_is_bound_to_loopback() -> None:
 
 def test_a_node_that_keeps_to_its_machine_shares_no_memory() -> None:
     opened = subprocess.run(
-        [sys.executable, "-c", TELL_SHARED],
+        [sys.executable, "-c", PRINT_SHARED],
         env=clean_environment(**HERE, ROS_DOMAIN_ID=str(KEPT_DOMAIN)),
         capture_output=True,
         text=True,
@@ -146,7 +146,7 @@ def test_a_node_that_keeps_to_its_machine_shares_no_memory() -> None:
         {"ROS_DISCOVERY_SERVER": "a:1"},
     ],
 )
-def test_a_node_that_is_told_of_other_machines_is_not_bound_any_more(more: dict[str, str]) -> None:
+def test_a_node_that_is_informed_of_other_machines_is_not_bound_any_more(more: dict[str, str]) -> None:
     environment = dict(HERE)
     restrict(environment)
     environment |= more

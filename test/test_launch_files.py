@@ -110,18 +110,18 @@ def test_a_real_room_starts_nodes_that_exist_and_a_trajectory_that_waits(
 
 
 @pytest.mark.parametrize("asked", ["true", "false"])
-@pytest.mark.parametrize(("by", "given", "told"), [
+@pytest.mark.parametrize(("by", "given", "given_to"), [
     ("radio", {"mode": "command"}, {"pid", "radio"}),
     ("radio", {"mode": "setpoint"}, {"radio"}),
     ("crazyswarm", {}, {"crazyswarm"}),
 ])  # fmt: skip
 def test_whether_the_downwash_is_compensated_is_told_to_every_node_that_does(
-    room: dict[str, str], by: str, given: dict[str, str], told: set[str], asked: str
+    room: dict[str, str], by: str, given: dict[str, str], given_to: set[str], asked: str
 ):
     arguments, made = MADE[by]
     specs = made(defaults(arguments) | room | given | {"aware": asked})
     aware = {spec.executable: spec.parameters["aware"] for spec in specs if "aware" in spec.parameters}
-    assert aware == dict.fromkeys(told, asked == "true")
+    assert aware == dict.fromkeys(given_to, asked == "true")
 
 
 def test_the_pid_of_a_real_room_has_the_tuned_gains_unless_others_are_asked_for(room: dict[str, str]):
@@ -162,9 +162,9 @@ def test_every_node_that_scales_thrust_has_the_same_vehicle_and_firmware(
     arguments, made = MADE[by]
     firmware = "stock" if vehicle == "textbook_065" else "stock_2025_09"
     specs = made(defaults(arguments) | room | {"vehicle": given, "firmware": firmware, "twin": twin})
-    told = [spec.parameters for spec in specs if "vehicle" in spec.parameters]
-    assert len(told) == (1 if (by, twin) == ("crazyswarm", "false") else 2)
-    assert {(one["vehicle"], one["firmware"]) for one in told} == {(vehicle, firmware)}
+    given_to = [spec.parameters for spec in specs if "vehicle" in spec.parameters]
+    assert len(given_to) == (1 if (by, twin) == ("crazyswarm", "false") else 2)
+    assert {(one["vehicle"], one["firmware"]) for one in given_to} == {(vehicle, firmware)}
     facts = next(one.parameters["facts"] for one in specs if "facts" in one.parameters)
     assert isinstance(facts, tuple)
     assert (f"vehicle={vehicle}" in facts) == bool(given or twin == "true")
@@ -185,8 +185,8 @@ def test_a_twin_flies_vehicle_and_firmware_of_its_scenario_unless_others_are_giv
     own.write_text(f"vehicle: crazyflie_2_0\nfirmware: thrust_upgrade\n{points}")
     asked = {"scenario": str(own), "twin": "true"} | given
     specs = crazyswarm_nodes(defaults(CRAZYSWARM_ARGUMENTS) | room | asked)
-    told = [spec.parameters for spec in specs if "vehicle" in spec.parameters]
-    assert {(one["vehicle"], one["firmware"]) for one in told} == {flown}
+    given_to = [spec.parameters for spec in specs if "vehicle" in spec.parameters]
+    assert {(one["vehicle"], one["firmware"]) for one in given_to} == {flown}
     facts = next(one.parameters["facts"] for one in specs if "facts" in one.parameters)
     assert isinstance(facts, tuple)
     assert (f"firmware={flown[1]}" in facts) == (asked["twin"] == "true")

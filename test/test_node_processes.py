@@ -127,7 +127,9 @@ def test_callbacks_run_on_while_a_node_lands() -> None:
     assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, "down after 5 calls: True\n", "")
 
 
-def test_a_node_that_ends_by_itself_tells_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_node_that_ends_by_itself_reports_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "for_ever.xml").write_text(FOR_EVER)
     monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(tmp_path / "for_ever.xml"))
     rclpy.init()
@@ -144,7 +146,7 @@ def test_a_node_that_ends_by_itself_tells_the_others(tmp_path: Path, monkeypatch
 
 
 def without_log(lines: str) -> str:
-    """Return the lines without those of the log, in which a node tells that it runs."""
+    """Return the lines without those of the log, in which a node says that it runs."""
     return "".join(line for line in lines.splitlines(keepends=True) if not line.startswith("[INFO]"))
 
 

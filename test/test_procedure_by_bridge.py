@@ -72,12 +72,12 @@ def test_a_landing_that_does_not_happen_is_not_a_success(monkeypatch: pytest.Mon
 
 def test_a_battery_that_the_server_does_not_log_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
     room, server = by_bridge(monkeypatch)
-    server.tells.remove("status")
+    server.reports.remove("status")
     room.wait(1.5)
     assert "cf1 does not report its battery" in room.call(Call.TAKE_OFF).reason
 
 
-REFUSED_BY_WHAT_THE_SERVER_TELLS = [
+REFUSED_BY_WHAT_THE_SERVER_REPORTS = [
     ({"offset": 0.3}, "cf1 estimates itself 0.30 m from its measured position: 0.10 m is the most"),
     (
         {"held": {"ctrlMel.mass": 0.034, "ctrlMel.massThrust": 132000.0}},
@@ -87,8 +87,8 @@ REFUSED_BY_WHAT_THE_SERVER_TELLS = [
 ]
 
 
-@pytest.mark.parametrize(("reported", "why"), REFUSED_BY_WHAT_THE_SERVER_TELLS)
-def test_the_bridge_refuses_the_take_off_by_what_the_server_tells(
+@pytest.mark.parametrize(("reported", "why"), REFUSED_BY_WHAT_THE_SERVER_REPORTS)
+def test_the_bridge_refuses_the_take_off_by_what_the_server_reports(
     monkeypatch: pytest.MonkeyPatch, reported: dict[str, object], why: str
 ) -> None:
     room, server = by_bridge(monkeypatch, SHORT)
@@ -99,17 +99,17 @@ def test_the_bridge_refuses_the_take_off_by_what_the_server_tells(
     assert not {"arm", "takeoff"} & set(room.log)
 
 
-def test_an_estimate_that_is_no_longer_told_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_estimate_that_is_no_longer_reported_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
     room, server = by_bridge(monkeypatch, SHORT)
     room.wait(1.5)
-    server.tells.remove("onboard")
+    server.reports.remove("onboard")
     room.wait(3.1)
     assert "cf1 stopped sending its own estimate x, y, z" in room.call(Call.TAKE_OFF).reason
 
 
-def test_what_the_server_does_not_tell_is_said_not_to_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_the_server_does_not_report_is_said_not_to_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:
     room, server = by_bridge(monkeypatch, SHORT)
-    server.tells = {"status"}
+    server.reports = {"status"}
     room.wait(1.5)
     words = "not checked: parameters of cf1, cf2; own estimate of cf1, cf2; thrust scale of cf1, cf2"
     assert room.node.lines[-1] == f"step checked: {words}"

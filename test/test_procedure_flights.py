@@ -90,7 +90,7 @@ def test_a_start_in_the_middle_of_a_plan_is_refused_with_the_distance(
 
 
 def test_a_thrust_scale_of_another_vehicle_refuses_the_take_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An RPYT setpoint for the wrong vehicle asks for less than hovers: the vehicle's own parameters tell."""
+    """An RPYT setpoint for the wrong vehicle asks for less than hovers: its own parameters show it."""
     flown = by_radio(monkeypatch)
     flown.room.wait(1.5)
     flown.links["cf2"].reported["own_hover"] = OwnHover(mass=0.034, mass_thrust=132000.0)

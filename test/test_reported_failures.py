@@ -65,13 +65,13 @@ def test_an_emergency_is_one_error_line_at_once_and_an_error_of_health() -> None
     assert node.lines == [CUT, f"cf1, cf2: {CUT}"]
 
 
-def test_an_emergency_before_the_first_tick_is_told_as_well() -> None:
+def test_an_emergency_before_the_first_tick_is_reported_as_well() -> None:
     node, wiring = controller()
     emergency(node)
     assert (node.lines, graded(wiring).summary) == ([CUT], CUT)
 
 
-def test_a_lost_vehicle_is_told_phase_by_phase_and_its_cut_is_an_error() -> None:
+def test_a_lost_vehicle_is_reported_phase_by_phase_and_its_cut_is_an_error() -> None:
     node, wiring = controller()
     fly(node, 0.0, 0.5)
     fly(node, 0.5, 2.0, lost_since=0.5)
@@ -139,14 +139,14 @@ class Writer:
     node_namespace: str = "/"
 
 
-def test_a_second_writer_of_an_input_is_told_once_and_graded_until_it_is_gone() -> None:
+def test_a_second_writer_of_an_input_is_reported_once_and_graded_until_it_is_gone() -> None:
     graph, health = Graph(["replanner"]), Health()
     writers = SeveralWriters(graph, "reference_safe")
-    told = "reference_safe: 2 nodes write it (replanner, replanner_2); 1 may: stop the others"
-    for names, found in ((1, ""), (2, told), (2, told), (1, ""), (2, told)):
+    message = "reference_safe: 2 nodes write it (replanner, replanner_2); 1 may: stop the others"
+    for names, found in ((1, ""), (2, message), (2, message), (1, ""), (2, message)):
         graph.writers[:] = ["replanner_2", "replanner"][-names:]
         health.ticks, health.doubts["reference_safe"] = 5, writers.look()
         assert health.doubts["reference_safe"] == found
         after = health_report(Health(), health)
-        assert (after.level, after.summary) == ((Level.WARN, told) if found else (Level.OK, "5 ticks"))
-    assert graph.lines == [told]
+        assert (after.level, after.summary) == ((Level.WARN, message) if found else (Level.OK, "5 ticks"))
+    assert graph.lines == [message]

@@ -125,23 +125,23 @@ def room_for(build: Callable[[SharedRoom], object], **given: object) -> tuple[Sh
 
 
 @pytest.mark.parametrize(
-    ("build", "given", "is_told"),
+    ("build", "given", "is_reported"),
     [
         (Simulator, {"pace": "live", "autostart": False}, True),
         (Player, {"bag": str(BAG), "autostart": False, "clock": True}, True),
         (Player, {"bag": str(BAG), "autostart": False}, False),
     ],
 )
-def test_two_clocks_are_told_by_each_node_that_writes_one(
-    build: Callable[[SharedRoom], object], given: dict[str, object], *, is_told: bool
+def test_two_clocks_are_reported_by_each_node_that_writes_one(
+    build: Callable[[SharedRoom], object], given: dict[str, object], *, is_reported: bool
 ) -> None:
     node, report = room_for(build, **given)
     node.writers = {"/clock": ("bag_play", "simulator")}
     report()
     report()
-    told = "/clock: 2 nodes write it (bag_play, simulator); 1 may: stop the others"
-    assert node.lines.count(told) == int(is_told)
-    assert graded(node) == ((Level.WARN, told) if is_told else (Level.STALE, "no tick"))
+    message = "/clock: 2 nodes write it (bag_play, simulator); 1 may: stop the others"
+    assert node.lines.count(message) == int(is_reported)
+    assert graded(node) == ((Level.WARN, message) if is_reported else (Level.STALE, "no tick"))
     node.writers = {"/clock": ("simulator",)}
     report()
     assert graded(node) == (Level.STALE, "no tick")
@@ -175,7 +175,7 @@ NAMESAKES = (
         (Player, "mocap"),
     ],
 )
-def test_a_node_that_runs_twice_tells_that_its_output_is_doubled(
+def test_a_node_that_runs_twice_reports_that_its_output_is_doubled(
     build: Callable[[SharedRoom], object], topic: str, tmp_path: Path
 ) -> None:
     plan_file.save(tmp_path / "plan.json", assembly.plan_of(library.load("table6")))
@@ -191,7 +191,7 @@ def test_a_node_that_runs_twice_tells_that_its_output_is_doubled(
 
 def test_controllers_of_some_vehicles_each_share_the_command_unless_they_have_one_name() -> None:
     node, report = room_for(pid_node.build, vehicles=("cf1",))
-    for writers, namespaces, told in (
+    for writers, namespaces, message in (
         (("pid", "pid_2", "pid_3"), ("/", "/", "/"), ""),
         (("pid", "pid"), ("/cf1", "/cf2"), ""),
         (("pid", "pid"), ("/", "/"), NAMESAKES.format("pid")),
@@ -199,10 +199,10 @@ def test_controllers_of_some_vehicles_each_share_the_command_unless_they_have_on
     ):
         node.writers, node.namespaces = {"command": writers}, namespaces
         report()
-        assert graded(node) == ((Level.WARN, told) if told else (Level.STALE, "no tick"))
+        assert graded(node) == ((Level.WARN, message) if message else (Level.STALE, "no tick"))
 
 
-def test_the_simulator_tells_of_controllers_that_cannot_each_have_vehicles_of_their_own() -> None:
+def test_the_simulator_reports_of_controllers_that_cannot_each_have_vehicles_of_their_own() -> None:
     node, report = room_for(Simulator, scenario="table6", pace="live", autostart=False)
     node.writers = {"command": ("pid", "pid")}
     report()
@@ -226,30 +226,30 @@ def commands(*orders: tuple[Names, float]) -> list[bytes]:
 def test_the_simulator_names_the_vehicles_that_two_controllers_command_once() -> None:
     node, report = room_for(Simulator, scenario="table6", pace="live", autostart=False)
     node.writers = {"command": ("mpc", "pid")}
-    told = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
+    message = "command: two nodes fly cf2: stop one, or give each `vehicles` of its own (mpc, pid write it)"
     for orders, found in (
         ([(("cf1",), 0.2), (("cf2",), 0.3)], ""),
-        ([(NAMES, 0.2), (("cf2",), 0.3)], told),
-        ([(NAMES, 0.2), (("cf2",), 0.3)], told),
+        ([(NAMES, 0.2), (("cf2",), 0.3)], message),
+        ([(NAMES, 0.2), (("cf2",), 0.3)], message),
         ([(NAMES, 0.2), (("cf2",), 0.2)], ""),
     ):
         for data in commands(*orders):
             node.takers["command"](data)
         report()
         assert graded(node) == ((Level.WARN, found) if found else (Level.STALE, "no tick"))
-    assert node.lines == [told]
+    assert node.lines == [message]
 
 
-def test_a_bag_played_into_a_running_stack_is_told_by_its_player() -> None:
+def test_a_bag_played_into_a_running_stack_is_reported_by_its_player() -> None:
     node, report = room_for(Player, bag=str(BAG), autostart=False)
     node.writers = {"mocap": ("bag_play",), "state": ("bag_play", "mocap_filter"), "other": ("a", "b")}
     report()
-    told = "state: 2 nodes write it (bag_play, mocap_filter); 1 may: stop the others"
-    assert graded(node) == (Level.WARN, told)
+    message = "state: 2 nodes write it (bag_play, mocap_filter); 1 may: stop the others"
+    assert graded(node) == (Level.WARN, message)
 
 
 @pytest.mark.parametrize(("topic", "build"), [("model", interference_node.build), ("plan", mpc_node.build)])
-def test_two_publishers_of_models_or_plans_are_told_each_second(
+def test_two_publishers_of_models_or_plans_are_reported_each_second(
     topic: str, build: Callable[[RoomNode], TickWiring[Signal]]
 ) -> None:
     node = SharedRoom(model="none", vehicles=())
@@ -257,6 +257,6 @@ def test_two_publishers_of_models_or_plans_are_told_each_second(
     node.writers = {topic: ("one", "two")}
     [report] = [act for period, act in node.timers if period == PERIOD_S]
     report()
-    told = f"{topic}: 2 nodes write it (one, two); 1 may: stop the others"
-    assert wiring.health.doubts[topic] == told
-    assert node.lines[0] == told
+    message = f"{topic}: 2 nodes write it (one, two); 1 may: stop the others"
+    assert wiring.health.doubts[topic] == message
+    assert node.lines[0] == message

@@ -1,4 +1,4 @@
-"""Flights with a controller of one's own: its first command that cannot be flown is told."""
+"""Flights with a controller of one's own: its first command that cannot be flown is reported."""
 
 from collections.abc import Callable
 from dataclasses import replace

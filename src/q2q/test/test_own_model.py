@@ -1,4 +1,4 @@
-"""Flights with an interaction model of one's own: flown as it is, and told at its first wrong answer."""
+"""Flights with an interaction model of one's own: flown as it is, and reported at its first wrong answer."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Vehicles far from their setpoints are told, once for the same vehicles; lost and unplanned ones are not."""
+"""Vehicles far from their setpoints are reported once for the same vehicles; lost, unplanned ones are not."""
 
 from dataclasses import replace
 
@@ -27,17 +27,17 @@ def test_who_is_a_metre_away_or_more_is_far_in_any_direction() -> None:
     assert far_setpoints(at((3.0, 0.0, 0.0), (0.0, 2.0, 0.0)), other) == {"cf2": pytest.approx(2.0)}
 
 
-def test_who_the_failsafe_brought_down_is_told_so_until_it_is_back_and_asked_for_no_plan() -> None:
+def test_who_the_failsafe_brought_down_is_reported_until_it_is_back_and_asked_for_no_plan() -> None:
     monitor, setpoint = FarSetpointMonitor(), swarm(NAMES)[1]
     lost = np.array([TrackStatus.LOST, TrackStatus.TRACKED], dtype=np.uint8)
     landing = at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), status=lost)
     landed, near = at((0.0, 0.0, 1.5), (0.0, 0.0, 0.0)), at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert monitor.look(landing, setpoint, ("cf1",)) == ("", False)
-    told = "far from their setpoints, brought down by the failsafe: cf1 1.5 m"
-    assert [monitor.look(landed, setpoint) for _ in range(2)] == [(told, True), (told, False)]
+    message = "far from their setpoints, brought down by the failsafe: cf1 1.5 m"
+    assert [monitor.look(landed, setpoint) for _ in range(2)] == [(message, True), (message, False)]
     both = at((0.0, 0.0, 1.5), (0.0, 2.0, 0.0))
     asked = "far from their setpoints: cf2 2.0 m: does the plan begin where they fly?"
-    assert monitor.look(both, setpoint) == (f"{asked}; {told}", True)
+    assert monitor.look(both, setpoint) == (f"{asked}; {message}", True)
     assert monitor.look(near, setpoint) == ("", False)
     assert monitor.look(landed, setpoint)[0].endswith("cf1 1.5 m: does the plan begin where they fly?")
 
@@ -45,11 +45,11 @@ def test_who_the_failsafe_brought_down_is_told_so_until_it_is_back_and_asked_for
 def test_the_same_vehicles_are_new_once_until_they_are_back() -> None:
     monitor, setpoint = FarSetpointMonitor(), swarm(NAMES)[1]
     near, far = at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), at((0.0, 0.0, 2.34), (0.0, 0.0, 0.0))
-    told = "far from their setpoints: cf1 2.3 m: does the plan begin where they fly?"
+    message = "far from their setpoints: cf1 2.3 m: does the plan begin where they fly?"
     assert [monitor.look(one, setpoint) for one in (near, far, far)] == [
         ("", False),
-        (told, True),
-        (told, False),
+        (message, True),
+        (message, False),
     ]
     assert monitor.look(at((0.0, 0.0, 2.0), (5.0, 0.0, 0.0)), setpoint)[1]
     assert not monitor.look(far, setpoint)[1]

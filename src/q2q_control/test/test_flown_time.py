@@ -1,4 +1,4 @@
-"""What vehicles fly between two ticks is told by stamps, but for leaps of the clock."""
+"""What vehicles fly between two ticks is shown by stamps, but for leaps of the clock."""
 
 import pytest
 
@@ -12,7 +12,7 @@ def flown(steps: list[float]) -> list[float]:
     for step in steps:
         if step == 0.0:
             time.wait()
-        found.append(time.update(step, told=True) if step else 0.0)
+        found.append(time.update(step, by_frame=True) if step else 0.0)
     return found
 
 
@@ -47,14 +47,14 @@ def test_frames_that_overtake_each_other_leave_nothing_for_a_leap() -> None:
 
 
 def test_what_a_timer_counted_is_flown_up_to_what_the_filter_coasts() -> None:
-    assert FlownTime().update(GAP_S + 0.1, told=False) == GAP_S + 0.1
-    assert FlownTime().update(1.0, told=False) == LONGEST_STEP
+    assert FlownTime().update(GAP_S + 0.1, by_frame=False) == GAP_S + 0.1
+    assert FlownTime().update(1.0, by_frame=False) == LONGEST_STEP
 
 
 def test_a_timer_that_counted_late_frames_leaves_none_of_them_for_a_leap() -> None:
     time = FlownTime()
     for _ in range(11):
         time.wait()
-    assert time.update(0.11, told=False) == 0.11
-    assert time.update(TICK_S, told=True) == TICK_S
-    assert time.update(0.5, told=True) == pytest.approx(2 * TICK_S)
+    assert time.update(0.11, by_frame=False) == 0.11
+    assert time.update(TICK_S, by_frame=True) == TICK_S
+    assert time.update(0.5, by_frame=True) == pytest.approx(2 * TICK_S)

@@ -1,9 +1,9 @@
-"""The mailbox of a vehicle sends on whatever a packet raises, and tells it."""
+"""The mailbox of a vehicle sends on whatever a packet raises, and reports it."""
 
 from q2q_control.radio.mailbox import Mailbox
 
 
-def test_packets_that_raise_are_told_once_and_the_next_are_sent() -> None:
+def test_packets_that_raise_are_reported_once_and_the_next_are_sent() -> None:
     sent: list[str] = []
     mailbox = Mailbox("cf1")
     for _ in range(2):
@@ -19,7 +19,7 @@ def test_packets_that_raise_are_told_once_and_the_next_are_sent() -> None:
     assert mailbox.log_lines() == []
 
 
-def test_a_lost_link_is_not_told() -> None:
+def test_a_lost_link_is_not_reported() -> None:
     def lose() -> None:
         raise OSError("gone")
 

@@ -1,4 +1,4 @@
-"""What the receding-horizon controller does where it cannot solve, is not told, or may not."""
+"""What the receding-horizon controller does where it cannot solve, has no downwash, or may not."""
 
 from dataclasses import replace
 
@@ -82,7 +82,7 @@ def test_a_vehicle_without_setpoint_pushes_from_where_it_is_seen(missing: str):
     preview.samples[:, :, 2] = np.array([[1.0], [1.4]])
     mpc = Mpc(MpcParams(latency=0.0), TEXTBOOK_065, PAPER_LAW, MpcSetup(vehicles=PAIR, preview=preview))
     for k in range(30):
-        told = mpc.update(*first_tick(preview, k))
+        aware = mpc.update(*first_tick(preview, k))
     state, setpoint, downwash = first_tick(preview, 30)
     if missing == "a number":
         setpoint = replace(setpoint, pos=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, np.nan]]))
@@ -91,8 +91,8 @@ def test_a_vehicle_without_setpoint_pushes_from_where_it_is_seen(missing: str):
         setpoint = replace(setpoint, names=PAIR[:1], **{one: getattr(setpoint, one)[:1] for one in columns})
     command = mpc.update(state, setpoint, downwash)
     assert command.status.tolist() == [CommandStatus.OK, CommandStatus.HOLD]
-    assert told.thrust[0] > 1.04 * TEXTBOOK_065.hover_thrust  # against the downwash
-    assert command.thrust[0] == pytest.approx(told.thrust[0], rel=1e-3)
+    assert aware.thrust[0] > 1.04 * TEXTBOOK_065.hover_thrust  # against the downwash
+    assert command.thrust[0] == pytest.approx(aware.thrust[0], rel=1e-3)
 
 
 def test_without_any_setpoint_all_hold():

@@ -1,4 +1,4 @@
-"""Phases of the failsafe ladder are told when vehicles enter them, once for each set of vehicles."""
+"""Phases of the failsafe ladder are reported when vehicles enter them, once for each set of vehicles."""
 
 import numpy as np
 import pytest
@@ -13,14 +13,14 @@ def command(t: float, *status: int, names: Names = NAMES) -> SwarmCommand:
     return SwarmCommand(t, names, zero, zero, zero, zero, np.array(status, dtype=np.uint8))
 
 
-def told(changes: PhaseChanges, one: SwarmCommand) -> list[str]:
+def reported(changes: PhaseChanges, one: SwarmCommand) -> list[str]:
     return [str(change) for change in changes.take(one)]
 
 
-def test_each_phase_is_told_when_it_begins_and_when_the_controller_flies_again() -> None:
+def test_each_phase_is_reported_when_it_begins_and_when_the_controller_flies_again() -> None:
     changes = PhaseChanges()
     steps = ((OK, OK), (HOLD, HOLD), (HOLD, HOLD), (LEVEL, HOLD), (LAND, OK), (CUT, SATURATED))
-    assert [told(changes, command(k * TICK, *status)) for k, status in enumerate(steps)] == [
+    assert [reported(changes, command(k * TICK, *status)) for k, status in enumerate(steps)] == [
         [],
         ["cf1, cf2: failsafe HOLD"],
         [],
@@ -36,56 +36,60 @@ def test_each_phase_is_told_when_it_begins_and_when_the_controller_flies_again()
 @pytest.mark.parametrize("status", [OK, SATURATED, DEGRADED])
 def test_a_command_of_the_controllers_is_no_phase(status: int) -> None:
     changes = PhaseChanges()
-    assert told(changes, command(0.0, status, status)) == []
+    assert reported(changes, command(0.0, status, status)) == []
     assert (changes.active, changes.cut, str(changes)) == (False, (), "")
 
 
-def test_one_dropout_after_another_is_told_once_and_one_after_a_calm_time_anew() -> None:
+def test_one_dropout_after_another_is_reported_once_and_one_after_a_calm_time_anew() -> None:
     changes = PhaseChanges()
     lines = []
     for k in range(0, 100, 2):
-        lines += told(changes, command(k * TICK, HOLD, OK)) + told(changes, command((k + 1) * TICK, OK, OK))
+        lines += reported(changes, command(k * TICK, HOLD, OK)) + reported(
+            changes, command((k + 1) * TICK, OK, OK)
+        )
     assert lines == ["cf1: failsafe HOLD", "cf1: the controller flies on"]
-    assert told(changes, command(1.0, OK, HOLD)) == ["cf2: failsafe HOLD"]
-    told(changes, command(1.01, OK, OK))
-    assert told(changes, command(1.1 + SETTLED_S, HOLD, OK)) == ["cf1: failsafe HOLD"]
+    assert reported(changes, command(1.0, OK, HOLD)) == ["cf2: failsafe HOLD"]
+    reported(changes, command(1.01, OK, OK))
+    assert reported(changes, command(1.1 + SETTLED_S, HOLD, OK)) == ["cf1: failsafe HOLD"]
 
 
 @pytest.mark.parametrize("resumed", [(), (HOLD,)])
-def test_each_landing_is_told_and_that_they_are_flown_on_after_it(resumed: tuple[int, ...]) -> None:
+def test_each_landing_is_reported_and_that_they_are_flown_on_after_it(resumed: tuple[int, ...]) -> None:
     """A filter that is killed twice within 10 s lands them twice; the log must not end with a landing."""
     changes = PhaseChanges()
     event = (HOLD, *(LAND,) * LANDED, *resumed, OK)
     steps = (HOLD, OK, *event, *event)
-    lines = [line for k, one in enumerate(steps) for line in told(changes, command(k * TICK, one, OK))]
+    lines = [line for k, one in enumerate(steps) for line in reported(changes, command(k * TICK, one, OK))]
     flown, landed = ["cf1: failsafe HOLD", "cf1: the controller flies on"], "cf1: failsafe LAND"
     assert lines == [*flown, landed, flown[1], flown[0], landed, flown[1]]
 
 
-def test_landings_of_a_few_commands_that_come_and_go_are_told_once() -> None:
+def test_landings_of_a_few_commands_that_come_and_go_are_reported_once() -> None:
     """Two sources of motion capture with clocks of their own land and fly vehicles by turns."""
     changes, lines = PhaseChanges(), []
     for k in range(300):
-        lines += told(changes, command(k * TICK, LAND if k % LANDED else OK, OK))
+        lines += reported(changes, command(k * TICK, LAND if k % LANDED else OK, OK))
     assert lines == ["cf1: failsafe LAND", "cf1: the controller flies on"]
 
 
-def test_a_cut_is_told_again_in_a_new_flight_beside_the_same_controller() -> None:
+def test_a_cut_is_reported_again_in_a_new_flight_beside_the_same_controller() -> None:
     guard, changes = guarded(), PhaseChanges()
     for made in fly(guard, 0, 200):
-        assert told(changes, made) == []
+        assert reported(changes, made) == []
     guard.cut()
-    assert [line for made in fly(guard, 200, 210) for line in told(changes, made)] == [
+    assert [line for made in fly(guard, 200, 210) for line in reported(changes, made)] == [
         "cf1, cf2: failsafe CUT"
     ]
-    assert [line for made in fly(guard, 0, 10) for line in told(changes, made)] == ["cf1, cf2: failsafe CUT"]
+    assert [line for made in fly(guard, 0, 10) for line in reported(changes, made)] == [
+        "cf1, cf2: failsafe CUT"
+    ]
 
 
 def test_phases_are_those_of_names_not_of_rows() -> None:
     changes = PhaseChanges()
     changes.take(command(0.0, HOLD, OK))
-    assert told(changes, command(0.01, OK, HOLD, names=("cf2", "cf1"))) == []
-    assert told(changes, command(0.02, LAND, names=("cf3",))) == ["cf3: failsafe LAND"]
+    assert reported(changes, command(0.01, OK, HOLD, names=("cf2", "cf1"))) == []
+    assert reported(changes, command(0.02, LAND, names=("cf3",))) == ["cf3: failsafe LAND"]
 
 
 def test_a_cut_says_who_gave_it_and_what_to_do() -> None:

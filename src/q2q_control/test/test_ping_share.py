@@ -22,7 +22,7 @@ def test_the_share_is_that_of_the_pings_that_came_back(lost: int, share: float) 
     assert pinged(lost, 5 * WINDOW + 1).share == pytest.approx(share)
 
 
-def test_nothing_is_told_before_a_ping_had_time_to_come_back() -> None:
+def test_nothing_is_reported_before_a_ping_had_time_to_come_back() -> None:
     assert math.isnan(PingShare().share)
     assert math.isnan(pinged(1, 1).share)
 

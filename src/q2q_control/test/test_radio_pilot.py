@@ -51,7 +51,7 @@ def test_a_vehicle_that_does_not_arm_in_time_is_named() -> None:
     assert bench.pilot.outcome(bench.t + 1.9) is None
     bench.pilot.watch(bench.t + 2.1)
     assert bench.pilot.outcome(bench.t + 2.1) == Reply(granted=False, reason="cf1 did not arm within 2 s")
-    assert bench.pilot.outcome(bench.t + 2.1) is None  # told once
+    assert bench.pilot.outcome(bench.t + 2.1) is None  # reported once
 
 
 def test_disarming_is_done_when_no_vehicle_is_armed_and_says_who_arms_itself() -> None:
@@ -149,7 +149,7 @@ def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
     assert all(link.sent[-1] == "stop" for link in bench.links.values())
 
 
-def test_a_vehicle_commanded_cut_is_told_and_reported_as_stopped_until_it_is_armed_again() -> None:
+def test_a_vehicle_commanded_cut_is_reported_and_reported_as_stopped_until_it_is_armed_again() -> None:
     bench = Bench()
     bench.fly()
     bench.pilot.log_lines()

@@ -90,7 +90,7 @@ def test_noise_of_the_accelerometer_reaches_the_estimate_with_the_variance_of_th
     assert alone.var() == pytest.approx(expected, rel=0.05)  # 1000 correlation times
     states = run(ResidualObserver(REAL_FLIGHTS), np.zeros(ticks), noise)
     total = states[500:, RESIDUAL] + states[500:, OFFSET]
-    assert total.var() < expected  # positions tell noise from motion
+    assert total.var() < expected  # positions separate noise from motion
     assert total.std() < 0.012 * GRAVITY
 
 
@@ -105,14 +105,14 @@ def test_without_accelerometer_the_positions_alone_find_a_push() -> None:
 
 
 def test_an_older_sample_weighs_less_and_one_too_old_nothing() -> None:
-    told = []
+    steps = []
     for age in (0, 5, 15):
         observer = ResidualObserver(NO_SLOPE)
         run(observer, np.zeros(40))
         before = observer.belief.state[0].copy()
         observer.feel((39 - age) * DT, np.ones(1))
-        told.append(float((observer.belief.state[0] - before)[RESIDUAL]))
-    assert told[0] > 2.0 * told[1] > 4.0 * told[2] > 0.0
+        steps.append(float((observer.belief.state[0] - before)[RESIDUAL]))
+    assert steps[0] > 2.0 * steps[1] > 4.0 * steps[2] > 0.0
     observer.feel(40 * DT, np.ones(1))  # of the future
     fresh = ResidualObserver(NO_SLOPE)
     run(fresh, np.zeros(40))

@@ -173,7 +173,7 @@ def test_the_sweep_of_separate_chains_equals_the_general_recursion():
         assert np.allclose(swept.pos[v, :, 2], answer.states[:, 0], atol=1e-10)
 
 
-def test_the_sweep_tells_which_chains_cross_a_bound():
+def test_the_sweep_reports_which_chains_cross_a_bound():
     rng = np.random.default_rng(6)
     asked = horizon(rng, 6, 40, 3.0)
     swept = blank_solution(6, 40)

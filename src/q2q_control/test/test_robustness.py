@@ -84,7 +84,7 @@ SILENT = "mpc with correction, silent"
 UNCORRECTED = {"pid with correction": "pid with observer", "mpc with correction": "mpc", SILENT: "mpc"}
 """Controllers that ignore the downwash beside those with correction, which finds it without a model."""
 CREDULOUS = ("mpc without observer", "saturated, gain +50 %")
-"""Without an observer nothing tells a wrong model, and at a bound the MPC acts on it ahead."""
+"""Without an observer nothing reveals a wrong model, and at a bound the MPC acts on it ahead."""
 CASES = {
     "gain +50 %": Case(replace(WAKE, strength=1.5 * WAKE.strength)),
     "gain -50 %": Case(replace(WAKE, strength=0.5 * WAKE.strength)),
@@ -197,7 +197,7 @@ def flown(request: pytest.FixtureRequest) -> Flown:
 
 @cache
 def ignoring_errors(kind: str, case: Case) -> Array:
-    """Return the height errors of the controller that is told of no downwash."""
+    """Return the height errors of the controller that is given no downwash."""
     return height_errors(kind, case, aware=False)
 
 

@@ -1,4 +1,4 @@
-"""What Crazyswarm2's server tells of a vehicle, and what crazyflies.yaml sets: known, old, never told."""
+"""What Crazyswarm2's server reports of a vehicle, what crazyflies.yaml sets: known, old, never reported."""
 
 import math
 
@@ -13,7 +13,7 @@ from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
 
 VEHICLE = vehicle_by_name("crazyflie_2_0", "stock")
 WANTED = {"stabilizer.controller": 2.0}
-TOLD = {"stabilizer.controller": 2.0, "ctrlMel.mass": 0.027, "ctrlMel.massThrust": 132000.0}
+REPORTED = {"stabilizer.controller": 2.0, "ctrlMel.mass": 0.027, "ctrlMel.massThrust": 132000.0}
 DOCUMENT = {
     "robots": {
         "cf1": {"type": "cf21", "firmware_params": {"ctrlMel": {"mass": 0.041}}},
@@ -28,7 +28,7 @@ def vehicle(**file: float) -> ServerVehicle:
     return ServerVehicle("cf1", VEHICLE, WANTED, {name.replace("__", "."): v for name, v in file.items()})
 
 
-def test_nothing_told_is_known_of_nothing() -> None:
+def test_nothing_reported_is_known_of_nothing() -> None:
     report = vehicle().report(0.0, connected=True)
     assert (report.wrong, report.onboard, report.armed) == (None, None, None)
     assert math.isnan(report.volt)
@@ -52,14 +52,14 @@ def test_a_vehicle_is_silent_since_a_setpoint_was_last_sent_to_it() -> None:
 
 def test_parameters_of_the_file_count_more_than_those_that_the_server_read_before_it_set_them() -> None:
     one = vehicle(ctrlMel__mass=0.041)
-    one.take_parameters(TOLD)
+    one.take_parameters(REPORTED)
     expected = hover_ratio(VEHICLE, OwnHover(mass=0.041, mass_thrust=132000.0))
     assert one.report(0.0, connected=True).hover_ratio == expected
 
 
 def test_an_answer_without_values_forgets_the_last() -> None:
     one = vehicle()
-    one.take_parameters({**TOLD, "stabilizer.controller": 1.0})
+    one.take_parameters({**REPORTED, "stabilizer.controller": 1.0})
     assert one.report(0.0, connected=True).wrong == (
         "its stabilizer.controller is 1, expected 2 (firmware_params)"
     )
@@ -74,9 +74,9 @@ def test_full_states_are_for_mellingers_controller_and_for_that_of_the_firmware_
     held: float, wrong: str
 ) -> None:
     one = vehicle()
-    one.take_parameters({**TOLD, "stabilizer.controller": held})
-    told = one.report(0.0, connected=True).wrong
-    assert told == "" if wrong == "" else wrong in (told or "")
+    one.take_parameters({**REPORTED, "stabilizer.controller": held})
+    message = one.report(0.0, connected=True).wrong
+    assert message == "" if wrong == "" else wrong in (message or "")
 
 
 def test_an_estimate_of_another_shape_or_age_is_none() -> None:

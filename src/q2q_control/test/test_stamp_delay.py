@@ -9,7 +9,7 @@ from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.stamp_delay import MOST_S, WINDOW_S, StampDelayMonitor
 
 
-def test_the_largest_lateness_that_is_told_lands_nobody() -> None:
+def test_the_largest_lateness_that_is_reported_lands_nobody() -> None:
     assert PARAMS.land_s > MOST_S
 
 

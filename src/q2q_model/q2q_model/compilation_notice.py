@@ -19,8 +19,8 @@ class CompilationNotice(event.Listener):  # type: ignore[misc]  # numba has no t
     def on_start(self, event: event.Event) -> None:  # noqa: ARG002  numba's interface
         """Print the notice once."""
         if not self._printed:
-            told = "compiling its numerical code for this processor, once: it takes minutes"
-            print(f"{self._program}: {told}; later starts load it", file=sys.stderr, flush=True)
+            message = "compiling its numerical code for this processor, once: it takes minutes"
+            print(f"{self._program}: {message}; later starts load it", file=sys.stderr, flush=True)
         self._printed = True
 
     def on_end(self, event: event.Event) -> None:

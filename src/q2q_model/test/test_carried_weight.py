@@ -1,4 +1,4 @@
-"""A live refinement tells a vehicle that cannot be the one that flies."""
+"""A live refinement reports a vehicle that cannot be the one that flies."""
 
 from dataclasses import replace
 
@@ -42,7 +42,7 @@ def test_the_judgement_of_each_vehicle_is_that_of_a_recorded_flight(factor: floa
     assert bool(doubt) == (not 0.5 < factor < 2.0)
 
 
-def test_another_vehicle_is_told_after_two_seconds_in_the_air() -> None:
+def test_another_vehicle_is_reported_after_two_seconds_in_the_air() -> None:
     for ticks, known in ((199, False), (200, True)):
         found = carried(replace(FLOWN, t=FLOWN.t[:ticks]), TEXTBOOK_065)
         assert found.judged() == known

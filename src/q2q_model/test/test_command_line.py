@@ -170,7 +170,7 @@ def test_output_that_nobody_reads_ends_a_command_without_a_traceback(lines: int)
     assert said == b""
 
 
-def test_a_broken_pipe_to_another_process_is_told(capsys: pytest.CaptureFixture[str]):
+def test_a_broken_pipe_to_another_process_is_reported(capsys: pytest.CaptureFixture[str]):
     def work(_: object) -> int:
         raise BrokenPipeError("the recorder has gone")
 

@@ -64,7 +64,7 @@ def test_code_is_kept_and_loaded_until_a_function_or_constant_elsewhere_changes(
 
 @pytest.mark.parametrize("options", ["", ', fastmath={"contract", "reassoc", "nsz"}'])
 def test_the_key_is_the_same_in_every_process(options: str) -> None:
-    """Sets are told in another order by every process: kernels with such options were compiled ever anew."""
+    """Sets are written in another order by every process: kernels with such options were compiled anew."""
     script = f"""
 from numba import njit
 from q2q_model.compiled import compiled, kernel_digest

@@ -50,7 +50,7 @@ def test_connections_survive_their_text() -> None:
     "text",
     ["yes", "/state=many", "/state=", "/state", "=1", "</a yes", "{}", "/a=1.5", "/a=-1", "x" * 10_000],
 )
-def test_an_answer_that_tells_no_connections_is_refused_with_the_node_that_gave_it(text: str) -> None:
+def test_an_answer_that_reports_no_connections_is_refused_with_the_node_that_gave_it(text: str) -> None:
     with pytest.raises(ValueError, match=r"^pid answers '[^\n]{0,40}' to ~/ready, not topics .* End it, or"):
         connections_from_text(text, "pid")
 
@@ -63,7 +63,7 @@ def test_signals_that_other_nodes_write_are_named_with_all_who_write_them() -> N
     writers = {"/mocap": ["simulator"], "/clock": ["simulator", "other"], "/state": ["mocap_filter"]}
     assert other_writers(nodes, writers.__getitem__) == ""
     writers["/mocap"] = ["simulator", "forgotten"]
-    told = other_writers(nodes, writers.__getitem__)
-    assert told == "/mocap is written by 2 nodes (forgotten, simulator)"
+    message = other_writers(nodes, writers.__getitem__)
+    assert message == "/mocap is written by 2 nodes (forgotten, simulator)"
     writers["/mocap"] = ["simulator", "simulator"]
     assert other_writers(nodes, writers.__getitem__).endswith("by 2 nodes (simulator, simulator)")

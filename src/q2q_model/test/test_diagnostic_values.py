@@ -31,7 +31,7 @@ def state(status: tuple[TrackStatus, ...]) -> SwarmState:
     )
 
 
-def test_a_state_tells_its_tracks_its_age_and_the_closest_pair():
+def test_a_state_reports_its_tracks_its_age_and_the_closest_pair():
     tracked, coasting = TrackStatus.TRACKED, TrackStatus.COASTING
     output = diagnostic_values(state((tracked, coasting, tracked)))
     assert (output["coasting"], output["lost"], output["age_max_s"]) == ("1", "0", "0.25")
@@ -62,7 +62,7 @@ def test_the_smallest_separation_is_that_of_the_closest_of_all_pairs(offset: flo
     assert smallest_separation(pos + offset) == pytest.approx(expected, abs=1e-15 + 1e-15 * offset)
 
 
-def test_a_downwash_tells_its_largest_length():
+def test_a_downwash_reports_its_largest_length():
     acc = np.array([[0.0, 0.0, 0.0], [0.0, -3.0, -4.0], [0.0, 0.0, 1.0]])
     status = np.array(
         [InterferenceStatus.NO_MODEL, InterferenceStatus.STALE_SOURCE, InterferenceStatus.VALID]
@@ -77,7 +77,7 @@ def test_a_downwash_tells_its_largest_length():
     ("status", "saturated", "in_fallback"),
     [(CommandStatus.OK, "0", "0"), (CommandStatus.SATURATED, "3", "0"), (CommandStatus.LAND, "0", "3")],
 )
-def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
+def test_a_command_reports_what_is_saturated_and_what_is_in_fallback(
     status: CommandStatus, saturated: str, in_fallback: str
 ):
     output = diagnostic_values(
@@ -94,6 +94,6 @@ def test_a_command_tells_what_is_saturated_and_what_is_in_fallback(
     assert output == {"saturated": saturated, "in_fallback": in_fallback}
 
 
-def test_a_signal_without_facts_tells_nothing():
+def test_a_signal_without_facts_reports_nothing():
     frame = MocapFrame(t=0.0, names=NAMES, pos=POS, quat=np.zeros((3, 4)))
     assert diagnostic_values(frame) == {}

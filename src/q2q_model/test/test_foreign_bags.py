@@ -285,7 +285,7 @@ def _flown(poses: Array, references: Array) -> tuple[Flight, list[str]]:
     return with_references(flight, {"cf1": _track(references)})
 
 
-def test_a_reference_holds_until_the_next_and_a_pause_is_told():
+def test_a_reference_holds_until_the_next_and_a_pause_is_reported():
     ticks = 5.0 + np.arange(1000) / 100.0
     flight, remarks = _flown(ticks, np.array([3.0, 7.0, 11.5]))
     assert flight.ref_pos[:, 0, 0].tolist() == [3.0] * 200 + [7.0] * 450 + [11.5] * 350
@@ -328,14 +328,14 @@ def test_poses_between_the_frames_are_refused_with_the_tolerance_that_admits_the
     assert np.isfinite(flight.mocap_pos).all()
 
 
-def test_stamps_that_go_back_are_sorted_and_told(tmp_path: Path):
+def test_stamps_that_go_back_are_sorted_and_reported(tmp_path: Path):
     store = get_typestore(Stores.ROS2_HUMBLE)
     with SqliteWriter(tmp_path / "back", version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
         _write_ros(writer, store, store.serialize_cdr, back_ns=50_000_000)
     mapped = TopicMap(vehicles={"cf1": "/a", "cf2": "/b"})
-    with pytest.warns(BagRepairWarning) as told:
+    with pytest.warns(BagRepairWarning) as warned:
         flight = read_mapped_flight(tmp_path / "back", mapped)
-    said = " ".join(str(one.message) for one in told)
+    said = " ".join(str(one.message) for one in warned)
     assert "stamps of poses of cf1 go back by up to 0.040 s: sorted" in said
     assert "stamps of poses of cf2 go back by up to 0.040 s: sorted" in said
     assert (np.diff(flight.t) > 0.0).all()

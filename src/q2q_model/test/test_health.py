@@ -66,7 +66,7 @@ def test_decimation_starts_anew_when_time_jumps_back() -> None:
     assert due(0.0)
 
 
-def test_a_second_without_a_tick_tells_which_inputs_it_waits_for() -> None:
+def test_a_second_without_a_tick_reports_which_inputs_it_waits_for() -> None:
     graded = health_report(Health(ticks=5), Health(ticks=5, missed=84, awaited="state not received"))
     assert (graded.level, graded.summary, graded.trouble) == (Level.WARN, "no tick: state not received", True)
     assert not health_report(Health(), Health(ticks=9, missed=1, awaited="state not received")).trouble

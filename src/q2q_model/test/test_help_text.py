@@ -1,4 +1,4 @@
-"""Help fits the terminal, keeps examples and tables as written, and tells defaults."""
+"""Help fits the terminal, keeps examples and tables as written, and gives defaults."""
 
 import pytest
 
@@ -42,12 +42,12 @@ def test_an_example_and_a_table_are_kept_as_written(monkeypatch: pytest.MonkeyPa
     assert "|---|---|" in lines
 
 
-def test_a_default_is_told_once_and_only_where_there_is_one(monkeypatch: pytest.MonkeyPatch):
+def test_a_default_is_reported_once_and_only_where_there_is_one(monkeypatch: pytest.MonkeyPatch):
     text = " ".join(help_at(80, monkeypatch).split())
-    for told in (
+    for message in (
         "--seed SEED seed (default 0)",
         "airs (default room bent)",
         "30 % or less (default 5 %)",
         "runs (default: seven) --json JSON file --live wall time example:",
     ):
-        assert told in text
+        assert message in text

@@ -134,11 +134,11 @@ def test_commands_that_answer_gusts_do_not_move_the_thrust_lag():
     found = identify(recordings, ProcedureParams(model_type="jet"), lambda _: None)
     assert found.file.gains is not None
     assert found.file.gains.lag == CRAZYFLIE_2_0.thrust_lag
-    (told,) = (one for one in found.remarks if "thrust lag" in one)
-    assert told == f"force of {len(flights)} flights is from imu and command, with a thrust lag of 0.07 s"
+    (message,) = (one for one in found.remarks if "thrust lag" in one)
+    assert message == f"force of {len(flights)} flights is from imu and command, with a thrust lag of 0.07 s"
 
 
-def test_a_zone_that_ends_at_the_models_range_is_told():
+def test_a_zone_that_ends_at_the_models_range_is_reported():
     recordings = [Recording(made_flight(one)) for one in FLOWN]
     params = ProcedureParams(model_type="jet", threshold=0.02)
     found = identify(recordings, params, lambda _: None)

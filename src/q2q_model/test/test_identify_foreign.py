@@ -82,7 +82,10 @@ def test_a_strangers_bags_give_gains_and_model_by_a_topic_map(tmp_path: Path):
     report = json.loads(identified(tmp_path, (1, 5)))
     assert report["outliers"]["found"] == 32  # all
     assert report["gains"]["source"] == "trajectories"
-    for name, flown in (("k_p", 0.81073), ("k_d", 0.42952)):  # poses alone hardly tell them, and that is said
+    for name, flown in (
+        ("k_p", 0.81073),
+        ("k_d", 0.42952),
+    ):  # poses alone hardly determine them, and that is said
         _, low, high = report["gains"][name]
         assert low <= flown <= high
         assert report["gains"]["identifiable"][name] == (low > 0.0)
@@ -91,7 +94,7 @@ def test_a_strangers_bags_give_gains_and_model_by_a_topic_map(tmp_path: Path):
 
 @needs_bags
 def test_all_of_a_strangers_bags_give_a_model_that_predicts_what_it_has_not_seen(tmp_path: Path):
-    """Of two bags it may not: gains that poses hardly tell put pairs of these six between -0.9 and 0.6."""
+    """Of two bags it may not: gains that poses hardly fix put pairs of these six between -0.9 and 0.6."""
     report = json.loads(identified(tmp_path, range(1, 7)))
     assert report["model"]["heldout_r2"]["lower"] > 0.3  # 0.43; with commands 0.99
 

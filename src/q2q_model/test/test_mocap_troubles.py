@@ -1,4 +1,4 @@
-"""What motion capture gets wrong for long is told once, with the vehicles, and when it is over."""
+"""What motion capture gets wrong for long is reported once, with the vehicles, and when it is over."""
 
 from dataclasses import replace
 
@@ -18,12 +18,12 @@ NOTHING = FrameTrouble()
 DT = 0.01
 
 
-def told(trouble: FrameTrouble, ticks: int) -> list[str]:
+def reported(trouble: FrameTrouble, ticks: int) -> list[str]:
     troubles = MocapTroubles()
     return [line for k in range(ticks) if (line := troubles.take(k * DT, trouble))]
 
 
-def test_trouble_is_told_once_it_lasts_with_its_vehicles() -> None:
+def test_trouble_is_reported_once_it_lasts_with_its_vehicles() -> None:
     lasts = round(LASTING / DT) + 2
     for trouble, word in (
         (FrameTrouble(exchanged=PAIR), "exchanged"),
@@ -32,14 +32,14 @@ def test_trouble_is_told_once_it_lasts_with_its_vehicles() -> None:
         (FrameTrouble(not_unit=PAIR), "unit length"),
         (FrameTrouble(missing=PAIR), "no position"),
     ):
-        assert told(trouble, lasts - 2) == []
-        (line,) = told(trouble, 10 * lasts)
+        assert reported(trouble, lasts - 2) == []
+        (line,) = reported(trouble, 10 * lasts)
         assert word in line
         assert "cf1, cf2" in line
-    assert told(NOTHING, lasts) == []
+    assert reported(NOTHING, lasts) == []
 
 
-def test_its_end_is_told_and_interrupted_trouble_is_not() -> None:
+def test_its_end_is_reported_and_interrupted_trouble_is_not() -> None:
     troubles, flicker = MocapTroubles(), MocapTroubles()
     for k in range(100):
         troubles.take(k * DT, FrameTrouble(exchanged=PAIR))

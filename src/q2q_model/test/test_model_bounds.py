@@ -82,13 +82,13 @@ def test_a_source_below_that_lifts_too_much_is_named_as_below() -> None:
         check_model(swapped)
 
 
-@pytest.mark.parametrize(("speed", "told"), [(0.2, ""), (0.19, "10.5 s later"), (1e-9, "2e+09 s later")])
-def test_air_that_arrives_after_more_than_10_s_is_refused(speed: float, told: str) -> None:
+@pytest.mark.parametrize(("speed", "message"), [(0.2, ""), (0.19, "10.5 s later"), (1e-9, "2e+09 s later")])
+def test_air_that_arrives_after_more_than_10_s_is_refused(speed: float, message: str) -> None:
     slow = Jet(range=2.0, travel_speed=speed)
-    if not told:
+    if not message:
         check_model(slow)
         return
-    with pytest.raises(ValueError, match=re.escape(told)):
+    with pytest.raises(ValueError, match=re.escape(message)):
         check_model(slow)
 
 

@@ -159,7 +159,7 @@ def test_files_that_cannot_be_read_are_model_file_errors(tmp_path: Path):
             load(path)
 
 
-def test_models_are_found_by_name_by_path_and_otherwise_the_known_names_are_told(tmp_path: Path):
+def test_models_are_found_by_name_by_path_and_otherwise_the_known_names_are_reported(tmp_path: Path):
     assert isinstance(find_model("none").interaction, NoInteraction)
     assert find_model("paper_law").interaction == PAPER_LAW
     assert find_model("measured_law").interaction == MEASURED_LAW

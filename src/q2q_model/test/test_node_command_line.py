@@ -20,7 +20,7 @@ def test_an_option_is_its_parameter_and_the_rest_is_for_ros(line: NodeCommandLin
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["--dryrun"], "unrecognized arguments: --dryrun; did you mean --dry-run?"),
         (["--law", "safe"], "unrecognized arguments: --law safe"),
@@ -28,7 +28,7 @@ def test_an_option_is_its_parameter_and_the_rest_is_for_ros(line: NodeCommandLin
     ],
 )
 def test_an_unknown_word_is_refused(
-    words: list[str], told: str, line: NodeCommandLine, capsys: pytest.CaptureFixture[str]
+    words: list[str], message: str, line: NodeCommandLine, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as ended:
         line.for_ros([*words, "--ros-args", "-p", "vehicles:=['cf1']"])
@@ -37,7 +37,7 @@ def test_an_unknown_word_is_refused(
     assert ended.value.code == 2
     error = capsys.readouterr().err
     assert error.startswith("radio: ")
-    assert told in error
+    assert message in error
     first, second = error.splitlines()
     assert first == second
 

@@ -15,7 +15,7 @@ from q2q_model.signals.values import MocapFrame
 T = 1.7e9 + 0.01 * np.arange(200)
 COLUMNS = ("faz_est", "gap", "pwm1", "pwm2", "pwm3", "pwm4")
 PUSH = np.stack([np.arange(200.0), -np.arange(200.0)], axis=1)
-"""Of cf1 and cf2 at every tick [m/s^2]: tells vehicle and row."""
+"""Of cf1 and cf2 at every tick [m/s^2]: shows vehicle and row."""
 
 
 def _log() -> FlightLog:

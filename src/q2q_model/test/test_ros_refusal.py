@@ -3,7 +3,7 @@
 from q2q_model.node.ros_refusal import refusal_of_ros
 
 
-def test_what_ros_refuses_is_told_without_places_in_its_source() -> None:
+def test_what_ros_refuses_is_reported_without_places_in_its_source() -> None:
     error = RuntimeError(
         "failed to initialize rcl: Couldn't parse parameter override rule: '-p uris:=[radio://0]'. "
         "Error: Error parsing an event, at /project/src/parse.c:935, at /project/src/rcl/arguments.c:352"
@@ -15,8 +15,8 @@ def test_what_ros_refuses_is_told_without_places_in_its_source() -> None:
 
 
 def test_arguments_that_ros_does_not_know_are_named() -> None:
-    told = refusal_of_ros(RuntimeError("['--bad']"))
+    message = refusal_of_ros(RuntimeError("['--bad']"))
     assert (
-        told
+        message
         == "ROS does not know the arguments ['--bad']: allowed is --ros-args -p name:=value, and its like"
     )

@@ -43,7 +43,7 @@ def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("left_out", "told"),
+    ("left_out", "report"),
     [
         (("use_statistics", "repeat_channels", "repeat_schemas"), "its summary has no channels"),
         (("repeat_channels", "repeat_schemas"), "0 of 1 channels are in the summary"),
@@ -52,7 +52,7 @@ def test_a_bag_without_its_metadata_is_read_whole_and_said(tmp_path: Path):
     ],
 )
 def test_a_file_whose_summary_lacks_its_channels_is_read_whole_and_said(
-    left_out: tuple[str, ...], told: str, tmp_path: Path
+    left_out: tuple[str, ...], report: str, tmp_path: Path
 ):
     written = write_bag(tmp_path / "bag", 30, {"/mocap": MocapFrame})["/mocap"]
     terse = tmp_path / "terse.mcap"
@@ -68,7 +68,7 @@ def test_a_file_whose_summary_lacks_its_channels_is_read_whole_and_said(
         writer.finish()
     reader = BagReader(terse)
     assert reader.topics == {"/mocap": "q2q_msgs/msg/MocapFrame"}
-    assert f"{told}; recovered 30 messages" in reader.repairs[0]
+    assert f"{report}; recovered 30 messages" in reader.repairs[0]
     assert all(same_signal(a.signal, b) for a, b in zip(reader.signals(), written, strict=True))
 
 

@@ -1,4 +1,4 @@
-"""Flights in other units, frames or orders, or of another vehicle, are told or refused."""
+"""Flights in other units, frames or orders, or of another vehicle, are reported or refused."""
 
 import re
 from dataclasses import replace
@@ -41,43 +41,43 @@ def test_a_sound_flight_in_gusts_gives_no_note():
     assert sensor_notes([made_flight(MADE), made_flight(replace(MADE, start=0.0))], CRAZYFLIE_2_0) == []
 
 
-def test_the_mass_that_the_thrust_carries_is_told():
+def test_the_mass_that_the_thrust_carries_is_reported():
     """The flight is one of 34 g; the commands of another vehicle would carry its weight."""
-    (told,) = sensor_notes([made_flight(MADE)], CRAZYFLIE_2_1)
-    assert "for 2 of 2 vehicles" in told
-    assert "crazyflie_2_1 weighs 27.0 g" in told
-    assert number(r"carries (\S+) g", told) == pytest.approx(34.0, abs=0.3)  # gusts of 0.1 m/s^2: 1 % of g
+    (note,) = sensor_notes([made_flight(MADE)], CRAZYFLIE_2_1)
+    assert "for 2 of 2 vehicles" in note
+    assert "crazyflie_2_1 weighs 27.0 g" in note
+    assert number(r"carries (\S+) g", note) == pytest.approx(34.0, abs=0.3)  # gusts of 0.1 m/s^2: 1 % of g
 
 
 @pytest.mark.parametrize("offset", [GRAVITY, -GRAVITY])
-def test_gravity_counted_twice_or_not_at_all_is_told(offset: float):
-    (told,) = sensor_notes([with_force(made_flight(MADE), 1.0, offset)], CRAZYFLIE_2_0)
-    assert number(r"is (\S+) m/s", told) == pytest.approx(offset, abs=0.1)  # the gusts
-    assert "9.81 m/s^2 upwards at rest" in told
+def test_gravity_counted_twice_or_not_at_all_is_reported(offset: float):
+    (note,) = sensor_notes([with_force(made_flight(MADE), 1.0, offset)], CRAZYFLIE_2_0)
+    assert number(r"is (\S+) m/s", note) == pytest.approx(offset, abs=0.1)  # the gusts
+    assert "9.81 m/s^2 upwards at rest" in note
 
 
 def test_accelerations_in_units_of_g_are_told_by_their_slope():
-    (told,) = sensor_notes([with_force(made_flight(MADE), 1.0 / GRAVITY)], CRAZYFLIE_2_0)
-    assert number(r"slope of (\S+)", told) < 1.0 / GRAVITY < number(r"slope of \S+ to (\S+)", told)
+    (note,) = sensor_notes([with_force(made_flight(MADE), 1.0 / GRAVITY)], CRAZYFLIE_2_0)
+    assert number(r"slope of (\S+)", note) < 1.0 / GRAVITY < number(r"slope of \S+ to (\S+)", note)
 
 
 @pytest.mark.parametrize("scale", [1.0, 2.0])
-def test_of_vehicles_that_only_hover_no_slope_is_told(scale: float):
+def test_of_vehicles_that_only_hover_no_slope_is_reported(scale: float):
     """Commands vary by a hundredth of the noise: whatever the units, their slope is that of the noise."""
-    hover, told = made_flight(Pass(loop=STIFF, noise=1e-6, seconds=16.0)), []
+    hover, note = made_flight(Pass(loop=STIFF, noise=1e-6, seconds=16.0)), []
     for seed in range(6):
         noise = 0.1 * np.random.default_rng(seed).standard_normal((*hover.thrust.shape, 1)) * UP
         flight = replace(hover, specific_force_body=hover.specific_force_body + noise)
-        told += sensor_notes([with_force(flight, scale)], CRAZYFLIE_2_0)
-    assert told == []
+        note += sensor_notes([with_force(flight, scale)], CRAZYFLIE_2_0)
+    assert note == []
 
 
-def test_the_weight_is_also_told_where_no_accelerometer_was_recorded():
+def test_the_weight_is_also_reported_where_no_accelerometer_was_recorded():
     flight = made_flight(MADE)
     blind = replace(flight, specific_force_body=np.full_like(flight.specific_force_body, np.nan))
     found = identify([Recording(blind)], ProcedureParams("jet", vehicle=CRAZYFLIE_2_1), lambda _: None)
-    (told,) = (one for one in found.remarks if "carries" in one)
-    assert told.startswith("the commanded thrust carries 34.0 g, and crazyflie_2_1 weighs 27.0 g")
+    (note,) = (one for one in found.remarks if "carries" in one)
+    assert note.startswith("the commanded thrust carries 34.0 g, and crazyflie_2_1 weighs 27.0 g")
 
 
 def test_a_flight_that_is_not_upright_is_refused_by_every_step():
@@ -97,22 +97,22 @@ def test_gains_that_lead_away_from_the_reference_are_not_written():
     found = identify([Recording(turned)], ProcedureParams("jet"), lambda _: None)
     assert found.file.gains is None
     assert any("the model file has no gains, as K_p -10 and K_d -5" in remark for remark in found.remarks)
-    told = summary(found)
-    assert told.count(": negative, the commands lead away from the reference") == 2
-    assert "not identifiable" not in told
-    assert re.search(r"^K_p -10\.\d+ 1/s\^2 \[-\d.*^K_d -5\.\d+ 1/s \[-\d", told, re.MULTILINE | re.DOTALL)
+    note = summary(found)
+    assert note.count(": negative, the commands lead away from the reference") == 2
+    assert "not identifiable" not in note
+    assert re.search(r"^K_p -10\.\d+ 1/s\^2 \[-\d.*^K_d -5\.\d+ 1/s \[-\d", note, re.MULTILINE | re.DOTALL)
 
 
-def test_the_parameters_of_a_jet_are_told_with_their_units():
+def test_the_parameters_of_a_jet_are_reported_with_their_units():
     fitted = [(name, Interval(0.5, 0.4, 0.6)) for name in ("strength", "spread", "upper_ratio", "slowness")]
     found = identify([Recording(made_flight(MADE))], ProcedureParams("jet"), lambda _: None)
-    told = summary(replace(found, spread=tuple(fitted)))
+    note = summary(replace(found, spread=tuple(fitted)))
     for words in ("strength 0.500 m/s^2", "spread 0.500 m/m", "upper_ratio 0.500", "slowness 0.500 s/m"):
-        assert f"\n  {words} [0.400, 0.600]" in told
+        assert f"\n  {words} [0.400, 0.600]" in note
 
 
 @pytest.mark.parametrize("filtered", [True, False])
-def test_velocities_that_are_filtered_poses_are_told(filtered: bool, tmp_path: Path):
+def test_velocities_that_are_filtered_poses_are_reported(filtered: bool, tmp_path: Path):
     flight = made_flight(MADE)
     columns = {"t": flight.t}
     for axis, name in enumerate("xyz"):
@@ -126,6 +126,6 @@ def test_velocities_that_are_filtered_poses_are_told(filtered: bool, tmp_path: P
         table, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns), comments=""
     )
     found = identify([recording_of_table(table)], ProcedureParams("jet"), lambda _: None)
-    told = [one for one in found.remarks if "record the topic state" in one]
-    assert len(told) == int(filtered)
+    note = [one for one in found.remarks if "record the topic state" in one]
+    assert len(note) == int(filtered)
     assert (abs(found.gains.k_d.value - STIFF.k_d) < 0.1) is not filtered

@@ -1,9 +1,9 @@
-"""A stopwatch goes by its clock, and tells the longest lap once."""
+"""A stopwatch goes by its clock, and reports the longest lap once."""
 
 from q2q_model.node.stopwatch import Stopwatch
 
 
-def test_laps_are_timed_from_the_last_start_and_the_longest_is_told_once() -> None:
+def test_laps_are_timed_from_the_last_start_and_the_longest_is_reported_once() -> None:
     now = [5.0]
     watch = Stopwatch(lambda: now[0])
     for lap in (0.25, 0.5, 0.125):

@@ -37,7 +37,7 @@ def test_every_vehicle_hovers_within_its_rpyt_setpoints_on_every_firmware_it_has
             assert (one.mass, one.inertia) == (vehicle.mass, vehicle.inertia)
 
 
-def test_an_rpyt_setpoint_scaled_for_another_firmware_is_told_by_the_vehicles_own_parameters() -> None:
+def test_an_rpyt_setpoint_scaled_for_another_firmware_is_reported_by_the_vehicles_own_parameters() -> None:
     own = OwnHover(mass=0.034, mass_thrust=MASS_THRUST)
     ratios = {name: hover_ratio(vehicle_by_name("crazyflie_2_0", name), own) for name in FIRMWARES}
     assert ratios["stock"] == pytest.approx(65535 / 0.48 / 132000)  # 3 % above: the firmware's own rounding

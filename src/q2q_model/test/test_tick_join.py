@@ -72,7 +72,7 @@ def test_whatever_the_order_a_tick_has_its_own_values(order: list[tuple[str, int
     assert done[-1][0][1] == 3 or any(made[0][1] == 3 for made in done)
 
 
-def test_it_tells_what_incomplete_ticks_lack() -> None:
+def test_it_reports_what_incomplete_ticks_lack() -> None:
     join: TickJoin[int] = TickJoin(("state", "reference", "interference"))
     assert join.lacking() == "state, reference, interference not received"
     for stamp in range(20):

@@ -33,10 +33,10 @@ def y_up(pos: Array) -> Array:
 @pytest.mark.parametrize("outliers", [0, 4])
 def test_a_flight_whose_y_is_up_is_doubted_and_one_whose_z_is_up_is_not(outliers: int) -> None:
     assert y_up_reason(circle(outliers)) == ""
-    told = y_up_reason(y_up(circle(outliers)))
+    output = y_up_reason(y_up(circle(outliers)))
     below = (np.sin(np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)) > -FLOOR).mean()
     shares = f"z is below -0.1 m in {below:.0%} of the positions and y in {outliers / 200:.0%}: is y up?"
-    assert told.startswith(shares)
+    assert output.startswith(shares)
 
 
 def test_an_origin_above_the_floor_and_unknown_positions_raise_no_doubt() -> None:
@@ -44,15 +44,17 @@ def test_an_origin_above_the_floor_and_unknown_positions_raise_no_doubt() -> Non
     assert y_up_reason(np.full((9, 2, 3), np.nan)) == ""
 
 
-def test_identify_tells_of_a_bag_whose_y_is_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_identify_reports_of_a_bag_whose_y_is_up(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with BagWriter(tmp_path / "turned") as bag:
         for tick, place in enumerate(y_up(circle())):
             frame = MocapFrame(0.01 * tick, ("cf1",), place[None], np.full((1, 4), np.nan))
             bag.write_signal("/mocap", 10_000_000 * tick, frame)
     given = [str(tmp_path / "turned"), "--out", str(tmp_path / "model.q2q")]
     assert identify.main(given) == 1  # it has no reference
-    told = " ".join(capsys.readouterr().err.split())  # wrapped where the terminal ends
-    assert "identify: flight turned: z is below -0.1 m in 46% of the positions and y in 0%: is y up?" in told
+    output = " ".join(capsys.readouterr().err.split())  # wrapped where the terminal ends
+    assert (
+        "identify: flight turned: z is below -0.1 m in 46% of the positions and y in 0%: is y up?" in output
+    )
 
 
 @NEEDS_DATA

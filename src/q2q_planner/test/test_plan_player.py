@@ -88,8 +88,8 @@ def test_a_vehicle_that_was_never_seen_has_no_reference_and_is_named() -> None:
 def test_vehicles_held_at_the_first_points_start_no_plan_while_the_reference_follows_them() -> None:
     room = _Room(first_points())
     room.tick()
-    told = "the reference follows the measured vehicles: glide first"
-    assert (room.player.start().granted, room.player.start().reason) == (False, told)
+    message = "the reference follows the measured vehicles: glide first"
+    assert (room.player.start().granted, room.player.start().reason) == (False, message)
     assert room.player.glide().granted
     room.tick(1.5)
     assert room.player.start().granted

@@ -228,7 +228,7 @@ def test_a_warm_start_reads_a_plan(crossing: Path, tmp_path: Path) -> None:
     assert load_plan(warm).certified
 
 
-def test_the_reduction_that_is_told_is_that_of_the_plan_that_is_written_also_from_a_warm_start(
+def test_the_reduction_that_is_reported_is_that_of_the_plan_that_is_written_also_from_a_warm_start(
     crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     other, out = tmp_path / "other.json", tmp_path / "plan.json"
@@ -236,9 +236,9 @@ def test_the_reduction_that_is_told_is_that_of_the_plan_that_is_written_also_fro
     asked = ["--model", "paper_law", "--cut", "0.5", "--starts", "1", "--warm", str(other)]
     assert main([str(crossing), *asked, "--out", str(out)]) == 0
     free, avoiding = (_predicted_rms(plan) for plan in (_free_plan(crossing, tmp_path), load(out)))
-    told = 100.0 * float((1.0 - avoiding / free).min())
+    reduction = 100.0 * float((1.0 - avoiding / free).min())
     for words in (capsys.readouterr().out, load_with_facts(out)[1].zone):
-        assert f"avoids {told:.1f} % of the predicted height error" in words
+        assert f"avoids {reduction:.1f} % of the predicted height error" in words
 
 
 def _free_plan(crossing: Path, folder: Path) -> SwarmPlan:

@@ -160,7 +160,7 @@ def own(t: float, *, company: bool) -> SwarmSetpoint:
 
 
 def flown(*, company: bool) -> list[SwarmSetpoint]:
-    """Return what our vehicle is told on its way towards the stranger; company comes and goes all the time.
+    """Return what our vehicle is commanded on its way towards the stranger; company comes and goes.
 
     From 4.7 s on it alternates between new motions and old ones, that are proven against this stranger.
     """

@@ -1,4 +1,4 @@
-"""Tests of what is told of setpoints that a replanner cannot mend."""
+"""Tests of what is reported of setpoints that a replanner cannot mend."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def setpoint(t: float, *, broken: bool = False, nan: bool = False) -> SwarmSetpo
     return SwarmSetpoint(t, NAMES, pos, zero, zero, np.zeros(2), np.zeros(2), status)
 
 
-def test_trouble_is_told_once_until_it_has_been_over_for_a_while() -> None:
+def test_trouble_is_reported_once_until_it_has_been_over_for_a_while() -> None:
     troubles = SetpointTroubles()
     lines = [
         troubles.take(setpoint(0.01 * k, broken=100 <= k < 200 or k == 400)) for k in range(int(1e2 * 16))

@@ -125,8 +125,8 @@ def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
             replanner, start = SafeReplanner(PARAMS), reference(0.0, pos, still, still)
             replanner.update(start, seen(start, 0.0 * off))
             setpoint = replace(start, t=TICK)
-            told = replanner.update(setpoint, seen(setpoint, off)).status == BROKEN
-            assert told.tolist() == [expected, False]
+            broken = replanner.update(setpoint, seen(setpoint, off)).status == BROKEN
+            assert broken.tolist() == [expected, False]
 
 
 def test_who_is_faster_than_the_tube_was_learned_for_says_so() -> None:

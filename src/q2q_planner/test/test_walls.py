@@ -154,9 +154,9 @@ def test_the_command_says_and_writes_the_proof(tmp_path: Path, capsys: pytest.Ca
     asked = [str(ways), "--out", str(out), "--json", str(facts), "--eps", "0.2"]
     box = [str(value) for value in NARROW]
     assert main([*asked, "--within", *box]) == 0
-    told = capsys.readouterr().out
-    assert "certified out of the zone for every t; least distance to it 0." in told
-    assert "certified within the walls for every t; least distance to one 0." in told
+    printed = capsys.readouterr().out
+    assert "certified out of the zone for every t; least distance to it 0." in printed
+    assert "certified within the walls for every t; least distance to one 0." in printed
     output = json.loads(facts.read_text())
     assert output["within"] is output["certified"] is True
     assert 0.0 < output["wall_clearance_m"] < 1e-3

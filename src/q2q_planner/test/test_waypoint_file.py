@@ -144,4 +144,4 @@ def assert_read_or_refused(path: Path) -> None:
         message = str(refusal)
     assert swarm or message.startswith(str(path))
     assert "\n" not in message
-    assert len(message) < len(str(path)) + 300  # whatever was given is not told in full
+    assert len(message) < len(str(path)) + 300  # whatever was given is not repeated in full

@@ -170,8 +170,8 @@ def test_a_table_whose_y_is_up_is_doubted(
         columns |= {"y": columns["z"], "z": -columns["y"]}
     _write_csv(columns, tmp_path / "flight.csv")
     assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
-    told = "  z is below -0.1 m in 45% of the positions and y in 0%: is y up?"
-    assert (told in capsys.readouterr().out) is doubted
+    report = "  z is below -0.1 m in 45% of the positions and y in 0%: is y up?"
+    assert (report in capsys.readouterr().out) is doubted
 
 
 def test_an_estimate_of_a_vehicle_is_in_the_log_of_that_vehicle():

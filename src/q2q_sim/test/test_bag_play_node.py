@@ -55,7 +55,9 @@ def played(bag: Path) -> Player:
         return player
 
 
-def test_a_bag_that_was_cut_off_is_played_and_told(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_bag_that_was_cut_off_is_played_and_reported(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     file = recorded(tmp_path / "bag")
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
     (tmp_path / "bag" / "metadata.yaml").unlink()
@@ -63,7 +65,7 @@ def test_a_bag_that_was_cut_off_is_played_and_told(tmp_path: Path, capfd: pytest
     assert "(it was not closed); recovered" in capfd.readouterr().err
 
 
-def test_a_bag_is_played_up_to_its_damage_which_is_told(
+def test_a_bag_is_played_up_to_its_damage_which_is_reported(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     file = recorded(tmp_path / "bag")
@@ -182,19 +184,19 @@ def test_a_recorded_clock_gives_way_to_that_of_the_playback(tmp_path: Path) -> N
             assert player._node.count_publishers("/clock") == 1
 
 
-def test_a_tick_without_an_answer_is_told_until_it_comes(
+def test_a_tick_without_an_answer_is_reported_until_it_comes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     recorded(tmp_path / "bag")
-    told = "no answer on interference to the last tick: does the node run that writes it?"
+    message = "no answer on interference to the last tick: does the node run that writes it?"
     with waiting_player(tmp_path / "bag", "answer:=interference") as player:
         now = [0.0]
         monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: now[0])
         player._begin()
-        for now[0], doubt in ((1.9, ""), (2.0, told), (4.0, told)):
+        for now[0], doubt in ((1.9, ""), (2.0, message), (4.0, message)):
             player._on_stall()
             assert player._health.doubts["answer"] == doubt
         assert player._tick is not None
         player._on_answer(player._tick.data)
         assert player._health.doubts["answer"] == ""
-    assert capfd.readouterr().err.count(told) == 1
+    assert capfd.readouterr().err.count(message) == 1

@@ -67,7 +67,7 @@ def test_one_that_speeds_up_once_it_is_measured_again_was_slow_when_it_was_comma
     assert not brake(two_vehicles(), replace(fast, truth=tuple(slow))).violations
 
 
-def test_the_margin_of_a_slow_vehicle_that_is_not_braked_tells_how_slow_it_is() -> None:
+def test_the_margin_of_a_slow_vehicle_that_is_not_braked_reports_how_slow_it_is() -> None:
     found = brake(two_vehicles(), level_flight(0.3 * FAST, 0.0))
     assert found.violations == ()
     assert found.margin == pytest.approx(0.7)

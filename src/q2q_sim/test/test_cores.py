@@ -11,7 +11,7 @@ from q2q_model.node.loopback import PROFILE_VARIABLES
 from q2q_sim.processes.cores import beside_chain, cores_of
 from q2q_sim.processes.dds_profile import profile_environment
 
-TELL_TIMERS = """
+PRINT_TIMERS = """
 import os
 from pathlib import Path
 import rclpy
@@ -51,7 +51,7 @@ def test_the_middleware_reads_the_profile(tmp_path: Path, monkeypatch: pytest.Mo
         monkeypatch.delenv(name, raising=False)
     core = max(os.sched_getaffinity(0))
     output = subprocess.run(
-        [sys.executable, "-c", TELL_TIMERS],
+        [sys.executable, "-c", PRINT_TIMERS],
         env={**os.environ, **profile_environment(tmp_path, {core})},
         capture_output=True,
         text=True,

@@ -160,7 +160,7 @@ def test_a_command_for_another_group_asks_nothing_of_a_vehicle():
     assert asked.words == "takeoff for another group"
 
 
-def test_old_take_offs_are_told_with_their_height_which_may_leave_the_room():
+def test_old_take_offs_are_reported_with_their_height_which_may_leave_the_room():
     pilot = Pilot(np.zeros((1, 4)))
     pilot.fly(1.0)
     asked = client_command(
@@ -188,8 +188,8 @@ def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitu
     climb = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 2.0, 0)
     there = server_packets.position((0.2, 0.0, 0.5), 0.0)
     level = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 1.0, 0.0, 0.0, 40000))
-    told = "a position that its complementary estimator does not know"
-    for estimator, impossible in ((2, ["", "", ""]), (1, [told, told, ""])):
+    message = "a position that its complementary estimator does not know"
+    for estimator, impossible in ((2, ["", "", ""]), (1, [message, message, ""])):
         pilot.firmware().parameters.set("stabilizer.estimator", estimator)
         pilot.firmware().thrust_locked = False
         found = []
@@ -201,7 +201,7 @@ def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitu
         assert found == impossible
 
 
-def test_a_thrust_that_the_firmware_takes_for_none_is_told_and_no_thrust_is_not():
+def test_a_thrust_that_the_firmware_takes_for_none_is_reported_and_no_thrust_is_not():
     pilot = Pilot(np.zeros((1, 4)))
     pilot.fly(1.0)
     for thrust, refused in (
@@ -216,7 +216,7 @@ def test_a_thrust_that_the_firmware_takes_for_none_is_told_and_no_thrust_is_not(
         assert (asked.kind, asked.refused) == (CommandKind.SETPOINT if thrust else CommandKind.OFF, refused)
 
 
-def test_a_setpoint_that_is_no_number_is_told_as_impossible_and_the_one_before_is_not_repeated():
+def test_a_setpoint_that_is_no_number_is_reported_as_impossible_and_the_one_before_is_not_repeated():
     room = LicenceRoom(LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial())
     for x in (0.25, math.nan):
         room.deliver(OpenLink(0), datagram_of(server_packets.position((x, 0.0, 0.5), 0.0)), x, (7, False))

@@ -118,7 +118,7 @@ def test_a_link_leaves_the_controller_to_the_firmware_app_and_checks_that_it_is_
         link.close()
 
 
-def test_without_a_radio_a_link_tells_the_reason_in_one_line(
+def test_without_a_radio_a_link_reports_the_reason_in_one_line(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     asked = threading.Event()

@@ -78,7 +78,7 @@ def test_a_probe_is_answered_and_makes_no_client(grounded: Pilot) -> None:
     assert vehicle.clients == ()
 
 
-def test_two_clients_have_their_own_logs_and_are_told_of_each_other(grounded: Pilot) -> None:
+def test_two_clients_have_their_own_logs_and_are_reported_each_other(grounded: Pilot) -> None:
     vehicle = grounded.fleet.vehicles[0]
     for client in ("one", "two"):
         vehicle.handle(b"\x5d\x05", client)
@@ -105,7 +105,7 @@ def test_a_silent_client_is_forgotten_and_many_clients_do_not_pile_up(grounded: 
     assert vehicle.clients == ()
 
 
-def test_what_vehicles_refuse_is_told_with_its_count_and_cause_until_they_refuse_no_more() -> None:
+def test_what_vehicles_refuse_is_reported_with_its_count_and_cause_until_they_refuse_no_more() -> None:
     pilot = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]))
     one, other = pilot.fleet.vehicles
     troubles = ClientTroubles(pilot.fleet.vehicles)

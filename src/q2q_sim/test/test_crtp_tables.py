@@ -153,7 +153,7 @@ def test_clients_find_the_lights_card_decks_and_loops_that_they_ask_for() -> Non
     assert set(logged_there.split()) <= {f"{one.group}.{one.name}" for one in VARIABLES}
 
 
-def test_decks_of_the_build_are_told_as_attached() -> None:
+def test_decks_of_the_build_are_reported_as_attached() -> None:
     output = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2", "bcUSD"))).firmware().parameters
     attached = {one.name for one in TABLE if one.group == "deck" and output[one.name] == 1}
     assert attached == {"deck.bcFlow2", "deck.bcUSD"}

@@ -140,9 +140,9 @@ def test_the_timing_of_a_flight_fits_a_terminal_of_80_columns(runs: list[FlightR
     slow = FlightTiming(360_000, 123_456, 0.012, latency_p50_ms=123.4, latency_p99_ms=1234.5)
     far = replace(runs[0].metrics, zone_time_s=1234.5)
     request = replace(runs[0].request, mode="aware_unlimited")
-    (told,) = run_notes([replace(runs[0], timing=slow, metrics=far, request=request)])
-    assert told.startswith("no limit: 1230 s in the zone, 0.012 x real time, 123456 ticks missed,\n")
-    assert max(map(len, told.splitlines())) <= 80
+    (message,) = run_notes([replace(runs[0], timing=slow, metrics=far, request=request)])
+    assert message.startswith("no limit: 1230 s in the zone, 0.012 x real time, 123456 ticks missed,\n")
+    assert max(map(len, message.splitlines())) <= 80
 
 
 def test_the_page_on_recorded_flights_pictures_the_typical_one_and_lists_all(

@@ -46,7 +46,7 @@ def test_the_interval_holds_the_slope_in_95_of_100_draws() -> None:
     assert 0.915 <= inside / 400 <= 0.985  # 3.2 standard deviations of 400 draws
 
 
-def test_what_a_short_flight_cannot_tell_is_undecided() -> None:
+def test_what_a_short_flight_cannot_show_is_undecided() -> None:
     """A minute of the same noise: the interval of its slope is 60^1.5 times as wide as an hour's."""
     noise = np.random.default_rng(6).standard_normal(120)
     found = growth(MEMORY, np.linspace(0.0, 60.0, 120), 100.0 + noise)

@@ -123,7 +123,7 @@ def test_a_loss_is_where_the_vehicle_is_farthest_from_its_setpoint() -> None:
     assert largest_loss(replace(flight, safe_pos=moved)).size == LOST
 
 
-def test_the_sentence_tells_loss_causes_rest_and_the_flight_without_the_first() -> None:
+def test_the_sentence_reports_loss_causes_rest_and_the_flight_without_the_first() -> None:
     assert explanation_sentence(FOUND) == (
         "cf1 is 83 cm below its setpoint at 3.2 s: 61 cm (55 to 67 cm) by downwash, 10 cm (8.0 to 12 cm) by "
         "latency, 12 cm with none of the causes; flown again with only downwash taken out: 20 cm."
@@ -132,9 +132,9 @@ def test_the_sentence_tells_loss_causes_rest_and_the_flight_without_the_first() 
     assert ": 61 cm by downwash, 12 cm with none" in explanation_sentence(certain)
     assert explanation_sentence(replace(FOUND, shares=())).endswith("by none of the known causes.")
     helped = (*FOUND.shares, CauseShare("wind", -0.05, -0.06, -0.04), CauseShare("control", 0.04, 0.0, 0.08))
-    told = explanation_sentence(replace(FOUND, shares=helped))
-    assert "-5.0 cm (-6.0 to -4.0 cm) by wind" in told
-    assert "control" not in told  # less than a twentieth of the loss
+    printed = explanation_sentence(replace(FOUND, shares=helped))
+    assert "-5.0 cm (-6.0 to -4.0 cm) by wind" in printed
+    assert "control" not in printed  # less than a twentieth of the loss
 
 
 def test_first_causes_of_accidents_are_named_first() -> None:
@@ -211,8 +211,10 @@ def test_a_bag_that_another_flight_left_is_refused(kept: Path, capsys: pytest.Ca
     for wrong in ("0", "nan", "inf", "long"):
         metadata.write_text(text.replace("duration: '1.5'", f"duration: '{wrong}'"))
         assert main([str(kept)]) == 1
-        told = capsys.readouterr().err
-        assert told == f"explain: {kept}: duration '{wrong}' in its metadata: seconds, above 0, are allowed\n"
+        printed = capsys.readouterr().err
+        assert (
+            printed == f"explain: {kept}: duration '{wrong}' in its metadata: seconds, above 0, are allowed\n"
+        )
     metadata.write_text(text)
 
 
@@ -258,8 +260,8 @@ def test_a_scenario_is_that_of_the_metadata() -> None:
     assert (in_wake.air, in_wake.wake) == ("", "paper")
     without = flown_scenario(replace(facts, air="room without residual without wind"), Path())
     assert (without.air, without.air_without) == ("room", ("residual", "wind"))
-    for told, length in (("", 40.0), ("47.5", 47.5), ("0.5", 0.5)):  # without one, that of the scenario
-        assert flown_scenario(replace(facts, duration=told), Path()).duration == length
+    for stated, length in (("", 40.0), ("47.5", 47.5), ("0.5", 0.5)):  # without one, that of the scenario
+        assert flown_scenario(replace(facts, duration=stated), Path()).duration == length
 
 
 @pytest.mark.parametrize(("left", "faults", "gusts", "first"), [

@@ -100,7 +100,7 @@ def test_commands_cut_in_tilt_alone_show_no_limit_of_thrust(flight: Flight) -> N
     assert list(thrust_limits([PlotCurve(replace(tilted, thrust=thrust), "", 0.6)])) == [0.6]
 
 
-def test_a_limit_far_from_the_curves_is_told_and_does_not_flatten_them(flight: Flight) -> None:
+def test_a_limit_far_from_the_curves_is_reported_and_does_not_flatten_them(flight: Flight) -> None:
     axes = draw(KINDS["thrust"], [PlotCurve(flight, "flown", 2.0)], "cf1").axes[0]
     assert axes.get_ylim()[1] < 0.4
     assert "limit 2 N, out of view" in [line.get_label() for line in axes.lines]

@@ -45,7 +45,7 @@ def refusing(message: str) -> Callable[[Trigger.Request, Trigger.Response], Trig
     return answer
 
 
-def told(ticks: str) -> DiagnosticArray:
+def diagnostics(ticks: str) -> DiagnosticArray:
     """Return the diagnostics of some simulator with a number of ticks."""
     values = [KeyValue(key="ticks", value=ticks)]
     return DiagnosticArray(status=[DiagnosticStatus(name="/other/simulator", values=values)])
@@ -101,9 +101,9 @@ def test_a_start_that_is_refused_ends_the_flight_with_the_answer() -> None:
 
 def test_ticks_that_are_no_count_and_a_clock_that_is_none_leave_the_last_ticks() -> None:
     with own_domain(), FlightDirector(lambda: None) as director:
-        director._on_diagnostics(told("12"))
+        director._on_diagnostics(diagnostics("12"))
         for ticks in ("12.5", "", "many", "-1"):
-            director._on_diagnostics(told(ticks))
+            director._on_diagnostics(diagnostics(ticks))
         assert director.ticks == 12
         director._on_clock(Clock(clock=Time(sec=1, nanosec=2**32 - 1)))
         assert director.ticks == 12

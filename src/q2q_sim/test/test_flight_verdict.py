@@ -71,7 +71,7 @@ def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:
     assert output(flown(path * [1.0, 1.0, 0.0], path)).startswith("cf1 hit the floor at 0.0 s")
 
 
-def test_commands_that_end_before_the_flight_are_told_first_as_they_came_first() -> None:
+def test_commands_that_end_before_the_flight_are_reported_first_as_they_came_first() -> None:
     status = np.zeros((TICKS, 2))
     status[T > 3.995] = np.nan
     fallen = moved(5.0, 20.0, 0, (0.0, 0.0, 0.0))
@@ -110,7 +110,7 @@ def test_ticks_without_a_command_are_counted_where_nobody_else_counted_them() ->
     assert output(flown(status=status)) == "40 of 1000 ticks were missed"
 
 
-def test_an_emergency_stop_and_a_blind_landing_are_told() -> None:
+def test_an_emergency_stop_and_a_blind_landing_are_reported() -> None:
     cut = np.zeros((TICKS, 2))
     cut[T > 6.995] = CommandStatus.CUT
     assert output(flown(status=cut)) == "cf1's motors were cut at 7.0 s; cf2's motors were cut at 7.0 s"
@@ -120,7 +120,7 @@ def test_an_emergency_stop_and_a_blind_landing_are_told() -> None:
     assert output(flown(moved(8.0, 20.0, 1, (0.0, 1.0, 0.0)), status=landing)) == "cf2 landed blind at 8.0 s"
 
 
-def test_what_was_not_recorded_is_not_judged_and_told() -> None:
+def test_what_was_not_recorded_is_not_judged_and_reported() -> None:
     nowhere = np.full_like(HOVER, np.nan)
     no_plan = output(flown(ref_pos=nowhere))
     assert no_plan == "ok: 10.0 s flown to the end; not judged: floor and room (no reference recorded)"
@@ -130,8 +130,8 @@ def test_what_was_not_recorded_is_not_judged_and_told() -> None:
 
 def test_a_vehicle_without_positions_for_a_while_is_not_judged_then() -> None:
     nan = (np.nan, np.nan, np.nan)
-    told = "ok: 10.0 s flown to the end; not judged: cf2 from 3.0 to 8.0 s (no position recorded)"
-    assert output(flown(moved(3.0, 8.0, 1, nan))) == told
+    message = "ok: 10.0 s flown to the end; not judged: cf2 from 3.0 to 8.0 s (no position recorded)"
+    assert output(flown(moved(3.0, 8.0, 1, nan))) == message
     assert output(flown(moved(9.0, 20.0, 0, nan))).endswith("cf1 from 9.0 to 10.0 s (no position recorded)")
     assert output(flown(moved(3.0, 3.4, 1, nan))) == "ok: 10.0 s flown to the end"
 
@@ -175,7 +175,7 @@ def test_a_flight_that_was_to_last_longer_is_not_ok(planned: str, said: str) -> 
     assert str(with_planned_end(verdict_of(recorded, AROUND, 0), recorded, planned)) == said
 
 
-def test_several_flights_are_told_in_one_line_by_their_names() -> None:
+def test_several_flights_are_reported_in_one_line_by_their_names() -> None:
     fine = FlightVerdict(5.0)
     assert verdict_line([("aware", fine)]) == "verdict: ok: 5.0 s flown to the end"
     fallen = verdict_of(flown(moved(5.6, 5.8, 1, (0.0, 1.0, 0.0))), AROUND)

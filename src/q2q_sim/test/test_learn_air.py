@@ -82,22 +82,24 @@ def test_the_jet_and_its_travel_are_found() -> None:
     assert abs(found.term.upper_ratio) < 0.05  # the upper vehicle of these flights feels nothing
 
 
-def test_the_values_told_of_a_jet_are_those_of_its_term_and_within_the_search(pairs: list[AirRecord]) -> None:
+def test_the_values_reported_a_jet_are_those_of_its_term_and_within_the_search(
+    pairs: list[AirRecord],
+) -> None:
     found = jet_term([replace(one, measured=one.measured & (one.motion.t < 12.0)[:, None]) for one in pairs])
     assert found is not None
-    told, term = {one.path: one for one in found.values}, found.term
+    values, term = {one.path: one for one in found.values}, found.term
     axis = float(push_in_table(term, np.array([0.4]), np.zeros(1))[0])
-    assert told["jet.push_mps2"].value == axis
+    assert values["jet.push_mps2"].value == axis
     for name, (low, high) in {
         "travel_speed_mps": (1.0, 1e3),
         "carried": (0.0, 1.5),
         "slope": (0.0, 1.5),
     }.items():
-        one = told[f"jet.{name}"]
+        one = values[f"jet.{name}"]
         assert one.value == getattr(term, name)
         assert one.ends is None or low <= one.ends[0] <= one.value <= one.ends[1] <= high, name
-    assert told["jet.push_mps2"].ends is not None
-    assert told["jet.push_mps2"].ends[0] < axis < told["jet.push_mps2"].ends[1]
+    assert values["jet.push_mps2"].ends is not None
+    assert values["jet.push_mps2"].ends[0] < axis < values["jet.push_mps2"].ends[1]
 
 
 def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> None:
@@ -113,10 +115,10 @@ def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> Non
     found = jet_term(flights)
     assert found is not None
     assert (found.term.travel_speed_mps, found.term.carried, found.term.slope) == (4.0, 0.8, 1.0)
-    told = {one.path: one for one in found.values}
+    values = {one.path: one for one in found.values}
     for path in ("jet.travel_speed_mps", "jet.carried", "jet.slope"):
-        assert told[path].ends is None
-        assert told[path].source == "not shown by these flights: the default"
+        assert values[path].ends is None
+        assert values[path].source == "not shown by these flights: the default"
     known = float(push_in_table(wide_jet(), np.array([0.45]), np.zeros(1))[0])
     assert float(push_in_table(found.term, np.array([0.45]), np.zeros(1))[0]) == pytest.approx(
         known, rel=0.05

@@ -104,7 +104,7 @@ def test_the_drag_of_rotors_is_found_from_the_force_across_their_thrust() -> Non
     found = rotor_drag_term([felt])
     assert found is not None
     assert found.term.per_s == pytest.approx(0.41)
-    assert found.values[0].rows == 6000  # the vehicle that hovers does not tell
+    assert found.values[0].rows == 6000  # the vehicle that hovers does not determine it
     assert rotor_drag_term([replace(felt, clear=np.zeros_like(record.clear))]) is None
 
 

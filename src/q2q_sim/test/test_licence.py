@@ -191,7 +191,7 @@ def test_vehicles_without_starts_stand_in_as_few_rows_as_the_room_has_space_for(
     np.testing.assert_allclose(np.unique(places[:, 0]), [-1.5, -0.5, 0.5, 1.5])
 
 
-def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_path: Path):
+def test_a_deadlock_and_a_wait_outside_the_clock_are_reported_with_their_lines(tmp_path: Path):
     params = LicenceParams(((0.0, 0.0, 0.0),))
     deadlock = hop(
         tmp_path, "import threading\n    lock = threading.Lock(); lock.acquire()\n    lock.acquire()"
@@ -205,7 +205,7 @@ def test_a_deadlock_and_a_wait_outside_the_clock_are_told_with_their_lines(tmp_p
     assert flight.findings[0].why.endswith("for input, a socket or a process on line 13")
 
 
-def test_an_error_of_a_callback_that_cflib_catches_is_told_where_the_program_waits_for_it(tmp_path: Path):
+def test_an_error_of_a_callback_that_cflib_catches_is_reported_where_the_program_waits_for_it(tmp_path: Path):
     wait = """
     import threading
     from cflib.crazyflie.log import LogConfig
@@ -245,7 +245,7 @@ def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
     assert flight.log.output.splitlines()[-2:] == ["20.0", "30.0 2026 True"]
 
 
-def test_a_process_that_dies_is_told_with_its_signal_or_status(tmp_path: Path):
+def test_a_process_that_dies_is_reported_with_its_signal_or_status(tmp_path: Path):
     kill = hop(tmp_path, "import os, signal; os.kill(os.getpid(), signal.SIGKILL)")
     order = FlightOrder(kill, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
     (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))

@@ -61,5 +61,5 @@ def test_a_score_takes_no_program(judged: list[Namespace], capsys: pytest.Captur
     with pytest.raises(SystemExit) as left:
         main(["--score", "test/licence_scripts", "--", "pair.py"])
     assert (left.value.code, judged) == (2, [])
-    told = "licence: give either a program or --score FOLDER; see --help\n"
-    assert capsys.readouterr().err == told
+    message = "licence: give either a program or --score FOLDER; see --help\n"
+    assert capsys.readouterr().err == message

@@ -1,4 +1,4 @@
-"""An error of the simulator is that of one flight: it is told as what it is, and the other flights go on."""
+"""An error of the simulator is that of one flight: it is reported as such, and the other flights go on."""
 
 from dataclasses import replace
 from math import inf
@@ -68,7 +68,7 @@ def test_the_flight_has_the_error_though_the_program_catches_it_and_the_next_one
 ) -> None:
     failed, flew = flights
     assert failed.error is not None
-    assert failed.error.told.startswith("Traceback")
+    assert failed.error.trace.startswith("Traceback")
     assert (failed.error.sentence, failed.findings, failed.passed) == (NO_ROW, (), False)
     assert (flew.error, flew.passed) == (None, True)
 
@@ -87,8 +87,8 @@ def test_it_is_named_in_text_xml_json_and_page(
     assert [suite.get(one) for one in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
     error = suite.find(f"testcase[@name='{GAP.words}']/error")
     assert error is not None
-    assert (error.get("message"), error.text) == (NO_ROW, failed.error.told)
-    assert f"'error': {failed.error.told!r}" in str(licence_json(found))
+    assert (error.get("message"), error.text) == (NO_ROW, failed.error.trace)
+    assert f"'error': {failed.error.trace!r}" in str(licence_json(found))
     page = write_licence_page(found, tmp_path).read_text(encoding="utf-8")
     assert page.count(NO_ROW) == 2  # verdict and row
 

@@ -83,7 +83,7 @@ def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_lin
     assert f"hits the floor at {fall:.1f}" in found[1].what
 
 
-def test_motors_that_stop_for_a_packet_between_two_commanders_are_not_told():
+def test_motors_that_stop_for_a_packet_between_two_commanders_are_not_reported():
     log = hover()
     log.running[500:504] = False
     assert broken_rules(log, LIMITS) == ()
@@ -130,7 +130,7 @@ def test_a_vehicle_leaves_the_room_through_each_wall_and_the_ceiling(axis: int):
     assert broken_rules(log, LIMITS) == ()
 
 
-def test_a_target_outside_the_room_is_told_when_it_is_asked_for():
+def test_a_target_outside_the_room_is_reported_when_it_is_asked_for():
     far = command(3.0, CommandKind.PLAN, "go_to", pos=(0.0, 0.0, 60.0))
     log = hover()
     log.pos[700:, 0, 2] = 3.0
@@ -161,7 +161,7 @@ def test_a_vehicle_that_lands_on_another_is_the_cause_of_their_collision():
     assert (found.rule, found.why) == ("collision", "for cf2, the last command was land at 7.00 s, line 7")
 
 
-def test_of_two_that_collide_in_flight_the_command_of_each_is_told():
+def test_of_two_that_collide_in_flight_the_command_of_each_is_reported():
     log = hover(2)
     log.pos[UP, 1, 1] = 0.1
     go_to = replace(command(1.5, CommandKind.PLAN, "go_to"), vehicle=1)
@@ -171,7 +171,7 @@ def test_of_two_that_collide_in_flight_the_command_of_each_is_told():
     assert second == "for cf2, the last command was go_to at 1.50 s, line 7"
 
 
-def test_a_vehicle_levelled_out_once_is_not_told_and_one_levelled_out_often_is():
+def test_a_vehicle_levelled_out_once_is_not_reported_and_one_levelled_out_often_is():
     log = hover()
     log.state[300:350] = State.LEVEL_OUT
     assert broken_rules(log, LIMITS) == ()
@@ -179,7 +179,7 @@ def test_a_vehicle_levelled_out_once_is_not_told_and_one_levelled_out_often_is()
     assert [one.rule for one in broken_rules(log, LIMITS)] == ["setpoints"]
 
 
-def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_told():
+def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_reported():
     turn = command(3.0, CommandKind.PLAN, "go_to", yaw_rad=90.0)
     log = hover()
     assert [one.rule for one in broken_rules(replace(log, commands=(turn,)), LIMITS)] == ["yaw"]
@@ -194,20 +194,22 @@ def test_a_yaw_of_more_than_a_turn_a_spin_and_a_flight_without_end_are_told():
     assert [one.rule for one in broken_rules(endless, LIMITS)] == ["end"]
 
 
-@pytest.mark.parametrize(("step", "told"), [(0.25, False), (math.radians(45.0), False), (45.0, True)])
-def test_a_program_may_count_its_turns_in_radians(step: float, *, told: bool) -> None:
+@pytest.mark.parametrize(("step", "is_refused"), [(0.25, False), (math.radians(45.0), False), (45.0, True)])
+def test_a_program_may_count_its_turns_in_radians(step: float, *, is_refused: bool) -> None:
     turns = tuple(command(3.0 + 0.1 * k, CommandKind.PLAN, "go_to", yaw_rad=k * step) for k in range(50))
-    assert [one.rule for one in broken_rules(replace(hover(), commands=turns), LIMITS)] == ["yaw"] * told
+    assert [one.rule for one in broken_rules(replace(hover(), commands=turns), LIMITS)] == [
+        "yaw"
+    ] * is_refused
 
 
-def test_what_no_vehicle_can_follow_is_told_with_its_line():
+def test_what_no_vehicle_can_follow_is_reported_with_its_line():
     lost = command(3.0, CommandKind.PLAN, "start_trajectory", impossible="trajectory 2, which is not defined")
     found = broken_rules(replace(hover(), commands=(lost,)), LIMITS)
     sentence = "at 3.00 s cf1 is asked for trajectory 2, which is not defined: start_trajectory, line 7"
     assert [one.sentence for one in found] == [sentence]
 
 
-def test_a_vehicle_that_stays_down_is_told_with_the_reason():
+def test_a_vehicle_that_stays_down_is_reported_with_the_reason():
     log = hover(2)
     log.pos[:, 1, 2] = 0.0
     refused = replace(command(1.0, CommandKind.PLAN, "takeoff", refused="not armed"), vehicle=1)
@@ -230,7 +232,7 @@ def test_errors_count_except_on_the_floor_after_a_fault():
     assert [one.rule for one in broken_rules(replace(failed, trial=stale, end=flying), LIMITS)] == ["program"]
 
 
-def test_a_program_that_does_not_end_is_told_with_the_lines_on_which_it_waits():
+def test_a_program_that_does_not_end_is_reported_with_the_lines_on_which_it_waits():
     end = ProgramEnd(9.9, overdue=True, waiting=(44, 22))
     assert broken_rules(replace(hover(), end=end), LIMITS)[0].why == "it waits on line 44 and line 22"
     outside = replace(end, waiting=(3,), outside=True)

@@ -41,15 +41,15 @@ def test_the_programs_of_a_folder_are_judged_all_or_those_named(
     assert capsys.readouterr().out.endswith("\n1 of 1 programs judged rightly\n")
 
 
-@pytest.mark.parametrize(("only", "told"), [
+@pytest.mark.parametrize(("only", "message"), [
     (["swarm_step"], "swarm_step (did you mean swarm_steps?)"),
     (["x", "no_land"], "x (known are hop, swarm_steps, no_landing), no_land (did you mean no_landing?)"),
 ])  # fmt: skip
 def test_a_name_that_no_program_has_is_refused_before_any_is_judged(
-    folder: Path, only: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    folder: Path, only: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["--score", str(folder), "--only", *only]) == 2
-    assert capsys.readouterr() == ("", f"licence: --only: {folder} has no program {told}\n")
+    assert capsys.readouterr() == ("", f"licence: --only: {folder} has no program {message}\n")
 
 
 def test_a_folder_without_programs_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -74,7 +74,7 @@ def test_vertical_and_lateral_gains_are_read_from_the_size_of_the_force():
     assert law.attitude.frequency == pytest.approx(65.0, abs=10.0)  # a delay is not quite this loop
 
 
-def test_rows_under_a_wake_do_not_tell_the_attitude_loop():
+def test_rows_under_a_wake_do_not_determine_the_attitude_loop():
     flight = agile()
     rows = flight.t < 7.0
     tipped = flight.quat.copy()

@@ -44,33 +44,33 @@ def test_initial_speed_extends_the_reach():
 
 
 def test_a_short_step_a_quick_one_and_a_jump_are_told_apart():
-    def told(*pieces: Piece, backwards: bool = False) -> str:
+    def refusal(*pieces: Piece, backwards: bool = False) -> str:
         return reach_violation(Piecewise(pieces, 0.0, backwards=backwards), np.zeros(3), CRAZYFLIE_2_0)
 
-    assert told(rest_to_rest(0.05, 0.0, 0.0, 0.05)) == ""  # a small step of a PositionHlCommander
-    assert told(rest_to_rest(0.0, 0.0, 0.5, 0.5)) == ""
+    assert refusal(rest_to_rest(0.05, 0.0, 0.0, 0.05)) == ""  # a small step of a PositionHlCommander
+    assert refusal(rest_to_rest(0.0, 0.0, 0.5, 0.5)) == ""
     beyond = math.hypot(2.0, 0.5 * GRAVITY * 0.16) - 0.5 * FULL * 0.16
-    assert told(rest_to_rest(2.0, 0.0, 0.0, 0.4)).startswith(f"a place that is {beyond:.2f} m farther")
+    assert refusal(rest_to_rest(2.0, 0.0, 0.0, 0.4)).startswith(f"a place that is {beyond:.2f} m farther")
     first, second = rest_to_rest(1.0, 0.0, 0.0, 2.0), rest_to_rest(0.0, 0.0, 0.0, 2.0)
     for backwards in (False, True):
-        jumps = told(first, second, backwards=backwards)
+        jumps = refusal(first, second, backwards=backwards)
         assert jumps == "a trajectory that jumps by 1.00 m between two pieces"
-    assert told(second, rest_to_rest(1.0, 0.0, 0.0, 2.0)) == ""
+    assert refusal(second, rest_to_rest(1.0, 0.0, 0.0, 2.0)) == ""
     nothing = Piece(2.0, np.full((4, 8), math.nan))
-    assert told(nothing, nothing) == ""
+    assert refusal(nothing, nothing) == ""
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0])
 def test_a_plan_without_duration_is_away_by_its_distance_to_the_goal_before(duration: float):
     here = np.array([0.5, -0.3, 1.0])
 
-    def told(x: float, y: float, z: float) -> str:
+    def refusal(x: float, y: float, z: float) -> str:
         return reach_violation(Piecewise((rest_to_rest(x, y, z, duration),), 3.0), here, CRAZYFLIE_2_0)
 
-    assert told(0.5, -0.3, 1.0) == told(0.5, -0.3, 1.14) == told(0.36, -0.3, 1.0) == ""
+    assert refusal(0.5, -0.3, 1.0) == refusal(0.5, -0.3, 1.14) == refusal(0.36, -0.3, 1.0) == ""
     farther = "m farther than full thrust takes it in that time"
-    assert told(0.5, 0.9, 0.5) == f"a place that is 1.30 {farther}"
-    assert told(0.5, -0.3, 1.16) == f"a place that is 0.16 {farther}"
+    assert refusal(0.5, 0.9, 0.5) == f"a place that is 1.30 {farther}"
+    assert refusal(0.5, -0.3, 1.16) == f"a place that is 0.16 {farther}"
 
 
 def hovering(height: float) -> Pilot:

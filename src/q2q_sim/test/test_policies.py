@@ -39,10 +39,10 @@ def test_a_flight_without_faults_keeps_every_policy() -> None:
 
 
 def test_a_violation_says_what_was_measured_and_its_unit() -> None:
-    told = {policy: str(Violation(policy, "cf1", 8.97, 1.8932, 1.5)) for policy in POLICIES}
-    assert told["room"] == "room: cf1 at 8.97 s: 1.893 m from its setpoint, at most 1.5 m is allowed"
-    assert told["silence"] == "silence: cf1 at 8.97 s: no command for 1.893 s, at most 1.5 s is allowed"
-    assert [policy for policy, words in told.items() if "allowed is 1.5" in words] == ["numbers"]
+    texts = {policy: str(Violation(policy, "cf1", 8.97, 1.8932, 1.5)) for policy in POLICIES}
+    assert texts["room"] == "room: cf1 at 8.97 s: 1.893 m from its setpoint, at most 1.5 m is allowed"
+    assert texts["silence"] == "silence: cf1 at 8.97 s: no command for 1.893 s, at most 1.5 s is allowed"
+    assert [policy for policy, words in texts.items() if "allowed is 1.5" in words] == ["numbers"]
     not_finite = Violation("numbers", "cf1's thrust", float("nan"), float("nan"), 0.0)
     assert str(not_finite) == "numbers: cf1's thrust"
     assert str(Violation("told", "cf1", 1.0, 0.07, 0.06)).endswith(
@@ -195,7 +195,7 @@ def test_batteries_that_leave_too_little_thrust_to_come_back_excuse(
     assert ("return" in broken(away, replace(AROUND, faults=sagging))) == judged
 
 
-def test_a_violation_tells_who_when_and_how_much() -> None:
+def test_a_violation_reports_who_when_and_how_much() -> None:
     change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
     (found,) = judge(evidence_of(map(change, received())), AROUND)
     assert (found.policy, found.who, found.limit) == ("tilt", "cf3", 0.36)
@@ -260,9 +260,9 @@ def test_policies_of_which_a_bag_has_nothing_are_named_and_positions_are_the_fil
             if one.topic in topics.split():
                 writer.write_signal(f"/{one.topic}", round(one.at * 1e9), one.signal)
     assert tool.main([str(tmp_path / "bag"), "--scenario", "stack3"]) == status
-    told = capsys.readouterr()
-    assert said[0] in told.out
-    assert told.err.strip().endswith(f"has nothing of them: {said[1]}")
+    texts = capsys.readouterr()
+    assert said[0] in texts.out
+    assert texts.err.strip().endswith(f"has nothing of them: {said[1]}")
 
 
 def test_without_truth_a_vehicle_that_is_lost_is_nowhere() -> None:

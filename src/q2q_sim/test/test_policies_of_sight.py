@@ -126,7 +126,7 @@ def test_commands_that_end_in_the_air_are_silence_but_where_the_recording_ends_w
 def test_a_vehicle_on_the_ground_needs_no_commands_nor_one_that_comes_down_without(
     since: float, until: float
 ) -> None:
-    """It has landed, is carried away, or its own commander lands it; of falls tells the policy `floor`."""
+    """It has landed, is carried away, or its own commander lands it; the policy `floor` reports falls."""
     down = only("truth", changed(SwarmState, since, until, pos=with_row(1, np.array([0.0, 0.0, 0.05]))))
     found = silent_in(map(down, without_commands(received(), 3.0 - 0.005, np.inf)))
     assert found == dict.fromkeys((SCENARIO.names[0], SCENARIO.names[2]), 5.0)

@@ -107,8 +107,8 @@ def test_a_tube_file_gives_the_tube_back_and_a_wrong_one_names_its_key(tmp_path:
     file.write_text(json.dumps(to_plain(tube)))
     assert read_tube(file) == tube
     assert not different_conditions(tube, CONDITIONS)
-    told = different_conditions(tube, replace(CONDITIONS, jerk_max=0.0))
-    assert told == [f"jerk_max = 0.0, of the tube {CONDITIONS.jerk_max}"]
+    reported = different_conditions(tube, replace(CONDITIONS, jerk_max=0.0))
+    assert reported == [f"jerk_max = 0.0, of the tube {CONDITIONS.jerk_max}"]
     file.write_text(json.dumps(to_plain(tube)).replace('"vertical"', '"upwards"'))
     with pytest.raises(ValueError, match=r"upwards"):
         read_tube(file)
@@ -149,15 +149,15 @@ def test_the_tube_of_stack3_keeps_the_promise_that_is_broken_without_it() -> Non
     scenario = replace(library.load("stack3"), duration=12.0)
 
     def broken(flown: Scenario) -> float:
-        told: list[bool] = []
+        reported: list[bool] = []
 
         def hear(topic: str, _: int, signal: Signal) -> None:
             if topic == "reference_safe" and isinstance(signal, SwarmSetpoint):
-                told.append(bool((signal.status == SetpointStatus.PROMISE_BROKEN).any()))
+                reported.append(bool((signal.status == SetpointStatus.PROMISE_BROKEN).any()))
 
         model = find_model(flown.model).interaction
         fly(flown, FlightOptions(replan="safe", model=model, on_signal=hear))
-        return float(np.mean(told))
+        return float(np.mean(reported))
 
     loop = {"pid": scenario.overrides["pid"]}
     assert broken(replace(scenario, overrides=loop)) > 0.01

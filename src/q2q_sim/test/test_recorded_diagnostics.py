@@ -21,7 +21,7 @@ def bag_of(folder: Path, output: list[tuple[str, Level, str]]) -> Path:
     return folder / "bag"
 
 
-def test_a_node_is_as_bad_as_its_worst_second_and_tells_its_last_values(tmp_path: Path):
+def test_a_node_is_as_bad_as_its_worst_second_and_reports_its_last_values(tmp_path: Path):
     output = [("/pid", Level.OK, "99"), ("/pid", Level.WARN, "80"), ("/pid", Level.STALE, "0")]
     (life,) = recorded_lives(bag_of(tmp_path, output))
     assert (life.node, life.seconds, life.warned, life.worst) == ("/pid", 3, 1, Level.WARN)

@@ -26,7 +26,7 @@ def test_types_that_do_not_exist_are_refused_before_a_bag_is_made() -> None:
         recorded_types((), ("/words:std_msgs/msg/Nope",), by_header=False)
 
 
-def test_silent_topics_are_told_if_they_were_asked_for_or_none_came() -> None:
+def test_silent_topics_are_reported_if_they_were_asked_for_or_none_came() -> None:
     assert silent_topics_note((), ("/mocap",)) == ""
     assert silent_topics_note(("/mocap",), ("/mocap",)) == ""
     assert silent_topics_note(("/mocap", "/pose"), ("/mocap",)).startswith("no message came on /pose:")

@@ -30,7 +30,7 @@ def passed(sag: Array) -> Flight:
     return replace(FlightRecording(("cf1", "cf2"), len(T)).flight("made"), t=T, true_pos=pos, ref_pos=ref)
 
 
-def test_a_sag_that_grows_after_the_pass_is_told_at_its_deepest() -> None:
+def test_a_sag_that_grows_after_the_pass_is_reported_at_its_deepest() -> None:
     sag = 0.09 * np.exp(-0.5 * ((T - 5.5) / 1.0) ** 2)  # deepest 1.5 s after the pass
     assert headline(passed(sag)) == "cf1 pushed 9 cm down at 5.5 s"
 

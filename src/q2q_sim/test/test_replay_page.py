@@ -156,24 +156,24 @@ def test_measured_downwash_is_shown_while_a_vehicle_is_under_another():
     assert with_measured_downwash(seen, lambda: record) is seen, "what is recorded is not replaced"
 
 
-def test_the_force_of_another_vehicle_is_not_shown_and_told(
+def test_the_force_of_another_vehicle_is_not_shown_and_reported(
     flight: Flight, capsys: pytest.CaptureFixture[str]
 ):
     assert measured_force(Recording(flight), CRAZYFLIE_2_0) is None
-    told = capsys.readouterr().err
-    assert told.startswith("replay_page: no downwash is shown: flight ")
-    assert "times the weight of crazyflie_2_0" in told
+    output = capsys.readouterr().err
+    assert output.startswith("replay_page: no downwash is shown: flight ")
+    assert "times the weight of crazyflie_2_0" in output
 
 
 def test_a_part_of_a_bag_has_the_times_of_the_bag(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    told = []
+    output = []
     for part in ([], ["--start", "12.5"]):
         file = tmp_path / "page.html"
         assert main([str(ROOT / "bags" / "table2_1"), *part, "--out", str(file)]) == 0
-        told.append(capsys.readouterr().out.splitlines()[0])
+        output.append(capsys.readouterr().out.splitlines()[0])
         assert f'"since":{12.5 if part else 0.0}' in file.read_text(encoding="utf-8")
-    assert told[0] == told[1]
-    assert "cf1 pushed 17 cm down at 21.6 s" in told[0]
+    assert output[0] == output[1]
+    assert "cf1 pushed 17 cm down at 21.6 s" in output[0]
 
 
 def test_four_runs_are_refused(run: ReplayRun):

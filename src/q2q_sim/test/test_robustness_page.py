@@ -1,4 +1,4 @@
-"""Perturbations change what they say, and the page of the robustness tells what is worse than ignoring."""
+"""Perturbations change what they say, and the page of the robustness shows what is worse than ignoring."""
 
 from argparse import Namespace
 from dataclasses import replace

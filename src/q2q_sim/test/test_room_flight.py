@@ -163,20 +163,22 @@ def test_live_the_timer_advances_the_room_with_the_command_that_arrived() -> Non
     assert timing.real_time_factor == pytest.approx(1.0)  # from the first tick on
 
 
-def test_live_vehicles_that_no_command_reached_for_2_s_are_told_as_locked_until_one_without_thrust() -> None:
+def test_live_vehicles_that_no_command_reached_for_2_s_are_reported_as_locked_until_one_without_thrust() -> (
+    None
+):
     flown = flight(Wall(), replace(PARAMS, pace="live"), duration=5.0)
     assert flown.locked == ""
     flown.start()
-    told = {}
+    locks = {}
     for tick in range(300):
         flown.on_timer()
-        told[tick] = flown.locked
+        locks[tick] = flown.locked
         if tick in {220, 250}:
             flown.receive(encode(command(0.3 if tick < 250 else 0.0), tick * TICK_NS))
     why = "motors locked by 2 s without a command, or from the start, until one has no thrust"
     locked = f"{', '.join(SCENARIO.names)}: {why}: start the simulator last"
-    assert {tick for tick, text in told.items() if text} == set(range(202, 251))
-    assert set(told.values()) == {"", locked}
+    assert {tick for tick, text in locks.items() if text} == set(range(202, 251))
+    assert set(locks.values()) == {"", locked}
 
 
 def test_a_command_that_is_not_finite_is_refused_and_the_flight_goes_on() -> None:

@@ -54,8 +54,8 @@ def test_controller_nodes_fly_the_vehicle_of_the_scenario() -> None:
     loaded = [library.load(name) for name in library.names()]
     upgraded = with_firmware(library.load("stack3"), "thrust_upgrade")
     for one in filter(None, (*loaded, *(scenario.in_air for scenario in loaded), upgraded)):
-        told = assembly.controller_parameters(one, assembly.Options())
-        assert vehicle_by_name(str(told["vehicle"]), str(told["firmware"])) == one.vehicle
+        parameters = assembly.controller_parameters(one, assembly.Options())
+        assert vehicle_by_name(str(parameters["vehicle"]), str(parameters["firmware"])) == one.vehicle
 
 
 @pytest.mark.parametrize(

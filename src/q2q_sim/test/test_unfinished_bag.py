@@ -96,9 +96,9 @@ def test_a_flight_whose_disk_was_full_is_not_ok_and_says_what_is_missing(
     document = runs_json([run])
     assert isinstance(document, dict)
     assert isinstance(document["runs"], list)
-    (told,) = document["runs"]
-    assert isinstance(told, dict)
-    assert (told["ok"], told["verdict"]) == (False, sentence)
+    (found,) = document["runs"]
+    assert isinstance(found, dict)
+    assert (found["ok"], found["verdict"]) == (False, sentence)
 
 
 def test_a_bag_in_which_nothing_can_be_read_is_an_error_with_its_reason(
@@ -124,8 +124,8 @@ def test_who_reads_a_cut_bag_later_learns_that_its_end_is_unknown(
     record_on_full_disk(messages, bag, 0.5, tmp_path / "nodes" / "bag_record.log")
     flown = flown_vehicle(tmp_path / "whole", "crazyflie_2_0")
     with pytest.warns(BagRepairWarning):
-        told = verdicts([report_bag(bag, flown)])
-    assert told.startswith("verdict: the recording was cut off at ")
+        found = verdicts([report_bag(bag, flown)])
+    assert found.startswith("verdict: the recording was cut off at ")
     assert verdicts([report_bag(tmp_path / "whole", flown)]) == "verdict: ok: 4.0 s flown to the end"
     with pytest.warns(BagRepairWarning) as warned:
         evidence_in(bag)

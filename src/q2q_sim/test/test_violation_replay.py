@@ -17,7 +17,7 @@ from q2q_sim.scenarios import library
 TILTED = Violation("tilt", "cf1", 1.0, 0.5, 0.36)
 
 
-def test_a_violation_is_told_and_marked(tmp_path: Path):
+def test_a_violation_is_reported_and_marked(tmp_path: Path):
     scenario = replace(library.load("table6"), duration=2.0)
     topics: dict[str, list[Signal]] = {}
     options = closed_loop.FlightOptions(
@@ -31,7 +31,7 @@ def test_a_violation_is_told_and_marked(tmp_path: Path):
     assert '"events":[{"t":1.0,"words":"cf1, tilt"}]' in page
 
 
-def test_the_faults_of_a_run_are_told_with_their_units(tmp_path: Path):
+def test_the_faults_of_a_run_are_reported_with_their_units(tmp_path: Path):
     weak = Fault("weak_rotor", 1.0, 0.25, ("cf1",), 0.1)
     off = Fault("outlier", 0.5, 0.0, (), 0.3)
     scenario = replace(library.load("table6"), duration=0.1, faults=(weak, off))
@@ -41,8 +41,8 @@ def test_the_faults_of_a_run_are_told_with_their_units(tmp_path: Path):
     )
     closed_loop.fly(scenario, options)
     write_replay(tmp_path / "7.html", scenario, topics, [TILTED])
-    told = f"{TILTED}. Faults: weak_rotor 0.1 on cf1 at 1.0 s for 0.25 s, outlier 0.3 m at 0.5 s"
-    assert told in (tmp_path / "7.html").read_text()
+    message = f"{TILTED}. Faults: weak_rotor 0.1 on cf1 at 1.0 s for 0.25 s, outlier 0.3 m at 0.5 s"
+    assert message in (tmp_path / "7.html").read_text()
 
 
 def test_a_run_that_crashed_at_once_has_no_replay(tmp_path: Path):

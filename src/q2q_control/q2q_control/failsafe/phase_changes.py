@@ -1,9 +1,9 @@
 """Changes of the phases of the failsafe ladder (q2q_control.failsafe.ladder), for a log.
 
 A vehicle's phase is the status of its command: HOLD, LEVEL, LAND or CUT; else the controller flies it. The
-same change of the same vehicles is told once, and again after SETTLED_S without any phase or in a new flight.
-After a landing of LANDED commands all is told again: each is an event, and the log would end with the first.
-Shorter ones may flicker, where two sources with clocks of their own send motion capture.
+same change of the same vehicles is reported once, and again after SETTLED_S without any phase or in a new
+flight. After a landing of LANDED commands all is reported again: each is an event, and the log would end
+with the first. Shorter ones may flicker, where two sources with clocks of their own send motion capture.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCo
 EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
 FAILSAFE_CUT = "motors cut, not measured for cut_s: restart this node to fly"
 SETTLED_S = 10.0
-"""Time without a phase after which changes are told again [s]: one dropout after another is one event."""
+"""Time without a phase after which changes are reported again [s]: one dropout after another is one event."""
 LANDED = 30
 """Commands that land a vehicle without one that flies it, 0.3 s at 100 Hz: in flight it sinks by 3 cm."""
 FLOWN = CommandStatus.OK
@@ -40,13 +40,13 @@ class PhaseChange:
 
 
 class PhaseChanges:
-    """Phase of every vehicle, and the changes that were told."""
+    """Phase of every vehicle, and the changes that were reported."""
 
     def __init__(self) -> None:
         self._names: Names = ()
         self._phases: Status = np.zeros(0, dtype=np.uint8)
         self._landing = np.zeros(0)  # commands that land each vehicle
-        self._told: set[PhaseChange] = set()
+        self._reported: set[PhaseChange] = set()
         self._t = -np.inf  # stamp of the newest command with a phase [s]
 
     @property
@@ -69,19 +69,19 @@ class PhaseChanges:
         return "; ".join(str(PhaseChange(one, names)) for one in _PHASES if (names := self._having(one)))
 
     def take(self, command: SwarmCommand) -> tuple[PhaseChange, ...]:
-        """Return the changes that come with a command and are to be told."""
+        """Return the changes that come with a command and are to be reported."""
         phases = _PHASE_OF[command.status]
         if phases.any():
             if not -SET_BACK_S <= command.t - self._t <= SETTLED_S:
                 self._names, self._phases = (), phases[:0]
-                self._told.clear()
+                self._reported.clear()
             self._t = command.t
         before = rows_by_name(self._phases, self._names, command.names, FLOWN)
         self._count_landing(command.names, phases)
         self._names, self._phases = command.names, phases
         found = [PhaseChange(one, self._having(one, phases != before)) for one in (FLOWN, *_PHASES)]
-        new = tuple(one for one in found if one.names and one not in self._told)
-        self._told.update(new)
+        new = tuple(one for one in found if one.names and one not in self._reported)
+        self._reported.update(new)
         return new
 
     def _count_landing(self, names: Names, phases: Status) -> None:
@@ -89,7 +89,7 @@ class PhaseChanges:
         landing = rows_by_name(self._landing, self._names, names)
         flown = phases == FLOWN
         if (flown & (landing >= LANDED)).any():
-            self._told.clear()
+            self._reported.clear()
         self._landing = np.where(flown, 0.0, landing + (phases == CommandStatus.LAND))
 
     def _having(self, phase: CommandStatus, among: Mask | bool = True) -> Names:

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState, TrackStatus, rows_by_name
 
 FAR_M = 1.0
-"""Distance from a setpoint that is told [m]: no downwash or gust of a flight under control makes it."""
+"""Distance from a setpoint that is reported [m]: no downwash or gust of a flight under control makes it."""
 
 _ELSEWHERE = "far from their setpoints: {}: does the plan begin where they fly?"
 _BROUGHT_DOWN = "far from their setpoints, brought down by the failsafe: {}"
@@ -32,14 +32,14 @@ def distances_text(away: Mapping[str, float]) -> str:
 
 
 class FarSetpointMonitor:
-    """Which vehicles are far from their setpoints, told once for the same vehicles."""
+    """Which vehicles are far from their setpoints, reported once for the same vehicles."""
 
     def __init__(self) -> None:
-        self._told: frozenset[str] = frozenset()
+        self._reported: frozenset[str] = frozenset()
         self._brought_down: set[str] = set()  # by the failsafe, and not back since
 
     def look(self, state: SwarmState, setpoint: SwarmSetpoint, brought_down: Names = ()) -> tuple[str, bool]:
-        """Return who is far from its setpoint, empty if nobody is, and whether these were not told before.
+        """Return who is far from its setpoint, empty if nobody is, and whether these are new.
 
         Args:
             state: measured vehicles.
@@ -48,7 +48,7 @@ class FarSetpointMonitor:
         """
         far = far_setpoints(state, setpoint)
         self._brought_down = self._brought_down.intersection(far).union(brought_down)
-        new, self._told = not self._told.issuperset(far), frozenset(far)
+        new, self._reported = not self._reported.issuperset(far), frozenset(far)
         return self._words(far), new
 
     def _words(self, far: dict[str, float]) -> str:

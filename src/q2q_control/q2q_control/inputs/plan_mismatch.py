@@ -3,7 +3,7 @@
 A preview of another plan, or of one in other time, is not followed: setpoints off their plan are extrapolated
 (q2q_control.inputs.preview).
 
-| plan when it comes | compared with | told |
+| plan when it comes | compared with | reported |
 |---|---|---|
 | begins a year or more before or after a setpoint | its stamp | until the next plan |
 | runs, or begins later | the first setpoint: a replanner may move later ones | until setpoints are near it |
@@ -12,7 +12,7 @@ A preview of another plan, or of one in other time, is not followed: setpoints o
 Setpoints near the end of a plan that is over hold there, as they do for a controller that starts after the
 plan has ended: nothing is wrong. A plan of another time base (one clock counts since 1970, one since its
 machine started) would be taken for such a one, or for one that begins later. A clock that is wrong by less
-than a year is not told while the setpoints stay near the plan's end.
+than a year is not reported while the setpoints stay near the plan's end.
 """
 
 import numpy as np
@@ -45,15 +45,15 @@ class PlanMismatchMonitor:
     def __init__(self) -> None:
         self._plan: SampledPreview | None = None  # still to be compared
         self._over: float | None = None  # when it came [s]; None before the first setpoint
-        self._told, self._is_new = "", True
+        self._message, self._is_new = "", True
 
     def take_plan(self, plan: SampledPreview) -> None:
         """Take a plan, to compare it with the setpoints from now on."""
         self._plan, self._over = plan, None
-        self._told, self._is_new = "", True
+        self._message, self._is_new = "", True
 
     def look(self, setpoint: SwarmSetpoint) -> tuple[str, bool]:
-        """Return what is wrong with the plan, empty if nothing is, and whether it was not told before."""
+        """Return what is wrong with the plan, empty if nothing is, and whether it was not reported before."""
         plan = self._plan
         if plan is None:
             return "", False
@@ -61,14 +61,14 @@ class PlanMismatchMonitor:
             self._over = setpoint.t - (plan.start + plan.step * (plan.samples.shape[1] - 1))
         is_over = self._over > OVER_S
         if abs(plan.start - setpoint.t) > YEAR_S:
-            return self._tell(_OTHER_CLOCK.format(plan.start, setpoint.t))
+            return self._report(_OTHER_CLOCK.format(plan.start, setpoint.t))
         if far := far_from_plan(plan, setpoint):
-            return self._tell(_OVER.format(self._over, far) if is_over else _ELSEWHERE.format(far))
-        self._told, self._plan = "", plan if is_over else None
+            return self._report(_OVER.format(self._over, far) if is_over else _ELSEWHERE.format(far))
+        self._message, self._plan = "", plan if is_over else None
         return "", False
 
-    def _tell(self, told: str) -> tuple[str, bool]:
-        """Return what was told first since all was well, and whether nothing of this plan was before."""
-        self._told = self._told or told
+    def _report(self, message: str) -> tuple[str, bool]:
+        """Return what was reported first since all was well, and whether nothing of this plan was before."""
+        self._message = self._message or message
         is_new, self._is_new = self._is_new, False
-        return self._told, is_new
+        return self._message, is_new

@@ -9,7 +9,7 @@ the model, so the margin is for their errors. With
 
     w = min(0.736 / 0.06 s, 0.65 / h)
 
-poles stay within the unit circle for 50 ms of latency that nobody told, for a thrust lag of 0.03 to 0.14 s
+poles stay within the unit circle for 50 ms of latency that nobody stated, for a thrust lag of 0.03 to 0.14 s
 believed to be 0.07 s, and for half to one and a half times the believed thrust (test_correction); a stage of
 the horizon is at most 0.65 rad.
 

@@ -1,7 +1,8 @@
 """Mailbox of packets that are sent by its own thread.
 
 cflib's radio driver blocks while the radio is busy. In the mailbox a newer setpoint or pose replaces an older
-one, so that a slow radio costs rate, not delay. A packet that cannot be sent is told, the next one is sent.
+one, so that a slow radio costs rate, not delay. A packet that cannot be sent is reported, the
+next one is sent.
 """
 
 import threading
@@ -14,7 +15,7 @@ class Mailbox:
 
     def __init__(self, name: str) -> None:
         self._log: list[str] = []
-        self._told: set[type[Exception]] = set()
+        self._reported: set[type[Exception]] = set()
         self._waiting: dict[str, Callable[[], None]] = {}
         self._serial = count()
         self._change = threading.Condition()
@@ -68,9 +69,9 @@ class Mailbox:
             send()
         except Exception as error:  # noqa: BLE001
             if not isinstance(error, OSError):  # the link reports its own loss
-                self._tell_once(error)
+                self._log_once(error)
 
-    def _tell_once(self, error: Exception) -> None:
-        if type(error) not in self._told:
-            self._told.add(type(error))
+    def _log_once(self, error: Exception) -> None:
+        if type(error) not in self._reported:
+            self._reported.add(type(error))
             self._log.append(f"a packet was not sent, as will others of this error be: {error!r}")

@@ -1,6 +1,6 @@
 """Guard of a controller node: an emergency service, the hand-over in flight and, live, a watch on the clock.
 
-Live, a timer checks every TICK_S for a missing tick. DDS events (deadline, liveliness) would tell 7 ms
+Live, a timer checks every TICK_S for a missing tick. DDS events (deadline, liveliness) would report 7 ms
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
 When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller starts anew.
 """
@@ -84,12 +84,12 @@ class GuardedCommands:
             self._guard.begin_flight()
 
     def _look_for_far_setpoints(self) -> None:
-        """Tell vehicles that are far from their setpoints."""
+        """Log vehicles that are far from their setpoints."""
         if self._flown is not None:
-            told, new = self._far.look(*self._flown, self._changes.brought_down)
-            self._wiring.health.doubts["setpoints"] = told
+            message, new = self._far.look(*self._flown, self._changes.brought_down)
+            self._wiring.health.doubts["setpoints"] = message
             if new:
-                self._node.get_logger().warning(told)
+                self._node.get_logger().warning(message)
 
     def _lateness(self, stamp: float) -> float:
         return self._stamp_delay.lateness(stamp, monotonic())
@@ -102,7 +102,7 @@ class GuardedCommands:
         fallen = int(command.status.max(initial=0)) > _SATURATED
         self._wiring.health.fallbacks += fallen
         if fallen or self._changes.active:
-            self._tell(command)
+            self._log_changes(command)
 
     def _check(self) -> None:
         """Send the command that is due."""
@@ -113,18 +113,18 @@ class GuardedCommands:
         if command is not None:
             self._wiring.publish(stamp_from_time(command.t), command)
             self._wiring.health.fallbacks += 1
-            self._tell(command)
+            self._log_changes(command)
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         command = self._guard.cut()
         if command is not None:
-            self._changes.take(command)  # told here, for all vehicles in one line
+            self._changes.take(command)  # logged here, for all vehicles in one line
         self._send(command)
         self._wiring.health.failure = EMERGENCY_CUT
         self._node.get_logger().error(EMERGENCY_CUT)
         return response
 
-    def _tell(self, command: SwarmCommand) -> None:
+    def _log_changes(self, command: SwarmCommand) -> None:
         """Log the phases of the failsafe ladder that begin with a command; keep the present ones."""
         log, health = self._node.get_logger(), self._wiring.health
         for change in self._changes.take(command):

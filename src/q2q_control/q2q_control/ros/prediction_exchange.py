@@ -36,7 +36,7 @@ class PredictionExchange:
         self._waits = True
         self._silent: Names = ()
         self._own = OwnPredictions()
-        self._told: set[Names] = set()
+        self._warned: set[Names] = set()
         self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
         self._node = node
 
@@ -79,15 +79,15 @@ class PredictionExchange:
             self._wiring.health.refuse(f"{TOPIC}: {refusal}")
 
     def _look_for_neighbours(self) -> None:
-        """Tell which neighbours are silent, and that others fly own vehicles."""
+        """Report which neighbours are silent, and that others fly own vehicles."""
         self._wiring.health.doubts[f"{TOPIC} doubled"] = self._doubled()
         silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
         names = ", ".join(silent)
-        told = f"{TOPIC}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
+        report = f"{TOPIC}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
         if silent and silent != self._silent:
-            self._node.get_logger().warning(told)
+            self._node.get_logger().warning(report)
         self._silent = silent
-        self._wiring.health.doubts[TOPIC] = told if silent else ""
+        self._wiring.health.doubts[TOPIC] = report if silent else ""
 
     def _doubled(self) -> str:
         """Return which own vehicles another node predicts, empty for none; warn of it the first time."""
@@ -95,11 +95,11 @@ class PredictionExchange:
         if not doubled:
             return ""
         writers = ", ".join(writers_of(self._node, TOPIC))
-        told = f"{TOPIC}: another node flies {', '.join(doubled)}, too; stop one ({writers} write it)"
-        if doubled not in self._told:
-            self._told.add(doubled)
-            self._node.get_logger().warning(told)
-        return told
+        report = f"{TOPIC}: another node flies {', '.join(doubled)}, too; stop one ({writers} write it)"
+        if doubled not in self._warned:
+            self._warned.add(doubled)
+            self._node.get_logger().warning(report)
+        return report
 
 
 def _stamp_of(message: PredictionMessage) -> int:

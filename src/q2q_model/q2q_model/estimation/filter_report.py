@@ -7,7 +7,7 @@ from q2q_model.signals.values import Names
 
 
 class FrameTrouble(NamedTuple):
-    """Vehicles of which a frame was wrong, or told nothing."""
+    """Vehicles of which a frame was wrong, or said nothing."""
 
     exchanged: Names = ()
     """They were found under the names of others."""

@@ -96,7 +96,7 @@ def identify(
     gains, remarks = _gains(records, recordings, params.vehicle)
     loop, known = _loop(gains, flown, params.vehicle)
     on_step("pushes")
-    pushes, told = _pushes(recordings, params.vehicle)
+    pushes, notes = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
     evidence = [DownwashEvidence(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
@@ -124,7 +124,7 @@ def identify(
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
         file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, evidence)),
-        remarks=tuple(chain(*holes, remarks, told, no_decay, omitted, failed, unfit, on_zone, doubted)),
+        remarks=tuple(chain(*holes, remarks, notes, no_decay, omitted, failed, unfit, on_zone, doubted)),
     )
 
 
@@ -184,8 +184,8 @@ def _pushes(
     records = [force_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
     pushes = [tuple(force_samples(record)) if record is not None else () for record in records]
     sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
-    told = sensor_notes([one.flight for one in recordings], vehicle)
-    return pushes, [*told, *lag_note(sampled, vehicle.thrust_lag)]
+    notes = sensor_notes([one.flight for one in recordings], vehicle)
+    return pushes, [*notes, *lag_note(sampled, vehicle.thrust_lag)]
 
 
 def _gains(
@@ -208,12 +208,12 @@ def _gains(
             rms=found.rms,
             from_commands=False,
         )
-        told = [f"gains are from trajectories, downwash and lag included: {missing}"]
-        return fit, [*told, *_feed_forward_note(records)]
+        notes = [f"gains are from trajectories, downwash and lag included: {missing}"]
+        return fit, [*notes, *_feed_forward_note(records)]
 
 
 def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
-    """Return a note if a controller may have compensated downwash, and no commands tell how much of it."""
+    """Return a note if a controller may have compensated downwash, and no commands show how much of it."""
     if not any((np.nan_to_num(record.feed_forward) != 0.0).any() for record in records):
         return []
     return [
@@ -289,5 +289,5 @@ def _learned_zone(
         reasons.append(f"is the range of the model, where its downwash still exceeds {threshold:g} m/s^2")
     if zone.d > flown:
         reasons.append(f"lies beyond the largest gap flown, {flown:.2f} m: it is extrapolated")
-    told = f"zone from the downwash: d = {zone.d:.2f} m {', and '.join(reasons)}"
-    return zone, [told] if reasons else []
+    note = f"zone from the downwash: d = {zone.d:.2f} m {', and '.join(reasons)}"
+    return zone, [note] if reasons else []

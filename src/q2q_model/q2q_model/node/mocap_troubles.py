@@ -7,7 +7,7 @@ the markers.
 from q2q_model.estimation.filter_report import FrameTrouble
 
 LASTING = 0.35
-"""Time after which trouble is told [s]: rooms exchange names, and repeat frames, for less."""
+"""Time after which trouble is reported [s]: rooms exchange names, and repeat frames, for less."""
 
 _WORDS = {
     "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
@@ -19,7 +19,7 @@ _WORDS = {
 
 
 class MocapTroubles:
-    """Lasting trouble of the frames so far, and what of it was told."""
+    """Lasting trouble of the frames so far, and what of it was reported."""
 
     def __init__(self) -> None:
         self.text = ""

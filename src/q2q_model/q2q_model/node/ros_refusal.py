@@ -9,7 +9,9 @@ QUOTED = """text in a list is quoted: -p "uris:=['radio://0/80/2M/E7E7E7E701']\"
 
 def refusal_of_ros(error: RuntimeError) -> str:
     """Return in one line why ROS did not start, without places in its source."""
-    told = SOURCE.sub("", str(error)).replace("failed to initialize rcl: ", "")
-    if told.startswith("["):
-        return f"ROS does not know the arguments {told}: allowed is --ros-args -p name:=value, and its like"
-    return f"{told}; {QUOTED}" if "parameter override" in told else told
+    message = SOURCE.sub("", str(error)).replace("failed to initialize rcl: ", "")
+    if message.startswith("["):
+        return (
+            f"ROS does not know the arguments {message}: allowed is --ros-args -p name:=value, and its like"
+        )
+    return f"{message}; {QUOTED}" if "parameter override" in message else message

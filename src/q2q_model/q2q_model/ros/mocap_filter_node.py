@@ -49,7 +49,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
         lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()}
     )
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
-    wiring.after_publish(_tell(node, wiring.health, block))
+    wiring.after_publish(_trouble_log(node, wiring.health, block))
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
     wiring.listen("mocap", StalledStampWarning(node, "mocap").look)
@@ -57,16 +57,16 @@ def build(node: Node) -> TickWiring[SwarmState]:
     return wiring
 
 
-def _tell(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
+def _trouble_log(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
     """Return a listener that logs, and keeps in `health`, what motion capture gets wrong for long."""
     troubles = MocapTroubles()
 
-    def tell(_: int, state: SwarmState) -> None:
+    def log(_: int, state: SwarmState) -> None:
         if line := troubles.take(state.t, block.trouble):
             node.get_logger().warning(line)
         health.doubts["mocap"] = troubles.text
 
-    return tell
+    return log
 
 
 def main() -> None:

@@ -33,7 +33,7 @@ def run(args: Namespace) -> int:
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found, seconds = _run(args, Console(stderr=True))
     report_file = args.json or args.out.with_suffix(".json")
-    write_json(_as_json(found, seconds), report_file)  # first: it tells why a model is refused
+    write_json(_as_json(found, seconds), report_file)  # first: it says why a model is refused
     save(args.out, found.file)
     pictures = [] if args.no_plots else _draw(found, report_file.with_suffix(""))
     print(summary(found))

@@ -7,26 +7,28 @@ import numpy as np
 from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
 
 SETTLED_S = 10.0
-"""Time without trouble after which it is told as over, and anew if it comes back [s]."""
+"""Time without trouble after which it is reported as over, and anew if it comes back [s]."""
 BROKEN = int(SetpointStatus.PROMISE_BROKEN)
 
 
 class SetpointTroubles:
-    """Trouble of the last setpoints, and what of it was told."""
+    """Trouble of the last setpoints, and what of it was reported."""
 
     def __init__(self) -> None:
         self.text = ""
         """Trouble of the last setpoints; empty if there is none."""
-        self._last = -np.inf  # stamp of the last troubled setpoints, until it is told that they are over [s]
+        self._last = (
+            -np.inf
+        )  # stamp of the last troubled setpoints, until it is reported that they are over [s]
 
     def take(self, setpoint: SwarmSetpoint) -> str:
         """Return what to log of new setpoints; empty if nothing has changed."""
         self.text = trouble_of(setpoint)
-        told = self._last > -np.inf
+        reported = self._last > -np.inf
         if self.text:
             self._last = setpoint.t
-            return "" if told else self.text
-        if told and not 0.0 <= setpoint.t - self._last <= SETTLED_S:
+            return "" if reported else self.text
+        if reported and not 0.0 <= setpoint.t - self._last <= SETTLED_S:
             self._last = -np.inf
             return f"setpoints have been sound for {SETTLED_S:g} s"
         return ""

@@ -63,7 +63,7 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
         legs = _one_by_one(names, here, there, (params, zone), order)
         if legs is not None:
             return replace(_joined(names, legs), certified=True)
-    raise ValueError(_told(proof, zone))
+    raise ValueError(_refusal(proof, zone))
 
 
 def wrap_angles(angle: Array) -> Array:
@@ -132,7 +132,7 @@ def _duration(here: Array, there: Array, params: GlideParams) -> float:
     return max(PEAK_SPEED * length / params.glide_speed, PEAK_YAW_RATE * turn / TURN_MAX, params.glide_s)
 
 
-def _told(proof: Certificate, zone: Cylinder) -> str:
+def _refusal(proof: Certificate, zone: Cylinder) -> str:
     if proof.not_computed:
         return f"no glide is proven: {proof.not_computed}"
     pair = " and ".join(proof.pair or ())

@@ -44,7 +44,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         node, {"reference": SwarmSetpoint, "state": SwarmState}, ("reference_safe", SwarmSetpoint)
     )
     wiring.rehearse(block.update, block.reset)
-    wiring.after_publish(_tell(node, wiring.health))
+    wiring.after_publish(_trouble_log(node, wiring.health))
     wiring.start(block.update)
     return wiring
 
@@ -61,16 +61,16 @@ def _block(node: Node, law: str) -> Replanner:
     return field
 
 
-def _tell(node: Node, health: Health) -> Callable[[int, SwarmSetpoint], None]:
+def _trouble_log(node: Node, health: Health) -> Callable[[int, SwarmSetpoint], None]:
     """Return a listener that logs, and keeps in `health`, what is wrong with setpoints."""
     troubles = SetpointTroubles()
 
-    def tell(_: int, setpoint: SwarmSetpoint) -> None:
+    def log(_: int, setpoint: SwarmSetpoint) -> None:
         if line := troubles.take(setpoint):
             node.get_logger().warning(line)
         health.doubts["reference_safe"] = troubles.text
 
-    return tell
+    return log
 
 
 def main() -> None:

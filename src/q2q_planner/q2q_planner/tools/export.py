@@ -62,8 +62,8 @@ def check_upload_of(swarm: Sequence[VehicleWaypoints], folder: Path, others: Ite
         check_pieces(vehicle.name, len(vehicle.waypoints) - 1)
         path = upload_path(folder, vehicle.name)
         if path.resolve() in taken:
-            told = f"{path} is {vehicle.name}'s file of --upload"
-            raise ValueError(f"{told}: give the other output another name")
+            message = f"{path} is {vehicle.name}'s file of --upload"
+            raise ValueError(f"{message}: give the other output another name")
 
 
 def check_pieces(name: str, pieces: int) -> None:

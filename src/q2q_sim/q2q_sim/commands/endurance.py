@@ -1,4 +1,4 @@
-"""Fly many vehicles for long, and tell whether memory, handles, threads, bag and clock stay flat.
+"""Fly many vehicles for long, and report whether memory, handles, threads, bag and clock stay flat.
 
 In lockstep the flight is as fast as the machine allows; with --live it takes its time, and the clock is
 compared with the wall clock as well. The exit status is 1 unless every quantity is flat.

@@ -18,17 +18,17 @@ class ClientTroubles:
 
     def __init__(self, vehicles: Sequence[CrtpVehicle]) -> None:
         self._vehicles = vehicles
-        self._told = [_Counts()] * len(vehicles)
+        self._reported = [_Counts()] * len(vehicles)
 
     def look(self) -> str:
         """Return what each vehicle has refused since the last call, and why; empty if nothing."""
-        before = self._told
-        self._told = [_Counts(one.refusals.count, one.displaced) for one in self._vehicles]
-        told = map(_told, self._vehicles, before, self._told)
-        return "; ".join(one for one in told if one)
+        before = self._reported
+        self._reported = [_Counts(one.refusals.count, one.displaced) for one in self._vehicles]
+        reports = map(_refusals, self._vehicles, before, self._reported)
+        return "; ".join(one for one in reports if one)
 
 
-def _told(vehicle: CrtpVehicle, before: _Counts, now: _Counts) -> str:
+def _refusals(vehicle: CrtpVehicle, before: _Counts, now: _Counts) -> str:
     refused, displaced = now.refused - before.refused, now.displaced - before.displaced
     found = [f"packets refused: {refused} ({vehicle.refusals.last})"] if refused else []
     if displaced:

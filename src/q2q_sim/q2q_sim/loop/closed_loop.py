@@ -89,7 +89,7 @@ def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Fl
         answer = _answer(blocks, tick, state, downwash if options.mode != "ignoring" else None)
         blocks.sense(imu)
         _record(recording, tick, answer, downwash)
-        _tell(options.on_signal, tick, answer, downwash)
+        _report(options.on_signal, tick, answer, downwash)
         room.advance(answer.command)
     return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
 
@@ -139,7 +139,7 @@ def _record(recording: FlightRecording, tick: Tick, answer: BlockSignals, downwa
     recording.command(number, answer.command)
 
 
-def _tell(on_signal: Listener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
+def _report(on_signal: Listener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
     signals: dict[str, Signal] = {"mocap": tick.frame, "state": answer.state, "interference": downwash}
     signals |= {"reference": answer.planned, "reference_safe": answer.given, "command": answer.command}
     for topic, signal in signals.items():

@@ -36,7 +36,7 @@ COMMANDS_END_S = 0.5
 EARLY_S = 0.5
 """Time that a flight to the end may lack [s]: live, the last ticks are lost when the nodes end."""
 UNSEEN_S = 0.5
-"""Time without a position of a vehicle from which it is told [s]: longer than the dropouts of a room."""
+"""Time without a position of a vehicle from which it is reported [s]: longer than the dropouts of a room."""
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
 """Policies that decide on the outcome of a flight."""
 WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left its path"}

@@ -13,7 +13,7 @@ from q2q_sim.monitors.exposure import AFTER, FORGOTTEN, exposed
 from q2q_sim.monitors.metrics import tick_period
 
 SAG_SHOWN = 0.02
-"""Smallest height below the reference that is told [m]: a hover wanders as much."""
+"""Smallest height below the reference that is reported [m]: a hover wanders as much."""
 
 
 def sag_under_another(flight: Flight, pos: Array, ref_pos: Array) -> Array:

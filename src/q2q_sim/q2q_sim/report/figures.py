@@ -176,7 +176,7 @@ def _draw_reference(axes: Axes, quantity: Quantity, flight: Flight, name: str) -
 
 
 def _draw_limit(axes: Axes, limit: float, words: str) -> None:
-    """Draw a limit near the curves; tell one that is far from them in the legend alone."""
+    """Draw a limit near the curves; name one that is far from them in the legend alone."""
     low, high = axes.get_ylim()
     if low - NEAR * (high - low) <= limit <= high + NEAR * (high - low):
         axes.axhline(limit, linestyle=":", color=palette.REFERENCE, label=words, linewidth=1.5)

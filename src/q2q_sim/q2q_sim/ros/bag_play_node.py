@@ -131,8 +131,10 @@ class Player:
         try:
             found = _class_of(kind)
         except (ImportError, AttributeError) as missing:
-            told = f"{topic} holds {kind}, which is not installed here: name the topics to play, e.g. topics"
-            raise ValueError(f"{told}:=[mocap]; the bag has {', '.join(self._reader.topics)}") from missing
+            report = (
+                f"{topic} holds {kind}, which is not installed here: name the topics to play, e.g. topics"
+            )
+            raise ValueError(f"{report}:=[mocap]; the bag has {', '.join(self._reader.topics)}") from missing
         quality = LATCHED if topic in self._latched else TICK_WRITER
         return self._node.create_publisher(found, topic.strip("/"), quality)
 
@@ -202,9 +204,9 @@ class Player:
     def _on_stall(self) -> None:
         if self._tick is not None and self._resend.is_due(monotonic()):
             self._writers[self._tick.topic].publish(self._tick.data)
-            told = f"no answer on {self._params.answer} to the last tick: does the node run that writes it?"
-            self._health.doubts[ANSWER] = told
-            self._node.get_logger().warning(told, once=True)
+            report = f"no answer on {self._params.answer} to the last tick: does the node run that writes it?"
+            self._health.doubts[ANSWER] = report
+            self._node.get_logger().warning(report, once=True)
 
     def _play_tick(self) -> None:
         self._resend.begin(monotonic())

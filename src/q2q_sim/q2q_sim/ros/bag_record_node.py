@@ -67,7 +67,7 @@ class Recorder:
         self._take_latched: dict[str, Callable[[], None]] = {}
         """How to subscribe anew to a topic that is not known to be latched."""
         self._foreign: dict[str, str] = {}
-        """Topics of other software and their types, until their first message tells how they are offered."""
+        """Topics of other software and their types, until their first message shows how they are offered."""
         self.health = Health()
         """Messages stored (ticks) and lost (missed)."""
         self._lost: dict[str, int] = {}

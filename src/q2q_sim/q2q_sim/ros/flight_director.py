@@ -226,5 +226,5 @@ class FlightDirector:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.name.endswith(SOURCES):
-                told = next((pair.value for pair in status.values if pair.key == "ticks"), "0")
-                self._ticks = int(told) if told.isdecimal() else self._ticks
+                reported = next((pair.value for pair in status.values if pair.key == "ticks"), "0")
+                self._ticks = int(reported) if reported.isdecimal() else self._ticks

@@ -163,8 +163,10 @@ class Simulator:
         writers = writers_of(self._node, COMMAND) if doubled else []
         if len(writers) < 2:
             return ""
-        told = f"{COMMAND}: two nodes fly {', '.join(doubled)}: stop one, or give each `vehicles` of its own"
-        return f"{told} ({', '.join(writers)} write it)"
+        message = (
+            f"{COMMAND}: two nodes fly {', '.join(doubled)}: stop one, or give each `vehicles` of its own"
+        )
+        return f"{message} ({', '.join(writers)} write it)"
 
 
 def main() -> None:

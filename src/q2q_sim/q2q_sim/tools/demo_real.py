@@ -56,7 +56,7 @@ class DemoFlights:
 def run(args: Namespace) -> int:
     """Fit, score, fly and write the page; return the exit status."""
     flights = find_flights(args.real)
-    _tell(flights.origin)
+    _print_note(flights.origin)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         scores = score_flights(flights)
     _print_scores(scores)
@@ -100,13 +100,13 @@ def _family(flight: str) -> str:
 def score_flights(flights: DemoFlights) -> HeldOutScores:
     """Return the model of the taught flights, and the scores of all flights without it."""
     vehicle = vehicle_of(flights.taught).vehicle
-    _tell(f"a force that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
+    _print_note(f"a force that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
     taught = _samples(flights.taught, vehicle)
     further = _samples(flights.further, vehicle) if flights.further else {}
     scores = held_out_scores(taught, further)
     scored = {one.name for one in scores.flights}
     for name in (one for one in (*taught, *further) if one not in scored):
-        _tell(f"{name} is not scored: no vehicle under another with {FEWEST_FREE} samples in clear air")
+        _print_note(f"{name} is not scored: no vehicle under another with {FEWEST_FREE} samples in clear air")
     return scores
 
 
@@ -116,7 +116,7 @@ def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[ForceSam
     records = {one.flight.name: force_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
     unmeasured = [f"{name} has no measured force: left out" for name, one in records.items() if one is None]
     for note in (*notes, *unmeasured):
-        _tell(note)
+        _print_note(note)
     return {name: force_samples(one) for name, one in records.items() if one is not None}
 
 
@@ -146,5 +146,5 @@ def _as_json(flights: DemoFlights, scores: HeldOutScores, runs: Sequence[FlightR
     }
 
 
-def _tell(words: str) -> None:
+def _print_note(words: str) -> None:
     print(f"demo: {words}", file=sys.stderr, flush=True)

@@ -22,7 +22,7 @@ def run(args: Namespace) -> int:
     recordings, notes = read_flights(args.flights, topic_map(args.topics))
     flown = vehicle_of(args.flights, args.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
-        found = learn_air(recordings, flown.vehicle, _tell_step)
+        found = learn_air(recordings, flown.vehicle, _print_step)
     save(args.out, found.air)
     if args.json:
         write_json(_as_json(found, time.process_time() - began), args.json)
@@ -34,7 +34,7 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _tell_step(step: str) -> None:
+def _print_step(step: str) -> None:
     print(f"learn_air: {step} ...", file=sys.stderr)
 
 

@@ -101,7 +101,7 @@ class DeadReckonedBraking:
         names = self._names
         sight = _sight(state, names)
         step, self._t = max(t - self._t, 0.0), t
-        elapsed = self._flown.update(step, told=state is not None)
+        elapsed = self._flown.update(step, by_frame=state is not None)
         if step > GAP_S:
             self._track[:, UNSETTLED] = 2.0 * LAG_S + elapsed
         unmeasured = reckon(self._track, self._asked, self._push, (elapsed, self._hover_thrust), sight)

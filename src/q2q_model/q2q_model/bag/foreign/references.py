@@ -14,7 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 
 HELD_S = 3.0
-"""Age of a reference from which it is told that it is held [s]: a goal is flown to within that, a stream has
+"""Age of a reference from which it is reported as held [s]: a goal is flown to within that, a stream has
 ended."""
 
 

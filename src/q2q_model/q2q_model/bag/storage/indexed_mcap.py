@@ -129,8 +129,8 @@ def _index(file: Path) -> IndexedFile:
         raise NotIndexedError(f"{file} has messages without an index")
     listed, schemas = len(summary.channels), summary.schemas.keys()
     if listed < summary.statistics.channel_count:
-        told = f"{listed} of {summary.statistics.channel_count} channels are in the summary"
-        raise DamagedIndexError(f"{file}: {told}")
+        message = f"{listed} of {summary.statistics.channel_count} channels are in the summary"
+        raise DamagedIndexError(f"{file}: {message}")
     if any(one.schema_id not in schemas for one in summary.channels.values()):
         raise DamagedIndexError(f"{file}: the summary lacks types of its channels")
     counts = summary.statistics.channel_message_counts

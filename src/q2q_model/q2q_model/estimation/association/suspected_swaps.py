@@ -25,7 +25,7 @@ FLIES_ON_S = 1.0
 STRAYS = 1.1
 """Speed at which an absent vehicle may stray from there [m/s]: that of a landing without measurements."""
 OTHER_MOTION = 0.2
-"""Difference of velocities that tells one vehicle from another [m/s]: three times the error of a velocity
+"""Difference of velocities by which two vehicles are distinguished [m/s]: three times the error of a velocity
 from MOVING_SAMPLES with 1 mm of noise at 100 Hz."""
 MOVING_SAMPLES = 3
 """Least number of samples that show how a candidate moves."""
@@ -41,7 +41,7 @@ class LastSample(NamedTuple):
     time: Array
     """[s], (n,)."""
     coasting: Mask
-    """Not lost since, so that the velocity still tells something, (n,)."""
+    """Not lost since, so that the velocity still says something, (n,)."""
 
 
 class Unmatched(NamedTuple):
@@ -59,7 +59,7 @@ class Unmatched(NamedTuple):
 
 
 class Suspicion(NamedTuple):
-    """Samples of a tick, and tracks and candidates before it, from which a swap is told."""
+    """Samples of a tick, and tracks and candidates before it, from which a swap is recognised."""
 
     t: float
     """[s]"""

@@ -37,7 +37,7 @@ GATE_SIGMAS = 1.0
 outlier does more harm than the short delay of reacquisition."""
 
 REPEATS_S = 0.02
-"""Time for which the velocity of a track tells how far a vehicle has moved under a pose that repeats [s]:
+"""Time for which the velocity of a track shows how far a vehicle has moved under a pose that repeats [s]:
 two ticks; each of its samples slows the track."""
 
 

@@ -58,8 +58,8 @@ def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | 
 def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
     """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
     count = sum(not _has_force_log(one) for one in recordings)
-    told = f"force of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
-    return [told] if count else []
+    note = f"force of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
+    return [note] if count else []
 
 
 def _has_force_log(one: Recording) -> bool:

@@ -33,7 +33,7 @@ def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> Take:
 
 
 def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Callable[[Names], str]) -> Take:
-    told: set[Names] = {()}
+    warned: set[Names] = {()}
     last: Names | None = None
 
     def look(_: int, signal: Signal) -> None:
@@ -42,8 +42,8 @@ def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Ca
             return
         last = signal.names
         different = differ(last)
-        if different not in told:
-            told.add(different)
+        if different not in warned:
+            warned.add(different)
             node.get_logger().warning(f"{topic}: {', '.join(different)} {why(last)}")
 
     return look
@@ -60,7 +60,7 @@ class AbsentNames:
         self._node, self._source, self._warning, self._health = node, source, warning, health
         self._there: Names = ()
         self._asked: Names = ()
-        self._told: set[Names] = {()}
+        self._warned: set[Names] = {()}
 
     def take_source(self, names: Names) -> None:
         """Take the vehicles that the source has now."""
@@ -76,12 +76,12 @@ class AbsentNames:
 
     def _compare(self) -> None:
         absent = tuple(sorted(set(self._asked) - set(self._there))) if self._there else ()
-        told = f"{', '.join(absent)} not in {self._source}, which has {', '.join(self._there)}"
+        message = f"{', '.join(absent)} not in {self._source}, which has {', '.join(self._there)}"
         if self._health is not None:
-            self._health.doubts[f"{self._source}'s vehicles"] = told if absent else ""
-        if absent not in self._told:
-            self._told.add(absent)
-            self._node.get_logger().warning(self._warning.format(told))
+            self._health.doubts[f"{self._source}'s vehicles"] = message if absent else ""
+        if absent not in self._warned:
+            self._warned.add(absent)
+            self._node.get_logger().warning(self._warning.format(message))
 
 
 class StalledStampWarning:
@@ -97,5 +97,5 @@ class StalledStampWarning:
         self._frames = self._frames + 1 if stamp_ns == self._stamp_ns else 0
         self._stamp_ns = stamp_ns
         if self._frames == FRAMES:
-            told = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
-            self._node.get_logger().warning(f"{self._topic}: {told}")
+            message = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
+            self._node.get_logger().warning(f"{self._topic}: {message}")

@@ -98,7 +98,7 @@ class TickWiring(Generic[Made]):
         self._bus.listen(topic, take)
 
     def expect_one_writer(self, *topics: str) -> None:
-        """Tell once a second of topics that several nodes write."""
+        """Report once a second the topics that several nodes write."""
         self.check_each_second(TopicWriters(self._node, topics, self.health).look)
 
     def check_each_second(self, check: Callable[[], object]) -> None:

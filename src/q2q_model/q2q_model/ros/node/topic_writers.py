@@ -1,4 +1,4 @@
-"""Writers of a node's topics: more of them than can be right are told."""
+"""Writers of a node's topics: more of them than can be right are reported."""
 
 from collections.abc import Iterable
 
@@ -19,7 +19,7 @@ class SeveralWriters:
     def __init__(self, node: Node, topic: str, most: float = 1) -> None:
         """Watch the writers of a topic, of which `most` are right, each of another name."""
         self._node, self.topic, self._most = node, topic, most
-        self._told: set[str] = set()
+        self._warned: set[str] = set()
 
     def look(self) -> str:
         """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
@@ -33,11 +33,11 @@ class SeveralWriters:
         may = f"{self._most} may" if too_many else "each must have a name and vehicles of its own"
         killed = "; one that was killed counts until DDS drops it" if namesakes else ""
         among = f"{len(writers)} nodes write it ({', '.join(writers)})"
-        told = f"{self.topic}: {among}; {may}: stop the others{killed}"
-        if told not in self._told:
-            self._told.add(told)
-            self._node.get_logger().warning(told)
-        return told
+        message = f"{self.topic}: {among}; {may}: stop the others{killed}"
+        if message not in self._warned:
+            self._warned.add(message)
+            self._node.get_logger().warning(message)
+        return message
 
 
 class TopicWriters:

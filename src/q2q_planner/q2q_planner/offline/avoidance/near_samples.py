@@ -1,6 +1,6 @@
 """Samples at which pairs of vehicles are near a zone.
 
-Few pairs of a large swarm come near each other: boxes around runs of samples tell which may, and only these
+Few pairs of a large swarm come near each other: boxes around runs of samples show which may, and only these
 are looked at sample by sample.
 """
 

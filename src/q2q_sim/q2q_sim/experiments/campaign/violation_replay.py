@@ -27,14 +27,14 @@ def write_replay(
         marked = tuple(
             ReplayEvent(one.t, f"{one.who}, {one.policy}") for one in violations if np.isfinite(one.t)
         )
-        told = replace(run, verdict=_told(violations, scenario.faults), events=marked)
-        page = replay_html([told], f"{scenario.name}: {scenario.description}")
+        flown = replace(run, verdict=_verdict_text(violations, scenario.faults), events=marked)
+        page = replay_html([flown], f"{scenario.name}: {scenario.description}")
     except ValueError:
         return
     file.write_text(page, encoding="utf-8")
 
 
-def _told(violations: Sequence[Violation], faults: Sequence[Fault]) -> str:
+def _verdict_text(violations: Sequence[Violation], faults: Sequence[Fault]) -> str:
     """Return what was violated, and under which faults."""
     acting = f". Faults: {', '.join(map(str, faults))}" if faults else ""
     return "; ".join(map(str, violations)) + acting

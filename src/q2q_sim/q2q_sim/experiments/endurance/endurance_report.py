@@ -7,7 +7,7 @@
 | rate of the bag | within 5 % of its mean an hour |
 | clock, live | time of the flight within 36 ms of the wall clock an hour (10 ppm) |
 
-The speed of a flight in lockstep depends on what else the machine does; it is told and not judged.
+The speed of a flight in lockstep depends on what else the machine does; it is reported and not judged.
 """
 
 from collections.abc import Sequence

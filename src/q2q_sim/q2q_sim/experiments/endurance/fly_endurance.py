@@ -1,4 +1,4 @@
-"""Long flight from the command line: flown, watched, told."""
+"""Long flight from the command line: flown, watched, reported."""
 
 from argparse import Namespace
 from pathlib import Path

@@ -40,7 +40,7 @@ FED = ExtendedKalmanParams(pos_std=POSE_STD["locSrv.extPosStdDev"], quat_std=POS
 """As `radio` sets them."""
 ALL_AXES = replace(GENERAL_PURPOSE, pos_std=0.003, quat_std=0.3)
 """Standard deviations chosen on four of the flights in docs/estimators.md: markers are up to 4 degrees askew,
-and the tilt that the positions tell is better than theirs."""
+and the tilt that the positions show is better than theirs."""
 RECORDED = "recorded"
 NAME = ("cf1",)
 

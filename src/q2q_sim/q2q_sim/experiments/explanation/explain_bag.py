@@ -1,4 +1,4 @@
-"""Explanation of a bag and score of explanations: what is flown, told and written."""
+"""Explanation of a bag and score of explanations: what is flown, reported and written."""
 
 from argparse import Namespace
 

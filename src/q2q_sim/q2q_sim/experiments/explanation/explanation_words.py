@@ -6,8 +6,8 @@ from q2q_sim.report.significant import centimetres
 
 PLACES = {"distance": "off", "height": "below"}
 """Where a vehicle is that lost distance or height."""
-TOLD = 0.05
-"""Share of the loss, either way, from which a cause is told [-]; the first one always is."""
+NAMED = 0.05
+"""Share of the loss, either way, from which a cause is named [-]; the first one always is."""
 
 
 def explanation_sentence(found: Explanation) -> str:
@@ -18,15 +18,15 @@ def explanation_sentence(found: Explanation) -> str:
     if not found.shares:
         return f"{lost}, by none of the known causes."
     first, *others = found.shares
-    told = [_words(one) for one in (first, *(one for one in others if abs(one.share) >= TOLD * loss.size))]
-    if found.rest >= TOLD * loss.size:
-        told.append(f"{centimetres(found.rest)} with none of the causes")
+    causes = [_words(one) for one in (first, *(one for one in others if abs(one.share) >= NAMED * loss.size))]
+    if found.rest >= NAMED * loss.size:
+        causes.append(f"{centimetres(found.rest)} with none of the causes")
     without = f"flown again with only {first.cause} taken out: {centimetres(found.without_first)}"
-    return f"{lost}: {', '.join(told)}; {without}."
+    return f"{lost}: {', '.join(causes)}; {without}."
 
 
 def _words(one: CauseShare) -> str:
-    """Return a share and its interval; without this where both ends are told as the share is."""
+    """Return a share and its interval; without this where both ends read as the share does."""
     low, share, high = (centimetres(value) for value in (one.low, one.share, one.high))
     interval = "" if low == share == high else f" ({low.removesuffix(' cm')} to {high})"
     return f"{share}{interval} by {one.cause}"

@@ -108,11 +108,11 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
     return facts
 
 
-def _check_duration(told: str, bag: Path) -> None:
+def _check_duration(stated: str, bag: Path) -> None:
     """Raise ValueError for a duration that is no time; a bag of older software has none."""
     try:
-        known = not told or 0.0 < float(told) < np.inf
+        known = not stated or 0.0 < float(stated) < np.inf
     except ValueError:
         known = False
     if not known:
-        raise ValueError(f"{bag}: duration {told!r} in its metadata: seconds, above 0, are allowed")
+        raise ValueError(f"{bag}: duration {stated!r} in its metadata: seconds, above 0, are allowed")

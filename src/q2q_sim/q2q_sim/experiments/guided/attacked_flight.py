@@ -110,8 +110,8 @@ def _record(topics: Mapping[str, Sequence[Signal]]) -> Iterator[Violation]:
     with TemporaryDirectory() as folder:
         bag = Path(folder) / "bag"
         with BagWriter(bag) as writer:
-            for truth, *told in zip(topics["truth"], *written.values(), strict=True):
-                for topic, one in zip(RECORDED, told, strict=True):
+            for truth, *signals in zip(topics["truth"], *written.values(), strict=True):
+                for topic, one in zip(RECORDED, signals, strict=True):
                     writer.write_signal(topic, round(truth.t * NS), one)
         read = BagReader(bag).rows(RECORDED)
     for topic in RECORDED:

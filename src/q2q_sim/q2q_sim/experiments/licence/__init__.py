@@ -21,5 +21,5 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | licence_flights | all flights of a program |
 | licence_reports | verdict as text, JSON, JUnit XML and page |
 | licence_score | programs with and without seeded bugs |
-| licence_program | what the command line flies, tells and writes |
+| licence_program | what the command line flies, reports and writes |
 """

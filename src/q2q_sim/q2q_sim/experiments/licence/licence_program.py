@@ -1,4 +1,4 @@
-"""Licence of a program and score of licences: what is flown, told and written."""
+"""Licence of a program and score of licences: what is flown, reported and written."""
 
 import json
 import math
@@ -58,8 +58,8 @@ def score_programs(args: Namespace) -> int:
     if args.json:
         _write(args.json, _text(document))
     errors = sum(not one.judged for one in found)
-    told = f"; not judged, as the simulator failed: {errors}" if errors else ""
-    print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly{told}")
+    unjudged = f"; not judged, as the simulator failed: {errors}" if errors else ""
+    print(f"{sum(one.right for one in found)} of {len(found)} programs judged rightly{unjudged}")
     return 0 if all(one.right for one in found) else 1
 
 

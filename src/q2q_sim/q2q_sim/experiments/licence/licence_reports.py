@@ -45,8 +45,8 @@ def report_text(found: Licence) -> str:
     lines = []
     for one in found.flights:
         lines.append(f"{one.verdict}  {one.trial.words}")
-        told = one.error.told.splitlines() if one.error is not None else ()
-        lines += [f"      {line}" for line in (*one.sentences, *told)]
+        trace = one.error.trace.splitlines() if one.error is not None else ()
+        lines += [f"      {line}" for line in (*one.sentences, *trace)]
     lines += [f"not flown  {trial.words}" for trial in found.left_out]
     return "\n".join([*lines, verdict_words(found)])
 
@@ -64,7 +64,7 @@ def licence_json(found: Licence) -> Json:
                 "trial": one.trial.words,
                 "kind": str(one.trial.kind),
                 "passed": one.passed,
-                "error": "" if one.error is None else one.error.told,
+                "error": "" if one.error is None else one.error.trace,
                 "findings": [
                     {
                         "rule": each.rule,
@@ -113,7 +113,7 @@ def _add_outcome(case: ET.Element, flight: FlownTrial) -> None:
     """Add to a test case which rules were broken, or how the simulator failed."""
     if flight.error is not None:
         error = ET.SubElement(case, "error", type="simulator", message=flight.error.sentence)
-        error.text = flight.error.told
+        error.text = flight.error.trace
     elif flight.failures:
         first = flight.failures[0]
         failure = ET.SubElement(case, "failure", type=first.rule, message=first.sentence)

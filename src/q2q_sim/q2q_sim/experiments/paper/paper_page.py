@@ -34,7 +34,7 @@ HEAD = ("number", "paper", "ours", "ratio", "unit", "where", "why they differ")
 ROWS_A_PAGE = 18
 """Rows of a PDF page."""
 WHOLE = 1000.0
-"""Size from which a number is told without decimals, and below with three significant digits."""
+"""Size from which a number is written without decimals, and below with three significant digits."""
 NOTE_WIDTH = 92
 """Characters of a note on one line of a page."""
 A4_WIDE = (11.7, 8.3)
@@ -79,7 +79,7 @@ def table_cells(
 
 
 def without_repeated_notes(cells: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """Return cells in which a note that is that of the row above is told as such."""
+    """Return cells in which a note that is that of the row above is marked as such."""
     above = [None, *(row[-1] for row in cells)]
     return [
         (*row[:-1], "as above") if row[-1] == note else row for row, note in zip(cells, above, strict=False)

@@ -171,7 +171,7 @@ def _flown(seed: int, scenario: Scenario, controller: str) -> _Flown:
 
 def _record(seed: int, scenario: Scenario, plan: SwarmPlan, case: PromiseCase) -> EncounterRecord:
     flown = _flown(seed, scenario, case.controller)
-    told = flown.broken
+    announced = flown.broken
     error = flown.true_pos - flown.safe_pos
     zone = Cylinder(case.params.eps, case.params.d)
     i, j = np.triu_indices(len(scenario.names), 1)
@@ -187,9 +187,9 @@ def _record(seed: int, scenario: Scenario, plan: SwarmPlan, case: PromiseCase) -
         horizontal=float(np.hypot(error[..., 0], error[..., 1]).max()),
         vertical=float(np.abs(error[..., 2]).max()),
         clearance=float(nearest.min(initial=np.inf)),
-        announced=bool((told[:, i] | told[:, j])[inside].all()),
-        ticks=len(told),
-        broken_ticks=int(told.any(axis=1).sum()),
+        announced=bool((announced[:, i] | announced[:, j])[inside].all()),
+        ticks=len(announced),
+        broken_ticks=int(announced.any(axis=1).sum()),
         arrived=bool(np.abs(flown.safe_pos[-1] - goal).max() < NEAR) if clear else None,
         in_reach=can_return(_from_goals(flown, goal), AFTERWARDS, NEAR, case.params) if clear else None,
     )

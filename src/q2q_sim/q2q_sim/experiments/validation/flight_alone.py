@@ -1,6 +1,6 @@
 """A vehicle alone, flown again along its recorded position setpoints by the emulated firmware.
 
-A flight of one vehicle whose log has setpoints but no thrust commands does not tell its control law. The
+A flight of one vehicle whose log has setpoints but no thrust commands does not determine its control law. The
 simulated vehicle flies by the stock position PID of the firmware (q2q_sim.firmware), from the recorded first
 state, in the air with its offset and gusts, and knows its state exactly. Compared are the errors r - r_ref of
 position in flight: the height under the names of `comparison`, x and y together as `lateral`. The recorded

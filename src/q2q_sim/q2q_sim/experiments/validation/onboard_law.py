@@ -49,7 +49,7 @@ FEWEST = 200
 ROW_ERROR = 0.01
 """Residual of T / m above which a row loses weight [m/s^2]: three times that of a swap."""
 TYPICAL = np.array([20.0, 10.0, 0.6])
-"""Lateral K_p, K_d, K_i where a flight does not tell: those of the flights of June 2020."""
+"""Lateral K_p, K_d, K_i where a flight does not determine them: those of the flights of June 2020."""
 TYPICAL_SPREAD = 0.5
 """Standard deviation of lateral gains between laws, over their value [-]."""
 ROWS_TOGETHER = 100
@@ -152,7 +152,7 @@ def _steady(flight: TrackedFlight, limited: Mask) -> Mask:
 
 
 def _known(flight: TrackedFlight, law: OnboardLaw) -> Array:
-    """Return the terms of f - g e_z that a recording tells, but a_ref and c, (T, n, 3)."""
+    """Return the terms of f - g e_z that a recording determines, but a_ref and c, (T, n, 3)."""
     return np.asarray(feedback(law, *_errors(flight)) - flight.compensated[..., None] * UP)
 
 

@@ -1,4 +1,4 @@
-"""Validation of an air by recorded flights: what is flown, told, drawn and written."""
+"""Validation of an air by recorded flights: what is flown, reported, drawn and written."""
 
 import sys
 from argparse import Namespace

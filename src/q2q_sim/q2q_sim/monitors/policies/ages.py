@@ -47,7 +47,7 @@ def silence(evidence: Evidence, circumstances: Circumstances) -> list[Violation]
 
     What ends it is a command with a new stamp. From the last one on, it lasts until the vehicle's last
     position. A vehicle on the ground needs no commands, nor does one that comes down without: it has landed,
-    its own commander lands it, or the policy on the floor tells that it falls.
+    its own commander lands it, or the policy on the floor shows that it falls.
     """
     if not evidence.live:
         return []

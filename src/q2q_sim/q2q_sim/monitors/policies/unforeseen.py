@@ -1,4 +1,4 @@
-"""Vehicles without measurements in a downwash that nothing can tell their controller.
+"""Vehicles without measurements in a downwash that nothing can report to their controller.
 
 A vehicle flown blind knows of the push on it by prediction only. There is none if
 

@@ -56,7 +56,7 @@ class Circumstances:
     """Injected faults, if known."""
     limits: Limits = field(default_factory=Limits)
     aware: bool = True
-    """Whether controllers are told the predicted downwash."""
+    """Whether controllers are given the predicted downwash."""
 
 
 WORDS: Mapping[str, str] = {

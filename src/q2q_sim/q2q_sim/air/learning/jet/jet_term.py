@@ -74,12 +74,14 @@ def jet_term(records: Sequence[AirRecord]) -> LearnedTerm[JetTerm] | None:
     source = f"rows under one vehicle, {low:.2f} to {high:.2f} m below it"
     found = fit.spread()
     values = [fitted_value(found, k, path, rows, source) for k, path in enumerate(_PATHS)]
-    values[1:] = [_told(*one) for one in zip(values[1:], fit.travel, BOUNDS, fit.shown, strict=True)]
+    values[1:] = [
+        _reported_value(*one) for one in zip(values[1:], fit.travel, BOUNDS, fit.shown, strict=True)
+    ]
     term = fit.term(upper.value if upper else 0.0)
     return LearnedTerm(term, (*values, upper) if upper else tuple(values))
 
 
-def _told(one: Fitted, item: float, bounds: tuple[float, float], shown: bool) -> Fitted:
+def _reported_value(one: Fitted, item: float, bounds: tuple[float, float], shown: bool) -> Fitted:
     """Return a value of the travel, without interval if it is not shown, or at its bound."""
     if not shown:
         return replace(one, low=None, high=None, rows=0, source="not shown by these flights: the default")
@@ -202,11 +204,11 @@ class _Fit:
             beta[active] += step[: active.size]
             travel[self.shown] += step[active.size :]
             travel = np.clip(travel, least, most)
-            return self._told(beta, Travel(*travel))
+            return self._values(beta, Travel(*travel))
 
-        return replace(estimate_spread(estimate, count), value=self._told(self.beta, self.travel))
+        return replace(estimate_spread(estimate, count), value=self._values(self.beta, self.travel))
 
-    def _told(self, beta: Array, travel: Travel) -> Array:
+    def _values(self, beta: Array, travel: Travel) -> Array:
         """Return the push at REFERENCE on the axis, the travel speed, carried and slope, (4,)."""
         push = push_table(beta, self.flown)[np.searchsorted(GAPS, REFERENCE), 0]
         return np.array([push, 1.0 / max(travel.slowness, STILL), travel.carried, travel.slope])

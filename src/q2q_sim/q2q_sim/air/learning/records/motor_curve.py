@@ -3,8 +3,8 @@
     T / m g = mean over motors of (d_m u / p)^k,   u = u_0 - rho t - s d
 
 taken after the thrust lag. k has the least squared error of all vehicles together: the thrust of one that
-only hovers does not tell it. The motors are taken one by one: under the edge of a wake they differ by most
-of their range, and as thrust is convex in duty, the mean duty falls there while the thrust does not.
+only hovers does not determine it. The motors are taken one by one: under the edge of a wake they differ by
+most of their range, and as thrust is convex in duty, the mean duty falls there while the thrust does not.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

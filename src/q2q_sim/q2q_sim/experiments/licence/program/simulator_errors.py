@@ -1,4 +1,4 @@
-"""Errors of the simulator itself in a tick: they end the flight and are never told as the program's."""
+"""Errors of the simulator itself in a tick: they end the flight and are never reported as the program's."""
 
 import os
 import traceback
@@ -16,13 +16,13 @@ ROOM = LicenceRoom.fly.__code__.co_filename
 class SimulatorFailure:
     """Error of the simulator itself in a flight."""
 
-    told: str
+    trace: str
     """Traceback."""
 
     @property
     def sentence(self) -> str:
         """Return what failed, and the last line of the traceback."""
-        return f"the simulator failed, not the program: {self.told.splitlines()[-1]}"
+        return f"the simulator failed, not the program: {self.trace.splitlines()[-1]}"
 
 
 def is_of_room(error: BaseException) -> bool:

@@ -1,4 +1,4 @@
-"""A controller tells, once a second, who is far from its setpoint: of a plan that begins elsewhere."""
+"""A controller reports, once a second, who is far from its setpoint: of a plan that begins elsewhere."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from q2q_model.signals.cdr import encode
 from q2q_model.signals.values import SwarmSetpoint, SwarmState, TrackStatus
 
 NAMES = ("cf1", "cf2")
-TOLD = "far from their setpoints: cf2 3.0 m: does the plan begin where they fly?"
+MESSAGE = "far from their setpoints: cf2 3.0 m: does the plan begin where they fly?"
 
 
 class ClockedNode(RoomNode):
@@ -48,8 +48,8 @@ def test_a_setpoint_that_is_far_is_a_doubt_while_it_is_and_one_line_of_the_log()
         fly(node, tick, aside)
         report()
         doubts.append(wiring.health.doubts["setpoints"])
-    assert doubts == ["", TOLD, TOLD, ""]
-    assert node.lines.count(TOLD) == 1
+    assert doubts == ["", MESSAGE, MESSAGE, ""]
+    assert node.lines.count(MESSAGE) == 1
 
 
 def test_a_vehicle_that_the_failsafe_has_landed_is_far_for_that_and_not_for_its_plan() -> None:
