@@ -6,7 +6,7 @@ place, and the rest of it a part of its measured trim. What is left of both, as 
     share_i = mean_j exp(-|d_ij - d_ij(0)|^2 / W^2) exp(-t / B)       1 if nobody was above
 
 A downwash is narrow, and an offset is dead-reckoned to a few centimetres: a vehicle that leaves it must not
-be lifted any longer, as one that rises hits those above. A vehicle that comes above later is not known to push.
+be lifted any longer, as one that rises hits those above. One that comes above later is not known to push.
 
 | symbol | name | meaning [unit] |
 |---|---|---|

@@ -74,7 +74,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     """Return the motion in a recording of one vehicle.
 
     Raises:
-        ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or less than SHORTEST above FLOOR.
+        ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or too short above FLOOR.
     """
     flight = recording.flight
     if len(flight.names) != 1:
