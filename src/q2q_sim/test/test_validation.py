@@ -16,6 +16,7 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
+from q2q_sim.experiments.validation.estimate_noise import estimate_noise
 from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, check_stable, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
@@ -238,6 +239,15 @@ def test_a_flight_whose_law_cannot_be_read_is_left_out_and_the_others_are_compar
     done = _all_flown([mute, flight], RoomAir(), CRAZYFLIE_2_0, 3)
     assert [one.flight.name for one in done] == [flight.name]
     assert "validate: left out: flight mute cannot be flown again" in capsys.readouterr().err
+
+
+def test_a_flight_too_slow_for_its_noise_is_refused(flight: TrackedFlight) -> None:
+    slow = replace(flight, dt=0.04)
+    with pytest.raises(ValueError, match=r"flight passes .* above 15 Hz, and its 25 Hz show none; 30 Hz is"):
+        estimate_noise(slow, 0)
+    felt = replace(slow, acc=np.random.default_rng(0).standard_normal(flight.pos.shape))
+    assert np.isfinite(estimate_noise(felt, 0)).all()  # read above 3.2 Hz
+    assert np.isfinite(estimate_noise(replace(flight, dt=1.0 / 32.0), 0)).all()
 
 
 def test_a_draw_has_the_recorded_headroom_of_each_vehicle_and_no_second_drag(flight: TrackedFlight):

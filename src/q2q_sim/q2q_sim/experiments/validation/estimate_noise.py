@@ -35,8 +35,8 @@ def noise_density(values: Array, acc: Array, order: int, dt: float) -> tuple[Arr
     """
     rows = min(ROWS, len(values))
     frequency, seen = welch(values, 1.0 / dt, nperseg=rows, axis=0)
-    white = seen[frequency >= WHITE_FROM].mean(axis=0)  # (n, 3)
     if not np.isfinite(acc).all():
+        white = seen[frequency >= WHITE_FROM].mean(axis=0)  # (n, 3)
         return frequency, np.broadcast_to(white, seen.shape)
     _, moved = welch(acc, 1.0 / dt, nperseg=rows, axis=0)
     read = frequency >= LOWEST
@@ -57,7 +57,17 @@ def colour_noise(white: Array, frequency: Array, density: Array, dt: float) -> A
 
 
 def estimate_noise(flight: TrackedFlight, seed: int) -> tuple[Array, Array]:
-    """Return a draw of the noise of position [m] and velocity [m/s], (T, n, 3) each."""
+    """Return a draw of the noise of position [m] and velocity [m/s], (T, n, 3) each.
+
+    Raises:
+        ValueError: the rate of the flight does not show the noise.
+    """
+    lowest = LOWEST if np.isfinite(flight.acc).all() else WHITE_FROM
+    if 0.5 / flight.dt < lowest:
+        raise ValueError(
+            f"flight {flight.name} cannot be flown again: the noise of its estimate is read above "
+            f"{lowest:g} Hz, and its {1.0 / flight.dt:.3g} Hz show none; {2.0 * lowest:g} Hz is the least"
+        )
     white = stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape))
     pos, vel = (
         colour_noise(one, *noise_density(values, flight.acc, order, flight.dt), flight.dt)
