@@ -10,12 +10,18 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_and_log import Recording
+from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes
 from q2q_model.identification.gains.altitude_record import altitude_record, in_clear_air
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import CLEAR, with_added_acc
-from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.identification.identification import (
+    FEED_FORWARD,
+    ProcedureParams,
+    identify,
+    recorded_altitudes,
+)
 from q2q_model.identification.selection.cross_validation import score_on
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -98,3 +104,12 @@ def test_identify_takes_away_what_the_controller_adds() -> None:
     assert found.interaction.acceleration(UNDER, pairs_at_rest(UNDER))[0, 2] == pytest.approx(truth, rel=0.1)
     assert found.gains is not None
     assert found.gains.offset == 0.0
+
+
+def test_an_empty_log_leaves_the_downwash_that_the_flight_has_as_compensated() -> None:
+    flight = fed_forward(passes()[0], 0.5)
+    unknown = np.full((flight.t.size, 2, 1), np.nan)
+    log = FlightLog(flight.t, flight.names, (FEED_FORWARD,), ("N",), unknown)
+    (bare,), (logged,) = (recorded_altitudes(Recording(flight, one), CRAZYFLIE_2_0)[0] for one in (None, log))
+    assert np.abs(bare.feed_forward).max() > 0.3
+    np.testing.assert_array_equal(logged.feed_forward, bare.feed_forward)

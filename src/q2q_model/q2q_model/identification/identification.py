@@ -171,6 +171,8 @@ def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: V
     if log is None or FEED_FORWARD not in log.columns:
         return record
     logged = np.flatnonzero(np.isfinite(log.values).any(axis=(1, 2)))
+    if not logged.size:
+        return record
     at = np.searchsorted(log.t[logged], record.t - 0.5 * record.dt)
     rows = logged[np.clip(at, 0, logged.size - 1)]
     column = log_at(log, log.t, record.names).column(FEED_FORWARD)
