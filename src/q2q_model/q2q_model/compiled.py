@@ -2,15 +2,16 @@
 
 numba's own cache checks only the file of the function: if a called function or a constant changes in another
 file, stale machine code runs silently. Here the cache key also contains a digest of everything the function
-uses, across files: bytecode and constants of the function and of the kernels it calls, and the numbers it
-reads by name (not as `module.NAME`: import the name). Compile with `compiled`, never with `njit`, so that
-set-up can compile all KERNELS. Call a kernel with one array layout only: each layout is compiled separately,
-which takes seconds in flight. A call with a NamedTuple takes three times as long as one with a plain tuple:
-where that counts, a kernel takes plain ones, and makes NamedTuples of them inside.
+uses, across files: bytecode and constants of the function and of the kernels it calls, the numbers it reads
+by name (not as `module.NAME`: import the name), and the fields of named tuples, which machine code reads by
+index. Compile with `compiled`, never with `njit`, so that set-up can compile all KERNELS. Call a kernel with
+one array layout only: each layout is compiled separately, which takes seconds in flight. A call with a
+NamedTuple takes three times as long as one with a plain tuple: where that counts, a kernel takes plain ones,
+and makes NamedTuples of them inside.
 """
 
 import fcntl
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -18,7 +19,7 @@ from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any, TypeVar, overload
 
-from numba import njit
+from numba import njit, types
 from numba.core import event
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.dispatcher import Dispatcher
@@ -130,9 +131,9 @@ class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
             fcntl.flock(lock, fcntl.LOCK_EX)
             super().save(key, data)
 
-    def _load_index(self) -> dict[tuple[object, ...], str]:
+    def _load_index(self) -> dict[tuple[Any, ...], str]:
         try:
-            found: dict[tuple[object, ...], str] = super()._load_index()
+            found: dict[tuple[Any, ...], str] = super()._load_index()
         except (ImportError, AttributeError):
             return {}
         return found
@@ -154,12 +155,14 @@ class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         self._cache_file = _Index(self._cache_path, self._impl.filename_base, stamp)
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[object, ...]:  # noqa: ANN401
-        return (*super()._index_key(signature, codegen), kernel_digest(self._py_func))
+        digest = kernel_digest(self._py_func)
+        return (*super()._index_key(signature, codegen), tuple(_fields(signature)), digest)
 
     def holds_any(self) -> bool:
         """Return whether the cache holds code for any signature of the current function."""
         digest = kernel_digest(self._py_func)
-        return any(key[-1] == digest for key in self._cache_file._load_index())  # noqa: SLF001  numba shows it nowhere else
+        index = self._cache_file._load_index()  # noqa: SLF001  numba shows it nowhere else
+        return any(key[-2:] == (tuple(_fields(key[0])), digest) for key in index)
 
 
 class _CompilationListener(event.Listener):  # type: ignore[misc]  # numba has no types
@@ -208,8 +211,19 @@ def _parts_of(name: str, value: object, seen: set[FunctionType]) -> Iterator[str
     if isinstance(value, Dispatcher):
         yield repr([(key, _ordered(option)) for key, option in sorted(value.targetoptions.items())])
         yield from _parts(value.py_func, seen)
+    elif isinstance(value, type) and issubclass(value, tuple):
+        yield repr((getattr(value, "_fields", ()), getattr(value, "_field_defaults", {})))
     elif isinstance(value, bool | int | float | str | tuple):
         yield repr(value)
+
+
+def _fields(kinds: Iterable[types.Type]) -> Iterator[tuple[str, ...]]:
+    """Yield the current fields of every named tuple in the types, also those within others."""
+    for kind in kinds:
+        if isinstance(kind, types.BaseNamedTuple):
+            yield kind.instance_class._fields
+        if isinstance(kind, types.BaseTuple):
+            yield from _fields(kind.types)
 
 
 def _ordered(value: object) -> object:

@@ -140,3 +140,32 @@ def test_code_that_several_save_at_once_is_kept_of_all(tmp_path: Path) -> None:
         list(several.map(save, range(80)))
     index = _Index(str(tmp_path), "half", "of one source")
     assert [index.load((number,)) for number in range(80)] == list(range(80))
+
+
+PAIR = """
+from typing import NamedTuple
+class Pair(NamedTuple):
+    {}: float
+    {}: float
+"""
+
+
+FIELDS = """
+from pair import Pair
+from q2q_model.compiled import COMPILED, compiled, uncached_kernels
+given = compiled(lambda pair: pair.a - 10.0 * pair.b)
+nested = compiled(lambda rows: rows[0].a - 10.0 * rows[0].b)
+made = compiled(lambda a: Pair(a=a, b=2.0)[0] - 10.0 * Pair(a=a, b=2.0)[1])
+uncached = len(uncached_kernels())
+pair = Pair(a=1.0, b=2.0)
+print(uncached, given(pair), nested((pair, 0.0)), made(1.0), len(COMPILED))
+"""
+
+
+def test_code_is_compiled_anew_for_fields_in_another_order(tmp_path: Path) -> None:
+    """Code reads fields by index, and numba's key holds only their types: it read the other field."""
+    (tmp_path / "pair.py").write_text(PAIR.format("a", "b"))
+    assert _printed(tmp_path, FIELDS) == "3 -19.0 -19.0 -19.0 3"
+    assert _printed(tmp_path, FIELDS) == "0 -19.0 -19.0 -19.0 0"
+    (tmp_path / "pair.py").write_text(PAIR.format("b", "a"))
+    assert _printed(tmp_path, FIELDS) == "3 -19.0 -19.0 -8.0 3"
