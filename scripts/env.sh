@@ -1,7 +1,7 @@
 # Source me (bash, zsh): sets q2q up if needed and gives a shell where `ros2 run q2q_sim simulator` works.
 # Leaves the caller's `set -e`, `set -u` and arguments alone. Returns 1 when the set-up fails.
 
-_q2q_root=$(cd "$(dirname "${BASH_SOURCE[0]:-${(%):-%x}}")/.." && pwd -P)
+_q2q_root=$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]:-${(%):-%x}}")/.." && pwd -P)
 
 _q2q_enter() {
   local venv=$_q2q_root/.venv shell=bash

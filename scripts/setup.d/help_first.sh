@@ -5,7 +5,7 @@ help_first() {
   local module=$1 root python status
   shift
   case " $* " in *" --help "* | *" -h "*) ;; *) return 0 ;; esac
-  root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
+  root=$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd -P)
   for python in "$root/.venv/bin/python" python3 python3.12 python3.11; do
     command -v "$python" >/dev/null || continue
     status=0
