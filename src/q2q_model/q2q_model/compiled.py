@@ -11,11 +11,13 @@ and makes NamedTuples of them inside.
 """
 
 import fcntl
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
+from pickle import UnpicklingError
 from types import CodeType, FunctionType
 from typing import Any, TypeVar, overload
 
@@ -34,7 +36,8 @@ class Kernel:
     name: str
     """Module and qualified name."""
     function: FunctionType
-    cache: "_CompleteCache"
+    cache: "_CompleteCache | None"
+    """Store of its machine code; None if no folder for it can be written."""
     made: Dispatcher | FunctionType
     """Dispatcher; the plain function if numba is disabled."""
 
@@ -56,6 +59,9 @@ FAST_HOT: dict[str, object] = {**FAST, **HOT}
 KERNELS: list[Kernel] = []
 """Kernels of all modules imported so far."""
 
+
+UNREADABLE = (ImportError, AttributeError, EOFError, UnpicklingError)
+"""What reading a stored file raises where a module has moved, or the file was cut short."""
 
 COMPILED: list[str] = []
 """Names of the kernels compiled (not loaded from the cache) by this process; none in flight."""
@@ -81,11 +87,26 @@ def compiled(function: Callable[..., object] | None = None, /, **options: object
 
 def _compiled(function: Callable[..., object], options: dict[str, object]) -> object:
     made = njit(**options)(function)
-    cache = made._cache = _CompleteCache(function)  # noqa: SLF001  what enable_caching does, with our key
+    cache = _cache(function)
+    if cache:
+        made._cache = cache  # noqa: SLF001  what enable_caching does, with our key
     source = getattr(made, "py_func", made)  # with numba disabled, `made` is the function itself
     name = f"{function.__module__}.{function.__qualname__}"
     KERNELS.append(Kernel(name, source, cache, made))
     return made
+
+
+def _cache(function: Callable[..., object]) -> "_CompleteCache | None":
+    try:
+        return _CompleteCache(function)
+    except RuntimeError:
+        warnings.warn(
+            "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a folder that "
+            "can be written",
+            RuntimeWarning,
+            stacklevel=1,
+        )
+        return None
 
 
 def entry_kernels() -> list[Kernel]:
@@ -96,7 +117,7 @@ def entry_kernels() -> list[Kernel]:
 
 def uncached_kernels() -> list[str]:
     """Return the names of the entries whose current machine code is not cached."""
-    return [kernel.name for kernel in entry_kernels() if not kernel.cache.holds_any()]
+    return [kernel.name for kernel in entry_kernels() if not (kernel.cache and kernel.cache.holds_any())]
 
 
 def uncalled_kernels() -> list[str]:
@@ -119,7 +140,7 @@ def twice_compiled() -> list[str]:
 class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
     """Index of a function's compiled code that processes may fill at once.
 
-    It leaves out code that refers to modules that have since moved.
+    It leaves out code that refers to modules that have since moved, and files that were cut short.
     """
 
     def save(self, key: tuple[object, ...], data: object) -> None:
@@ -134,15 +155,15 @@ class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
     def _load_index(self) -> dict[tuple[Any, ...], str]:
         try:
             found: dict[tuple[Any, ...], str] = super()._load_index()
-        except (ImportError, AttributeError):
+        except UNREADABLE:
             return {}
         return found
 
     def load(self, key: tuple[object, ...]) -> object:
-        """Return the code of a key; None if there is none, or a called kernel's module has moved."""
+        """Return the code of a key; None if there is none that can be read."""
         try:
             return super().load(key)
-        except (ImportError, AttributeError):
+        except UNREADABLE:
             return None
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 from numba import config
+from numba.core.caching import FunctionCache
 
-from q2q_model.compiled import _Index, compiled, kernel_digest
+from q2q_model.compiled import _Index, compiled, kernel_digest, uncached_kernels
 
 MAIN = """
 from q2q_model.compiled import COMPILED, compiled
@@ -140,6 +141,36 @@ def test_code_that_several_save_at_once_is_kept_of_all(tmp_path: Path) -> None:
         list(several.map(save, range(80)))
     index = _Index(str(tmp_path), "half", "of one source")
     assert [index.load((number,)) for number in range(80)] == list(range(80))
+
+
+HALF = """
+from q2q_model.compiled import COMPILED, compiled, uncached_kernels
+half = compiled(lambda x: 0.5 * x)
+print(len(uncached_kernels()), half(3.0), len(COMPILED))
+"""
+
+
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+def test_a_cache_file_that_was_cut_short_is_written_anew(tmp_path: Path, suffix: str) -> None:
+    """A full disk or a loss of power leaves such files: every start ended in a traceback."""
+    assert _printed(tmp_path, HALF) == "1 1.5 1"
+    (file,) = (tmp_path / "cache").glob(f"*/*.{suffix}")
+    file.write_bytes(file.read_bytes()[:-100] if suffix == "nbc" else b"")
+    assert _printed(tmp_path, HALF).endswith(" 1.5 1")
+    assert _printed(tmp_path, HALF) == "0 1.5 0"
+
+
+def test_without_a_folder_for_machine_code_kernels_are_compiled_at_each_start(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def no_folder(_: object, __: object) -> None:
+        raise RuntimeError("cannot cache function '_half': no locator available for file 'half.py'")
+
+    monkeypatch.setattr(FunctionCache, "__init__", no_folder)
+    monkeypatch.setattr("q2q_model.compiled.KERNELS", [])
+    with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR to a folder that can be written"):
+        assert compiled(_half)(3.0) == 1.5
+    assert uncached_kernels() == [f"{__name__}._half"]
 
 
 PAIR = """
