@@ -4,19 +4,27 @@
 _q2q_root=$(CDPATH= cd -- "$(dirname -- "${BASH_SOURCE[0]:-${(%):-%x}}")/.." && pwd -P)
 
 _q2q_enter() {
-  local venv=$_q2q_root/.venv shell=bash
+  local venv=$_q2q_root/.venv shell=bash entry
   [ -z "${ZSH_VERSION:-}" ] || shell=zsh
   if [ "$(cut -d' ' -f1 "$venv/q2q/origin")" = wheels ]; then
     # Another ROS must not leak in: the wheels are their own prefix.
     unset PYTHONPATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
+    export LD_LIBRARY_PATH=$(sh "$_q2q_root/scripts/setup.d/other_libraries.sh")
     export AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
   else
-    export LD_LIBRARY_PATH=$(cat "$venv/q2q/library_path")
+    # Overlays may have been sourced since the set-up.
+    while IFS= read -r entry && [ -n "$entry" ]; do
+      case ":${LD_LIBRARY_PATH:=$entry}:" in *":$entry:"*) ;; *) LD_LIBRARY_PATH=$LD_LIBRARY_PATH:$entry ;; esac
+    done <<<"$(tr ':' '\n' <"$venv/q2q/library_path")"
+    export LD_LIBRARY_PATH
   fi
   case ":$PATH:" in *":$venv/bin:"*) ;; *) export PATH=$venv/bin:$PATH ;; esac
   case ":$PATH:" in *":$_q2q_root/scripts/ros2-small:"*) ;; *) export PATH=$PATH:$_q2q_root/scripts/ros2-small ;; esac
   export VIRTUAL_ENV=$venv
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
+  # What env.sh of another checkout set is no choice of the user.
+  [ ! -d "${NUMBA_CACHE_DIR%/build/numba}/.venv/q2q" ] || unset NUMBA_CACHE_DIR
+  [ ! -d "${Q2Q_DATA%/../shared/data}/.venv/q2q" ] || unset Q2Q_DATA
   export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$_q2q_root/build/numba}
   export Q2Q_DATA=${Q2Q_DATA:-$_q2q_root/../shared/data}
   # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.

@@ -1,5 +1,7 @@
 """scripts/env.sh: the shell that it makes of shells of all kinds."""
 
+from pathlib import Path
+
 from fresh_checkout import Checkout
 
 
@@ -8,3 +10,53 @@ def test_a_folder_on_cdpath_is_not_taken_for_the_checkout(checkout: Checkout) ->
     for cdpath in ("../other", ".:../other"):
         done = checkout.shell("source scripts/env.sh", CDPATH=cdpath, CC="no-such-compiler")
         assert "setup: error: no C compiler" in done.stderr
+
+
+def made_on(checkout: Checkout, origin: str) -> Path:
+    """Let a checkout look as if it had been set up; return its .venv."""
+    (checkout.root / "scripts/setup").write_text("#!/bin/sh\n")
+    stamps = checkout.root / ".venv/q2q"
+    stamps.mkdir(parents=True)
+    (stamps / "origin").write_text(f"{origin} 3.12\n")
+    (stamps / "library_path").write_text("/opt/ros/jazzy/lib:/opt/ros/jazzy/lib/x86_64-linux-gnu")
+    (checkout.root / "install").mkdir()
+    for shell in ("bash", "zsh"):
+        (checkout.root / f"install/local_setup.{shell}").touch()
+    return stamps.parent
+
+
+def entered(checkout: Checkout, name: str, **environment: str) -> str:
+    """Return the value of a variable in the shell that env.sh makes of one with an environment."""
+    done = checkout.shell(f'set -eu; source scripts/env.sh && printf %s "${name}"', **environment)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_libraries_of_an_overlay_that_was_sourced_after_the_set_up_are_kept(checkout: Checkout) -> None:
+    made_on(checkout, "sourced")
+    overlay = "/home/me/ws/install/crazyflie_interfaces/lib:/opt/ros/jazzy/lib"
+    expected = overlay + ":/opt/ros/jazzy/lib/x86_64-linux-gnu"
+    assert entered(checkout, "LD_LIBRARY_PATH", LD_LIBRARY_PATH=overlay) == expected
+    assert entered(checkout, "LD_LIBRARY_PATH") == expected.partition(":")[2]
+
+
+def test_on_wheels_the_libraries_of_another_ros_are_left_out_and_others_kept(checkout: Checkout) -> None:
+    """Which of two libraries of a name was loaded was drawn anew at each start: half of them failed."""
+    made_on(checkout, "wheels")
+    humble = {"AMENT_PREFIX_PATH": "/home/me/ws/install/other:/opt/ros/humble"}
+    libraries = "/opt/ros/humble/lib:/opt/cuda/lib:/home/me/ws/install/other/lib:/opt/ros/humble/lib/x86"
+    assert entered(checkout, "LD_LIBRARY_PATH", LD_LIBRARY_PATH=libraries, **humble) == "/opt/cuda/lib"
+    assert entered(checkout, "LD_LIBRARY_PATH", LD_LIBRARY_PATH="/opt/cuda/lib") == "/opt/cuda/lib"
+    assert entered(checkout, "LD_LIBRARY_PATH", **humble) == ""
+
+
+def test_what_another_checkout_set_is_no_choice_of_the_user(checkout: Checkout) -> None:
+    made_on(checkout, "wheels")
+    other = checkout.root.parent / "other"
+    (other / ".venv/q2q").mkdir(parents=True)
+    for name, folder in {"NUMBA_CACHE_DIR": "build/numba", "Q2Q_DATA": "../shared/data"}.items():
+        own = f"{checkout.root}/{folder}"
+        assert entered(checkout, name) == own
+        assert entered(checkout, name, **{name: own}) == own
+        assert entered(checkout, name, **{name: f"{other}/{folder}"}) == own
+        assert entered(checkout, name, **{name: "/home/me/chosen"}) == "/home/me/chosen"

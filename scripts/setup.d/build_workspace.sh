@@ -12,6 +12,7 @@ build_hash() {
 ros_environment() {
   [ "$ROS_KIND" = sourced ] && return
   unset PYTHONPATH
+  export LD_LIBRARY_PATH=$(sh "$ROOT/scripts/setup.d/other_libraries.sh")
   export AMENT_PREFIX_PATH=$VENV CMAKE_PREFIX_PATH=$VENV ROS_DISTRO=jazzy ROS_VERSION=2 ROS_PYTHON_VERSION=3
 }
 
