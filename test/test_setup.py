@@ -125,6 +125,20 @@ def test_no_network_gives_one_line_and_removes_the_half_made_venv(checkout: Chec
     assert "pip_install" in steps[-1]
 
 
+def test_a_second_argument_is_named(checkout: Checkout):
+    done = checkout.setup("--dev", "--fast")
+    assert done.returncode == 1
+    assert "unknown argument '--fast'" in error_line(done.stderr)
+
+
+def test_no_network_is_said_also_where_the_log_is_long(checkout: Checkout):
+    log = checkout.root / "log/setup.log"
+    log.parent.mkdir()
+    log.write_text("== an earlier step\n" + "a line of its output\n" * 100_000)
+    done = checkout.setup(CC="true", CXX="true", **UNREACHABLE)
+    assert "no network" in error_line(done.stderr)
+
+
 def test_env_returns_the_failure_and_leaves_the_callers_options(checkout: Checkout):
     checkout.hide("cc")
     script = 'set -u; source scripts/env.sh && echo came through; echo "status $? options $-"'
