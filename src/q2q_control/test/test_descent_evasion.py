@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import Reckoned
+from q2q_control.failsafe.evasion import descent_evasion
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import (
     DRIFT,
@@ -66,6 +67,20 @@ def test_who_is_near_the_place_to_which_another_may_have_drifted_evades() -> Non
         for one in (state_of(pos), state)
     ]
     assert made == [0.0, pytest.approx(PACE**2 * (REACH + 0.6 * DRIFT - 0.8))]
+
+
+def test_no_direction_is_chosen_for_what_has_no_setpoint(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Changing names of a marker beneath a lost vehicle took seconds of a tick."""
+    chosen: list[tuple[int, int]] = []
+
+    def choose(_: np.ndarray, pair: tuple[int, int], *__: object) -> np.ndarray:
+        chosen.append(pair)
+        return np.array([1.0, 0.0])
+
+    monkeypatch.setattr(descent_evasion, "evasion_direction", choose)
+    pos = np.array([UPPER, (0.3, 0.4, 1.0), (0.0, 0.3, 1.0)])
+    DescentEvasion().update(setpoint_of(0.0, pos[:2]), state_of(pos), flown(3, 0), {})
+    assert chosen == [(1, 0)]
 
 
 @pytest.mark.parametrize("how", [CommandStatus.OK, CommandStatus.HOLD, CommandStatus.CUT])

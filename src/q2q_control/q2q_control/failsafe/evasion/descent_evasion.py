@@ -82,8 +82,9 @@ class DescentEvasion:
         sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, blind) >= 0
         self._turn(returning, state, sent)
         reach = _distances(state.age, gone)
+        evading = ~gone & (index_of(state.names, setpoint.names) >= 0)
         for places in (pos, np.where(gone[:, None], pos, sent)):
-            self._ask(_near_gone(places, gone, reach), state.names, pos, rest)
+            self._ask(_near_gone(places, evading, gone, reach), state.names, pos, rest)
         evaded = zip(map(tuple, pos[:, :2].tolist()), reach.tolist(), strict=True)
         unmeasured = frozenset(state.names[row] for row in np.flatnonzero(state.status != TRACKED))
         moved = self._moved(setpoint, dict(zip(state.names, evaded, strict=True)), unmeasured, dt)
@@ -182,9 +183,11 @@ def _distances(age: Array, gone: NDArray[np.bool_]) -> Array:
     return np.where(gone, np.minimum(grown, FARTHEST), REACH)
 
 
-def _near_gone(pos: Array, gone: NDArray[np.bool_], reach: Array) -> list[tuple[int, int]]:
-    """Return the rows of those within `reach` [m], (n,), of one that is `gone`, (n,), and of that."""
-    near, far = np.flatnonzero(~gone), np.flatnonzero(gone)
+def _near_gone(
+    pos: Array, evading: NDArray[np.bool_], gone: NDArray[np.bool_], reach: Array
+) -> list[tuple[int, int]]:
+    """Return the rows of those `evading`, (n,), and of one `gone`, (n,), within its `reach` [m], (n,)."""
+    near, far = np.flatnonzero(evading), np.flatnonzero(gone)
     offset = pos[near, None] - pos[far]
     close = np.hypot(offset[..., 0], offset[..., 1]) < reach[far]
     rows = np.nonzero(close & (offset[..., 2] < RISE))
