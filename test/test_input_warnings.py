@@ -1,6 +1,7 @@
 """What a node says of input that is of no use to it; it goes on with the rest."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,11 @@ import rclpy
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
+from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.geometry.rotations import identity_quat
+from q2q_model.node.health import Health
+from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, trouble_log
 from q2q_model.ros.node.input_warnings import (
     FRAMES,
     AbsentNames,
@@ -29,9 +35,10 @@ class Log:
     def __init__(self) -> None:
         self.warnings: list[str] = []
 
-    def warning(self, text: str) -> None:
+    def warning(self, text: str, *, once: bool = False) -> None:
         """Keep a warning."""
-        self.warnings.append(text)
+        if not (once and text in self.warnings):
+            self.warnings.append(text)
 
 
 @pytest.fixture
@@ -48,6 +55,13 @@ def node() -> Iterator[Node]:
 
 def frame(*names: str) -> MocapFrame:
     return MocapFrame(0.0, names, np.zeros((len(names), 3)), np.zeros((len(names), 4)))
+
+
+def level(t: float, *names: str) -> MocapFrame:
+    """Return a frame of level vehicles, which move a little."""
+    return replace(
+        frame(*names), t=t, pos=np.full((len(names), 3), t * 0.01), quat=identity_quat((len(names),))
+    )
 
 
 def warnings(node: Node) -> list[str]:
@@ -109,3 +123,14 @@ def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: N
     for _ in range(3 * FRAMES):
         stamps.look(0, frame("cf1"))
     assert warnings(node) == [f"mocap: {FRAMES} frames stamped 0 s: stamp each with its time of capture"]
+
+
+def test_names_that_change_for_ever_are_reported_once_with_the_parameter_to_set(node: Node) -> None:
+    block, health = MocapFilter(MocapFilterParams(), ()), Health()
+    log = trouble_log(node, health, block)
+    for tick in range(100):
+        log(0, block.update(level(0.01 * tick, "cf1", f"m{tick}")))
+    assert warnings(node).count(CHANGING_NAMES) == 1
+    assert "parameter vehicles" in health.doubts["names"]
+    log(0, block.update(level(1.0, "cf1")))
+    assert health.doubts["names"] == ""

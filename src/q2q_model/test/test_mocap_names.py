@@ -15,7 +15,7 @@ from mocap_frames import (
     truth_at,
 )
 
-from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter import LOST_MOST, MocapFilter
 from q2q_model.estimation.mocap_filter_params import IDEAL_SENSING, MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, MocapFrame, SwarmState
@@ -215,3 +215,31 @@ def test_without_names_vehicles_are_adopted_as_they_appear():
         assert state.names == ("cf2", "cf1")[: len(rows)]
         assert np.allclose(state.pos, expected.pos[: len(rows)], atol=0)
         assert np.allclose(state.vel, expected.vel[: len(rows)], atol=1e-12)  # the same sums in another order
+
+
+def _beside_a_marker(tick: int) -> MocapFrame:
+    """Return a frame of both vehicles and of a marker that has another name in every frame."""
+    pos = np.concatenate([truth_at(tick)[0], [[2.0, 0.0, 1.0]]])
+    return MocapFrame(time_of(tick), (*PAIR, f"m{tick}"), pos, identity_quat((3,)))
+
+
+def test_names_that_change_for_ever_do_not_grow_the_state_for_ever():
+    block, alone = MocapFilter(IDEAL_SENSING, ()), MocapFilter(IDEAL_SENSING, PAIR)
+    for tick in range(300):
+        state, expected = block.update(_beside_a_marker(tick)), alone.update(frame_at(tick))
+        assert block.refuses_names == (state.names[-1] != f"m{tick}")
+        np.testing.assert_allclose(state.pos[:2], expected.pos, atol=1e-12)
+        assert (state.status[:2] == expected.status).all()
+    assert (
+        len(state.names) == len(PAIR) + LOST_MOST + round(COAST_S * 100) + 1
+    )  # one a frame, lost from 0.36 s on
+    assert block.refuses_names
+
+
+def test_a_filter_that_refused_names_takes_them_after_a_reset():
+    block = MocapFilter(IDEAL_SENSING, ())
+    for tick in range(300):
+        block.update(_beside_a_marker(tick))
+    block.reset()
+    assert block.update(_beside_a_marker(300)).names == (*PAIR, "m300")
+    assert not block.refuses_names

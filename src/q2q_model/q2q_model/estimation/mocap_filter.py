@@ -6,7 +6,8 @@ believable sample coasts at constant velocity. Tracking is in the folders positi
 about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are
-  adopted in the order of their first appearance, and the state grows.
+  adopted in the order of their first appearance, and the state grows, unless LOST_MOST vehicles are lost by
+  then: names that change, as those of markers without a label, would fill it for good.
 - A vehicle that is missing from the frame, or NaN, coasts (COASTING) for `coast_s`, then it is LOST: position
   held, velocity zero, attitude held. Age grows in both.
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
@@ -55,6 +56,9 @@ from q2q_model.signals.values import (
     index_of,
 )
 
+LOST_MOST = 20
+"""Lost vehicles with which no further name is adopted: a fleet that left the room, or names that change."""
+
 _TRACKED, _COASTING, _LOST = (
     np.uint8(one) for one in (TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.LOST)
 )
@@ -64,7 +68,7 @@ class MocapFilter:
     """Tracks of all vehicles; maps frames to states."""
 
     def __init__(self, params: MocapFilterParams, names: Names) -> None:
-        """Track the vehicles `names`, in that order; if none are given, every vehicle that appears."""
+        """Track the vehicles `names`, in that order; if none are given, those that appear."""
         check_unique(names)
         self._params = params
         self._given = names
@@ -80,6 +84,11 @@ class MocapFilter:
     def trouble(self) -> FrameTrouble:
         """Return the vehicles of which the last frame was wrong."""
         return FrameTrouble(*map(self._named, self._wrong))
+
+    @property
+    def refuses_names(self) -> bool:
+        """Return whether the last frame has names that were not adopted, as too many vehicles are lost."""
+        return self._unknown > 0 and not self._given
 
     def _named(self, which: Mask) -> Names:
         return tuple(self._names[row] for row in np.flatnonzero(which)) if which.any() else ()
@@ -209,7 +218,7 @@ class MocapFilter:
     def _match(self, names: Names) -> Rows:
         """Return the track of each row of a frame; -1 for rows to ignore."""
         if names != self._frame_names:
-            if not self._given:
+            if not (self._given or self._are_many_lost()):
                 self._adopt(names)
             self._frame_names, distinct = names, set(names)
             self._track_of_row = index_of(names, self._names)
@@ -218,6 +227,9 @@ class MocapFilter:
             if self._repeated:
                 self._track_of_row[_repeats(names)] = -1
         return self._track_of_row
+
+    def _are_many_lost(self) -> bool:
+        return self._last is not None and int((self._last.status == _LOST).sum()) >= LOST_MOST
 
     def _adopt(self, names: Names) -> None:
         new = tuple(name for name in dict.fromkeys(names) if name not in self._names)

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 
 from rclpy.node import Node
 
-from q2q_model.estimation.mocap_filter import MocapFilter
+from q2q_model.estimation.mocap_filter import LOST_MOST, MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.node.health import Health
 from q2q_model.node.mocap_troubles import MocapTroubles
@@ -17,13 +17,17 @@ from q2q_model.ros.topics.vehicle_topics import VehicleTopics
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 
+CHANGING_NAMES = (
+    f"{LOST_MOST} vehicles are lost, and no new names are taken: set the parameter vehicles to those that fly"
+)
+
 
 @dataclass(frozen=True, slots=True)
 class MocapFilterNodeParams:
     """Parameters of the node in addition to those of the filter."""
 
     vehicles: tuple[str, ...] = tunable(
-        (), "vehicles to track; empty tracks every vehicle that appears", read_only=True
+        (), f"vehicles to track; empty tracks those that appear, until {LOST_MOST} are lost", read_only=True
     )
     vehicle_topics_hz: float = tunable(
         10.0,
@@ -49,7 +53,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
         lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()}
     )
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
-    wiring.after_publish(_trouble_log(node, wiring.health, block))
+    wiring.after_publish(trouble_log(node, wiring.health, block))
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
     wiring.listen("mocap", StalledStampWarning(node, "mocap").look)
@@ -57,14 +61,17 @@ def build(node: Node) -> TickWiring[SwarmState]:
     return wiring
 
 
-def _trouble_log(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
-    """Return a listener that logs, and keeps in `health`, what motion capture gets wrong for long."""
+def trouble_log(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
+    """Return a listener that logs, and keeps in `health`, what motion capture gets wrong."""
     troubles = MocapTroubles()
 
     def log(_: int, state: SwarmState) -> None:
         if line := troubles.take(state.t, block.trouble):
             node.get_logger().warning(line)
         health.doubts["mocap"] = troubles.text
+        health.doubts["names"] = CHANGING_NAMES if block.refuses_names else ""
+        if block.refuses_names:
+            node.get_logger().warning(CHANGING_NAMES, once=True)
 
     return log
 
