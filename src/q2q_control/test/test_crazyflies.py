@@ -2,6 +2,8 @@
 
 import pytest
 
+from q2q_control.crazyswarm.configured_vehicles import vehicle_names
+from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.radio.crazyflies import crazyflies_at, crazyflies_from_document
 
 
@@ -51,6 +53,7 @@ def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> N
         (("cf1",), ("rdio://0/80",), "cf1: uri = 'rdio://0/80': something like radio://"),
         (("cf1", "cf2"), ("udp://x", "udp://x"), "cf1 and cf2 have the same uri udp://x"),
         (("cf1", "cf2"), ("radio://0/80/2M/E7E7", "radio://0/80/2M/e7e7"), "cf1 and cf2 have the same uri"),
+        (("cf1", "cf1"), ("udp://x", "udp://y"), "duplicate vehicle names in cf1, cf1"),
         (("my-cf",), ("udp://x",), "vehicle 'my-cf': a name is a letter, then letters, digits and _"),
     ],
 )
@@ -59,3 +62,8 @@ def test_wrong_vehicles_of_parameters_are_refused(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         crazyflies_at(names, uris)
+
+
+def test_a_name_given_twice_to_the_node_of_crazyswarm2_is_refused() -> None:
+    with pytest.raises(ValueError, match="duplicate vehicle names in cf1, cf2, cf1"):
+        vehicle_names(CrazyswarmParams(vehicles=("cf1", "cf2", "cf1")))

@@ -8,7 +8,7 @@ from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.radio.crazyflies import crazyflies_from_file, params_set
 from q2q_control.radio.firmware_params import firmware_params
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.signals.values import Names
+from q2q_model.signals.values import Names, check_unique
 from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.vehicle.constants import vehicle_by_name
 
@@ -17,12 +17,13 @@ def vehicle_names(params: CrazyswarmParams) -> Names:
     """Return the names of the vehicles.
 
     Raises:
-        ValueError: there are none, a name is none of a topic, or the file is wrong or cannot be read.
+        ValueError: there are none, a name is no topic's or used twice; the file is wrong or unreadable.
     """
     if params.crazyflies:
         return tuple(one.name for one in crazyflies_from_file(params.crazyflies))
     if not params.vehicles:
         raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
+    check_unique(params.vehicles)
     for name in params.vehicles:
         check_vehicle_name(name)
     return params.vehicles

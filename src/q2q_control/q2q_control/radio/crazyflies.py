@@ -15,7 +15,7 @@ from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_model.signals.values import Names
+from q2q_model.signals.values import Names, check_unique
 from q2q_model.signals.vehicle_name import check_vehicle_name
 
 Position = tuple[float, float, float]
@@ -38,7 +38,7 @@ def crazyflies_at(names: Names, uris: Sequence[str]) -> tuple[Crazyflie, ...]:
     """Return vehicles given by name and URI instead of a file.
 
     Raises:
-        ValueError: there are none; a name is none of a topic; a URI is wrong or used twice.
+        ValueError: there are none; a name is none of a topic or used twice; a URI is wrong or used twice.
     """
     if not names:
         raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles and uris")
@@ -100,7 +100,8 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
 
 
 def _check(vehicles: Sequence[Crazyflie]) -> None:
-    """Raise ValueError for a name that is none of a topic, and for a URI that is none or used twice."""
+    """Raise ValueError for a name that is none of a topic, a URI that is none, and for either used twice."""
+    check_unique([one.name for one in vehicles])
     for one in vehicles:
         check_vehicle_name(one.name)
         if not one.uri.startswith(SCHEMES):
