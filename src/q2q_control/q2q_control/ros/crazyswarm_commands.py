@@ -40,7 +40,7 @@ class CrazyswarmCommands:
         """Return which other nodes publish setpoints of these vehicles, and what to do; empty if none do."""
         topics = [f"{name}/{topic}" for name in self._writers for topic in (FULL_STATE, LEGACY)]
         writers = [writers_of(self._node, topic) for topic in topics]
-        others = other_publishers(self._node.get_name(), writers)
+        others = other_publishers(self._node.get_fully_qualified_name().strip("/"), writers)
         advice = "stop them, or set legacy_hz:=0 on a controller"
         return f"other nodes publish setpoints of these vehicles ({others}): {advice}" if others else ""
 
