@@ -23,12 +23,12 @@ TICKS = 200
 """Two chunks of a second each."""
 
 
-def recorded(bag: Path) -> Path:
+def recorded(bag: Path, topic: str = "/mocap") -> Path:
     """Write a bag of frames; return its file."""
     with BagWriter(bag) as writer:
         for tick in range(TICKS):
             frame = rehearsal(MocapFrame, tick / 100.0, ("cf1",))
-            writer.write_signal("/mocap", tick * 10_000_000, frame)
+            writer.write_signal(topic, tick * 10_000_000, frame)
     return bag / f"{bag.name}_0.mcap"
 
 
@@ -87,9 +87,11 @@ def test_a_type_that_is_not_installed_is_named_with_the_way_out(tmp_path: Path) 
         played(tmp_path / "bag")
 
 
-def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path) -> None:
-    recorded(tmp_path / "bag")
-    with waiting_player(tmp_path / "bag", "answer:=interference", "loop:=true", "start:=1.97") as player:
+@pytest.mark.parametrize("place", ["", "room/"])
+def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path, place: str) -> None:
+    recorded(tmp_path / "bag", f"/{place}mocap")
+    given = f"answer:={place}interference", "loop:=true", "start:=1.97"
+    with waiting_player(tmp_path / "bag", *given) as player:
         player._begin()
         ticks = []
         for _ in range(7):
@@ -97,6 +99,7 @@ def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path) -
             ticks.append(player._tick.stamp_ns // 10_000_000)
             player._on_answer(player._tick.data)
     assert ticks == [197, 198, 199, 197, 198, 199, 197]
+    assert player._health.ticks == len(ticks) + 1
 
 
 def test_answers_to_ticks_need_a_tick_after_the_start(tmp_path: Path) -> None:

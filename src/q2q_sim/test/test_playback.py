@@ -38,3 +38,10 @@ def test_answers_are_topics_of_ticks_that_are_played() -> None:
         check_answer("/interference", ["mocap", "interference"])
     with pytest.raises(ValueError, match="messages on mocap, which is not played"):
         check_answer("interference", ["state"])
+
+
+def test_answers_and_ticks_may_be_in_a_namespace() -> None:
+    check_answer("room/interference", ["/room/mocap"])
+    check_answer("/interference", ["/room/mocap", "/room/interference"])  # another topic than the bag's
+    with pytest.raises(ValueError, match="would answer itself"):
+        check_answer("/room/interference", ["/room/mocap", "/room/interference"])

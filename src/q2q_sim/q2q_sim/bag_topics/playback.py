@@ -7,7 +7,7 @@ from q2q_model.nearest_name import name_hint
 from q2q_sim.bag_topics.topics import TYPE_NAMES
 
 TICK_TOPIC = "mocap"
-"""Topic whose messages are the ticks in lockstep."""
+"""Topic whose messages are the ticks in lockstep, in any namespace."""
 PAUSE_S = 1.0
 """Time without a look for due messages [s] that is a pause, not to be caught up in a burst."""
 MOMENT_S = 1.0
@@ -52,11 +52,21 @@ def check_start(stamps: Iterable[int], start: float) -> None:
         since = later - first
 
 
+def is_tick(topic: str) -> bool:
+    """Return whether the messages of a topic are ticks, in any namespace."""
+    return topic.rpartition("/")[2] == TICK_TOPIC
+
+
+def answer_type(answer: str) -> str:
+    """Return the message type of the topic of answers; empty if it is none of a flight."""
+    return TYPE_NAMES.get(answer.rstrip("/").rpartition("/")[2], "")
+
+
 def check_answer(answer: str, played: Iterable[str]) -> None:
     """Raise ValueError if ticks cannot wait for a topic's answers; nothing waits for an empty one."""
     if not answer:
         return
-    if answer.strip("/") not in TYPE_NAMES:
+    if not answer_type(answer):
         raise ValueError(f"parameter answer = {answer!r}: no such topic; {name_hint(answer, TYPE_NAMES)}")
     topics = {topic.strip("/") for topic in played}
     if answer.strip("/") in topics:
@@ -64,5 +74,5 @@ def check_answer(answer: str, played: Iterable[str]) -> None:
             f"parameter answer = {answer!r}: the bag has it and would answer itself; play only what your "
             f"nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
         )
-    if TICK_TOPIC not in topics:
+    if not any(map(is_tick, topics)):
         raise ValueError(f"parameter answer: the ticks are the messages on {TICK_TOPIC}, which is not played")

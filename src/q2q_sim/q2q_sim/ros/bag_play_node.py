@@ -28,8 +28,8 @@ from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.playback import PAUSE_S, TICK_TOPIC, Playback, check_answer, check_start
-from q2q_sim.bag_topics.topics import TYPE_NAMES, has_one_writer, is_latched
+from q2q_sim.bag_topics.playback import PAUSE_S, Playback, answer_type, check_answer, check_start, is_tick
+from q2q_sim.bag_topics.topics import has_one_writer, is_latched
 from q2q_sim.loop.lockstep import ResendTimer
 
 CLOCK = "/clock"
@@ -81,7 +81,7 @@ class Player:
             node.get_logger().warning(repair)
         wanted = self._wanted()
         check_answer(self._params.answer, wanted)
-        waited = {topic for topic in wanted if not self._params.answer or topic.strip("/") == TICK_TOPIC}
+        waited = {topic for topic in wanted if not self._params.answer or is_tick(topic)}
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         recorded = self._reader.latched
         self._latched = {one for one, kind in wanted.items() if one in recorded or is_latched(one, kind)}
@@ -102,7 +102,7 @@ class Player:
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
         if self._params.answer:
-            kind = _class_of(TYPE_NAMES[self._params.answer.strip("/")])
+            kind = _class_of(answer_type(self._params.answer))
             node.create_subscription(kind, self._params.answer, self._on_answer, TICK, raw=True)
             steady_timer(node, LOOK_S, self._on_stall)
         else:
@@ -215,7 +215,7 @@ class Player:
         while self._next is not None:
             message = self._next
             self._play_one()
-            if message.topic.strip("/") == TICK_TOPIC:
+            if is_tick(message.topic):
                 self._tick = message
                 return
 
@@ -226,7 +226,7 @@ class Player:
         self._writers[message.topic].publish(message.data)
         if self._clock is not None:
             self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
-        self._health.ticks += message.topic.strip("/") == TICK_TOPIC
+        self._health.ticks += is_tick(message.topic)
         self._advance()
         if self._next is None:
             self._end(message.stamp_ns)
