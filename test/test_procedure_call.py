@@ -18,6 +18,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from q2q_control.commands import call
 from q2q_control.ros.procedure_call import await_answer
 from q2q_model.ros.node.run import WAKE_S, make_executor
 from q2q_sim.processes.domain import own_domain
@@ -137,3 +138,18 @@ def test_a_node_that_leaves_without_an_answer_ends_the_call() -> None:
 def test_a_call_that_must_not_wait_ends_though_the_node_is_there() -> None:
     reply = await_answer(Silent(ready=True), Silent(ready=True), 0.0)
     assert (reply.granted, "no answer within 0 s" in reply.reason) == (False, True)
+
+
+@pytest.mark.parametrize("given", ["bad name", "", "/", "room//radio", "1radio", "r\u00e9seau"])
+def test_what_is_no_nodes_name_is_refused_with_one_that_is(
+    given: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        call.parser().parse_args(["land", "--node", given])
+    assert ended.value.code == 2
+    assert f"{given!r} is no node's name: give one like radio or room/radio" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("given", "node"), [("/radio/", "radio"), ("/room/radio", "room/radio")])
+def test_slashes_around_a_nodes_name_are_no_part_of_it(given: str, node: str) -> None:
+    assert call.parser().parse_args(["land", "--node", given]).node == node

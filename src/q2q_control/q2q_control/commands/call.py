@@ -4,8 +4,9 @@ Prints the answer; exits with 0 if the call was granted, with 1 if it was refuse
 are std_srvs/Trigger services of the nodes radio and crazyswarm.
 """
 
+import re
 import sys
-from argparse import Namespace
+from argparse import ArgumentTypeError, Namespace
 from collections.abc import Sequence
 
 from q2q_control.flight_procedure.steps import Call
@@ -14,6 +15,8 @@ from q2q_model.commands.command_line import CommandLine, Work, run_command
 EXAMPLE = """  ros2 run q2q_control call take_off
   ros2 run q2q_control call emergency --on-enter
   ros2 run q2q_control call emergency --node crazyswarm"""
+
+_NODE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -31,13 +34,23 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("call", __doc__, EXAMPLE)
     made.add_argument("call", choices=[one.value for one in Call], help="the call to make")
-    made.add_argument("--node", default="radio", help="node that flies the vehicles: radio or crazyswarm")
+    made.add_argument(
+        "--node", default="radio", type=_node, help="node that flies the vehicles: radio or crazyswarm"
+    )
     made.add_argument(
         "--on-enter",
         action="store_true",
         help="find the service now, and call it when Enter is pressed: an emergency stop at hand",
     )
     return made
+
+
+def _node(given: str) -> str:
+    """Return the name of a node, with its namespace if it has one: a type of arguments."""
+    name = given.strip("/")
+    if not _NODE.fullmatch(name):
+        raise ArgumentTypeError(f"{given!r} is no node's name: give one like radio or room/radio")
+    return name
 
 
 if __name__ == "__main__":
