@@ -7,9 +7,11 @@ import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock
 from room_node import RoomNode
 
+from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.diagnostics import PERIOD_S
@@ -65,3 +67,18 @@ def test_a_vehicle_that_the_failsafe_has_landed_is_far_for_that_and_not_for_its_
     assert wiring.health.doubts["setpoints"] == (
         "far from their setpoints, brought down by the failsafe: cf2 3.0 m"
     )
+
+
+def test_a_vehicle_that_lands_or_has_landed_is_not_far_and_is_again_in_the_next_flight() -> None:
+    node = ClockedNode("pid", {"aware": False}, {})
+    wiring = pid_node.build(node)
+    (report,) = [act for period, act in node.timers if period == PERIOD_S]
+    doubts = []
+    steps = Step.FLIGHT, Step.LANDING, Step.DISARMING, Step.CONNECTED, Step.CHECKED, Step.FLIGHT
+    for tick, step in enumerate(steps):
+        node.takers["radio/status"](DiagnosticStatus(message=step.value))
+        fly(node, tick, 3.0)
+        report()
+        doubts.append(wiring.health.doubts["setpoints"])
+    assert doubts == [MESSAGE, "", "", "", "", MESSAGE]
+    assert node.lines.count(MESSAGE) == 2

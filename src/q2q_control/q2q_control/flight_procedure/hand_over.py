@@ -4,9 +4,10 @@ A controller commands from its first tick on, and its observer and integrals tak
 the ground and in the onboard climb they are not: what is learned there is wrong.
 """
 
-from q2q_control.flight_procedure.steps import FOLLOWS_SETPOINTS, Step
+from q2q_control.flight_procedure.steps import FLYING, FOLLOWS_SETPOINTS, Step
 
 _FOLLOWS = {step.value for step in FOLLOWS_SETPOINTS}
+_FLYING = {step.value for step in FLYING}
 _LANDING = Step.LANDING.value
 
 
@@ -16,12 +17,15 @@ class HandOver:
     def __init__(self) -> None:
         """Start without a report, as in a flight that has begun."""
         self._flown = True
+        self.flying = True
+        """Whether vehicles are in the air, and not landing."""
 
     def take(self, step: str) -> bool:
         """Take a reported step; return whether commands begin to be flown in it.
 
         After a landing they go on to be flown, where setpoints could not be stopped.
         """
+        self.flying = step in _FLYING
         begins = step in _FOLLOWS and not self._flown
         self._flown = step in _FOLLOWS or step == _LANDING
         return begins

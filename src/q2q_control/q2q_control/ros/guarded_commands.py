@@ -45,7 +45,7 @@ class GuardedCommands:
         self._watch = TickWatch(self._guard, params) if live else None
         self._state: SwarmState | None = None
         self._flown: tuple[SwarmState, SwarmSetpoint] | None = None  # of the last tick
-        self._far = FarSetpointMonitor()
+        self._far, self._flying = FarSetpointMonitor(), True
         self._changes = PhaseChanges()
 
     def update(
@@ -79,13 +79,16 @@ class GuardedCommands:
         self._stamp_delay = StampDelayMonitor()
 
     def _follow(self, hand_over: HandOver, status: DiagnosticStatus) -> None:
-        """Start the controller anew when commands begin to be flown."""
+        """Start the controller anew when commands begin to be flown; note whether vehicles fly."""
         if hand_over.take(status.message):
             self._guard.begin_flight()
+        if not hand_over.flying:
+            self._far, self._wiring.health.doubts["setpoints"] = FarSetpointMonitor(), ""
+        self._flying = hand_over.flying
 
     def _look_for_far_setpoints(self) -> None:
-        """Log vehicles that are far from their setpoints."""
-        if self._flown is not None:
+        """Log vehicles in flight that are far from their setpoints."""
+        if self._flown is not None and self._flying:
             message, new = self._far.look(*self._flown, self._changes.brought_down)
             self._wiring.health.doubts["setpoints"] = message
             if new:
