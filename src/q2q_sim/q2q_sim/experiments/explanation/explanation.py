@@ -1,18 +1,24 @@
 """Loss of a flight, split among its causes.
 
 The shares are Shapley values (q2q_sim.experiments.explanation.shapley) of the flight with its own seed. Their
-95 % interval is share +- 1.96 s,
+95 % interval, which holds the share of a flight with another seed, is share +- w,
 
-    s^2 = s_o^2 + s_s^2
+    w^2 = (t_o s_o)^2 + 2 (t_s s_s)^2
 
-with s_o the standard error over random orders, and s_s the standard deviation between flights with other
-seeds: how much the share depends on the noise, losses and gusts that were drawn.
+| symbol | meaning |
+|---|---|
+| s_o | standard error over random orders; 0 if all are flown [m] |
+| s_s | standard deviation between seeds: noise, losses and gusts that were drawn; 0 if one is flown [m] |
+| t_o, t_s | Student's t of one degree of freedom less than there are orders, and seeds [-] |
+
+The 2 is because the difference of two flights has the variance of both.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import stdtrit
 
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.explanation.causes import present_causes, without_causes
@@ -31,7 +37,8 @@ from q2q_sim.random_streams import stream
 
 AFTER = 1.0
 """Time that is flown beyond the loss, in which a flight without a cause may lose later [s]."""
-NORMAL_95 = 1.96
+UPPER = 0.975
+"""Level of the upper end of a two-sided 95 % interval [-]."""
 
 Follow = Callable[[float], None]
 """Function of the finished share of the work, 0 to 1."""
@@ -121,6 +128,15 @@ def loss_without(case: FlightCase, loss: Loss) -> Value:
     return value
 
 
+def half_widths(found: Array, *, exact: bool) -> Array:
+    """Return w of each cause from its shares (seeds, orders, causes); `exact` means all orders."""
+    seeds, orders, causes = found.shape
+    none = np.zeros(causes)
+    by_order = none if exact else stdtrit(orders - 1, UPPER) * standard_error(found[0])
+    by_seed = none if seeds == 1 else stdtrit(seeds - 1, UPPER) * found.mean(axis=1).std(axis=0, ddof=1)
+    return np.asarray(np.hypot(by_order, np.sqrt(2.0) * by_seed))
+
+
 def _all_shares(
     causes: Sequence[str], orders: Sequence[Order], values: Sequence[Value], follow: Follow
 ) -> Array:
@@ -136,10 +152,7 @@ def _all_shares(
 def _split(causes: Sequence[str], found: Array, *, exact: bool) -> tuple[CauseShare, ...]:
     """Return the mean shares with the first seed and their intervals; `exact` means over all orders."""
     means = found.mean(axis=1)  # (seeds, causes)
-    none = np.zeros(len(causes))
-    by_order = none if exact else standard_error(found[0])
-    by_seed = means.std(axis=0, ddof=1) if len(found) > 1 else none
-    wide = NORMAL_95 * np.hypot(by_order, by_seed)
+    wide = half_widths(found, exact=exact)
     split = [
         CauseShare(cause, float(mean), float(mean - one), float(mean + one))
         for cause, mean, one in zip(causes, means[0], wide, strict=True)

@@ -46,6 +46,9 @@ def shapley_shares(causes: Sequence[str], orders: Sequence[Order], value: Value)
 
 
 def standard_error(found: Array) -> Array:
-    """Return the standard error of the mean share of each cause over random pairs of orders, (causes,)."""
-    pairs = found.reshape(-1, 2, found.shape[1]).mean(axis=1)
-    return np.asarray(pairs.std(axis=0, ddof=1) / np.sqrt(len(pairs)))
+    """Return the standard error of the mean share of each cause over random orders, (causes,).
+
+    It is that of independent orders. Reversed ones make the true error smaller, but the few pairs are often
+    alike by chance, so that the deviation between them is no estimate of it.
+    """
+    return np.asarray(found.std(axis=0, ddof=1) / np.sqrt(len(found)))
