@@ -25,12 +25,16 @@ from q2q_sim.random_streams import stream
 
 SURVEY = 30
 """Runs of the survey."""
-GENERATION = 10
-"""Runs of a generation of CMA-ES: half of them make the next mean."""
+GENERATION = 5
+"""Runs of a generation of CMA-ES: the best of them make the next mean."""
+GENERATIONS = 2
+"""Generations of a descent."""
 DESCENTS = 2
 """Policies whose margin is descended."""
-LENGTH = SURVEY + DESCENTS * GENERATION
+LENGTH = SURVEY + DESCENTS * GENERATIONS * GENERATION
 """Runs of an attack."""
+SEARCH = f"{SURVEY}+{DESCENTS}*{GENERATIONS}*{GENERATION}"
+"""Name of the search in kept work, which another search does not resume."""
 STEP = 0.1
 """First standard deviation of CMA-ES, of a range from 0 to 1."""
 

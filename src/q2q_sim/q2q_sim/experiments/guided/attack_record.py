@@ -9,7 +9,7 @@ from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.campaign.run_outcome import CRASH
 from q2q_sim.experiments.campaign.violation_replay import write_replay
-from q2q_sim.experiments.guided.attack import attack
+from q2q_sim.experiments.guided.attack import SEARCH, attack
 from q2q_sim.experiments.guided.attack_case import case_of, shrink, write_case
 from q2q_sim.experiments.guided.attacked_flight import fly_attacked
 from q2q_sim.monitors.policies import Violation
@@ -35,6 +35,8 @@ class AttackRecord:
     """Runs in which no command carried some vehicle: not judged by all policies."""
     unforeseen: int = 0
     """Runs in which one was flown blind in a downwash that nothing could predict: nor are they."""
+    search: str = ""
+    """SEARCH of the attack."""
 
 
 def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> AttackRecord:
@@ -55,7 +57,7 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
         case = str(path)
     seconds = perf_counter() - began
     weak, untold = found.overpowered, found.unforeseen
-    return AttackRecord(seed, length, found.runs, policies, case, seconds, air, weak, untold)
+    return AttackRecord(seed, length, found.runs, policies, case, seconds, air, weak, untold, SEARCH)
 
 
 def write_case_page(run: Run, violations: Sequence[Violation], file: Path) -> None:

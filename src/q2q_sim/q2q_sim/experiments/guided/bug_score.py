@@ -10,7 +10,7 @@ from itertools import chain, count, islice
 from time import perf_counter
 
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.guided.attack import LENGTH, attack_runs
+from q2q_sim.experiments.guided.attack import LENGTH, SEARCH, attack_runs
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
 
@@ -28,6 +28,8 @@ class BugScore:
     blind: int
     seconds: float
     air: str = ""
+    search: str = ""
+    """SEARCH of the guided one."""
 
 
 def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
@@ -42,7 +44,7 @@ def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
     guided = ((one.run, one.flight) for one in attacks)
     blind = ((run, judge(run)) for run in (draw_run(seed + k, air) for k in count()))
     found = _first(guided, runs), _first(blind, runs)
-    return BugScore(bug.name, runs, seed, *found, perf_counter() - began, air)
+    return BugScore(bug.name, runs, seed, *found, perf_counter() - began, air, SEARCH)
 
 
 def unscored(number: int) -> BugScore:

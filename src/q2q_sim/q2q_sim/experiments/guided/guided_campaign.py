@@ -19,7 +19,7 @@ from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
 from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
-from q2q_sim.experiments.guided.attack import LENGTH
+from q2q_sim.experiments.guided.attack import LENGTH, SEARCH
 from q2q_sim.experiments.guided.attack_case import read_case
 from q2q_sim.experiments.guided.attack_record import (
     AttackRecord,
@@ -125,7 +125,7 @@ def _attacks(args: Namespace) -> Iterator[AttackRecord]:
     done = {
         one.seed: one
         for one in _read(log, AttackRecord)
-        if one.air == args.air and lengths.get(one.seed) == one.length
+        if (one.air, one.search) == (args.air, SEARCH) and lengths.get(one.seed) == one.length
     }
     yield from done.values()
     work = partial(_attack, lengths=lengths, kept=args.out / "cases", air=args.air)
@@ -144,8 +144,9 @@ def _scores(args: Namespace) -> Iterator[BugScore]:
     """Yield the score of every seeded bug, in their order, found now or before."""
     if not args.bug_runs:
         return
-    log, wanted = args.out / "seeded_bugs.jsonl", (args.bug_runs, args.seed, args.air)
-    done = {one.bug: one for one in _read(log, BugScore) if (one.runs, one.seed, one.air) == wanted}
+    log, wanted = args.out / "seeded_bugs.jsonl", (args.bug_runs, args.seed, args.air, SEARCH)
+    found = _read(log, BugScore)
+    done = {one.bug: one for one in found if (one.runs, one.seed, one.air, one.search) == wanted}
     left = [number for number, bug in enumerate(SEEDED_BUGS) if bug.name not in done]
     work = partial(score_bugs, runs=args.bug_runs, seed=args.seed, air=args.air)
     drop_incomplete_line(log)

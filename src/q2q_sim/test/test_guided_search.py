@@ -1,0 +1,59 @@
+"""The descents of a guided attack learn, and work that another search has kept is not resumed."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import cma
+import numpy as np
+import pytest
+
+from q2q_model.signals.values import Array
+from q2q_sim.commands import campaign
+from q2q_sim.experiments.campaign.random_run import Run
+from q2q_sim.experiments.guided import attack_record
+from q2q_sim.experiments.guided.attack import LENGTH, attack_runs
+from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
+
+
+def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    learned: list[float] = []
+    tell = cma.CMAEvolutionStrategy.tell
+    rng = np.random.default_rng(0)
+
+    def record(self: object, vectors: Sequence[Array], margins: Sequence[float]) -> object:
+        learned.extend(margins)
+        return tell(self, vectors, margins)
+
+    def judge(_: Run) -> AttackedFlight:
+        return AttackedFlight((), {"room": float(rng.random()), "floor": float(rng.random())})
+
+    monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", record)
+    runs = list(attack_runs(1, LENGTH, judge))
+    first, second = runs[30:35], runs[40:45]
+    assert len(runs) == 50
+    assert learned in (
+        [one.flight.margins[name] for some, name in zip((first, second), names, strict=True) for one in some]
+        for names in (("room", "floor"), ("floor", "room"))
+    )
+
+
+def test_attacks_of_another_search_are_not_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    flown: list[Run] = []
+
+    def fly(run: Run) -> AttackedFlight:
+        flown.append(run)
+        return AttackedFlight(())
+
+    monkeypatch.setattr(attack_record, "fly_attacked", fly)
+    asked = ["--guided", "--runs", "1", "--bug-runs", "0", "--out", str(tmp_path)]
+    log = tmp_path / "attacks.jsonl"
+    assert campaign.main(asked) == campaign.main(asked) == 0
+    assert len(flown) == 1
+    kept = json.loads(log.read_text())
+    del kept["search"]  # as older ones are
+    log.write_text(json.dumps(kept) + "\n")
+    assert campaign.main(asked) == 0
+    assert len(flown) == 2
