@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.guided import attack as attacks
+from q2q_sim.experiments.guided import guided_campaign
 from q2q_sim.experiments.guided.attack import (
     GENERATION,
     SURVEY,
@@ -163,6 +165,19 @@ def test_a_seeded_bug_is_found_kept_and_flown_again(tmp_path: Path):
     assert fly_attacked(case.run).violations == ()
     with bug.seeded():
         assert fly_attacked(case.run).policies == {RECORD}
+
+
+@pytest.mark.parametrize("out", [(), ("--out", "elsewhere")])
+def test_the_page_of_a_case_flown_again_is_beside_it_or_in_out(
+    out: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    written: list[Path] = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(guided_campaign, "fly_attacked", lambda _: AttackedFlight(()))
+    monkeypatch.setattr(guided_campaign, "write_case_page", lambda _run, _found, page: written.append(page))
+    write_case(case_of(draw_run(0), {RECORD}), Path("cases/case_0.yaml"))
+    assert campaign.main(["--case", "cases/case_0.yaml", *out]) == 0
+    assert written == [Path(out[1] if out else "cases") / "case_0.html"]
 
 
 def test_a_file_that_is_no_case_is_refused(tmp_path: Path):

@@ -31,6 +31,8 @@ EXAMPLE = """  scripts/campaign --runs 20
   DASK_SCHEDULER_ADDRESS=tcp://host:8786 scripts/campaign --runs 20000 --engine dask
   scripts/campaign --guided --runs 400 --jobs 2 --json out/guided.json
   scripts/campaign --case out/campaign/cases/case_7.yaml"""
+OUT = Path("out/campaign")
+"""Folder of a campaign."""
 OF_CASE = ("--case", "--out")
 """Options that have an effect with --case."""
 
@@ -51,6 +53,7 @@ def _prepare(args: Namespace) -> Work:
         raise ValueError("--guided flies without nodes: leave out --through-nodes")
     if args.case and not args.case.is_file():
         raise ValueError(f"no case at {args.case}")
+    args.out = args.out or (args.case.parent if args.case else OUT)
     if args.air:
         check_air(args.air)
     if args.case or args.guided:
@@ -87,7 +90,9 @@ def parser() -> CommandLine:
     )
     made.add_argument("--engine", choices=ENGINES, default="local", help="engine of parallel runs")
     made.add_argument(
-        "--out", type=output_folder, default=Path("out/campaign"), help="folder of runs and bags"
+        "--out",
+        type=output_folder,
+        help=f"folder of runs and bags (default {OUT}; of the page of a --case, default beside it)",
     )
     made.add_argument(
         "--air",
