@@ -8,7 +8,14 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command, whole_number
+from q2q_model.commands.command_line import (
+    CommandLine,
+    Work,
+    finite_number,
+    output_file,
+    run_command,
+    whole_number,
+)
 
 EXAMPLE = """  ros2 run q2q_sim endurance --minutes 60 --json out/endurance.json
   ros2 run q2q_sim endurance --minutes 5 --live"""
@@ -36,7 +43,7 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("endurance", __doc__, EXAMPLE)
     made.add_argument(
-        "--minutes", type=float, default=60.0, metavar="M", help="duration of the flight (default 60)"
+        "--minutes", type=finite_number, default=60.0, metavar="M", help="duration of the flight (default 60)"
     )
     made.add_argument(
         "--vehicles", type=whole_number(1), default=10, metavar="N", help="number of vehicles (default 10)"
