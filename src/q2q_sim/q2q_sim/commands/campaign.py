@@ -47,6 +47,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if args.case:
         _refuse_beside_case(args)
+    elif not args.guided and "--bug-runs" in _options(args):
+        raise UsageError("--bug-runs needs --guided, whose search it measures")
     if args.through_nodes > args.runs:
         raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
     if args.guided and args.through_nodes:
@@ -68,10 +70,14 @@ def _prepare(args: Namespace) -> Work:
 
 def _refuse_beside_case(args: Namespace) -> None:
     """Raise UsageError for an option that is given and has no effect beside --case."""
-    for word in args.argv:
-        option = word.partition("=")[0]
-        if option.startswith("--") and option not in OF_CASE:
+    for option in _options(args):
+        if option not in OF_CASE:
             raise UsageError(f"{option} has no effect with --case")
+
+
+def _options(args: Namespace) -> list[str]:
+    """Return the options that are given."""
+    return [word.partition("=")[0] for word in args.argv if word.startswith("--")]
 
 
 def parser() -> CommandLine:

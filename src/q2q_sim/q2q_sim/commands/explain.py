@@ -26,6 +26,9 @@ EXAMPLE = """  ros2 run q2q_sim explain out/demo/bags/ignoring --out out/why --j
 FEWEST_ORDERS = 4
 """Two pairs: the fewest that have a standard error."""
 
+OF_BAG = ("of", "orders", "seeds", "out")
+"""Options of the explanation of one bag."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Explain the bag of the command line; return the exit status."""
@@ -35,6 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if bool(args.bag) == bool(args.score):
         raise UsageError("give either a bag or --score N")
+    _check_partners(args)
     if args.orders < FEWEST_ORDERS or args.orders % 2:
         raise ValueError(f"--orders {args.orders}: an even number of {FEWEST_ORDERS} or more is allowed")
     if args.bag:
@@ -44,6 +48,14 @@ def _prepare(args: Namespace) -> Work:
     from q2q_sim.experiments.explanation.explain_bag import explain_bag, score_explanations
 
     return explain_bag if args.bag else score_explanations
+
+
+def _check_partners(args: Namespace) -> None:
+    """Raise UsageError for an option that would change nothing, with or without --score."""
+    line, (partner, ignored) = parser(), ("--score", OF_BAG) if args.score else ("a bag", ("seed",))
+    for name in ignored:
+        if getattr(args, name) != line.get_default(name):
+            raise UsageError(f"--{name} has no effect with {partner}")
 
 
 def parser() -> CommandLine:
