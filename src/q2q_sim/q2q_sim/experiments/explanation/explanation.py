@@ -99,7 +99,7 @@ def explain(
     params = params or ExplanationParams()
     loss = largest_loss(fly_case(case), params.kind)
     end = min(case.scenario.duration, loss.t + AFTER)
-    short = replace(case, scenario=replace(case.scenario, duration=end))
+    short = cut_case(case, end)
     causes = present_causes(short)
     orders = orders_of(causes, params.orders, stream(case.seed, "explanation orders"))
     values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.seeds)]
@@ -113,6 +113,12 @@ def explain(
         rest=own(frozenset(causes)),
         without_first=own(frozenset() if first is None else frozenset({first})),
     )
+
+
+def cut_case(case: FlightCase, end: float) -> FlightCase:
+    """Return a flight that ends at a time [s], without the faults that begin later."""
+    begun = tuple(fault for fault in case.scenario.faults if fault.start < end)
+    return replace(case, scenario=replace(case.scenario, duration=end, faults=begun))
 
 
 def loss_without(case: FlightCase, loss: Loss) -> Value:
