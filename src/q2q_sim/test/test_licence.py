@@ -26,7 +26,7 @@ from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.program_turns import Turns, always
 from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
-from q2q_sim.experiments.licence.program_flight import MORE_VEHICLES, FlightOrder, Program
+from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.loop.room import Room
 
@@ -283,7 +283,7 @@ def test_the_tick_after_a_program_is_not_interrupted_by_looks_at_it(tmp_path: Pa
     order = FlightOrder(Program(file), params, LicenceTrial(), (), (), 30.0, patience=5.0)
     (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     assert flight.log is not None
-    assert flight.log.end.error == MORE_VEHICLES
+    assert flight.log.end.unknown == "radio://0/80/2M/E7E7E7E7E2"
 
 
 @pytest.mark.parametrize(("kind", "own"), [(LookupError, True), (RecursionError, False)])

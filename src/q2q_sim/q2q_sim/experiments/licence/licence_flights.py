@@ -7,6 +7,7 @@ flown in is refused.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -20,7 +21,6 @@ from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, broken_rules
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
 from q2q_sim.experiments.licence.program_flight import (
-    MORE_VEHICLES,
     PATIENCE_S,
     FlightOrder,
     Program,
@@ -182,17 +182,23 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
 def _nominal(program: Program, options: LicenceOptions) -> FlownTrial:
     """Return the flight without faults, with as many vehicles as the program opens."""
     order = _first_order(program, options, tuple(one.uri for one in options.served))
-    forever = monotonic() + options.budget
-    (first,) = fly_trials([order], options, forever)
-    if first.log is None or first.log.end.error != MORE_VEHICLES:
-        return first
+    (flown,) = fly_trials([order], options, inf)
+    if not _unknown(flown):
+        return flown
     survey = replace(order, params=options.params(MOST_VEHICLES), survey=True)
-    (surveyed,) = fly_trials([survey], options, forever)
-    if surveyed.log is None:
-        return surveyed
-    uris = tuple(sorted(surveyed.log.uris))
-    (nominal,) = fly_trials([replace(order, params=options.params(len(uris)), uris=uris)], options, forever)
-    return nominal
+    (flown,) = fly_trials([survey], options, inf)
+    uris = flown.log.uris if flown.log is not None else ()
+    while flown.log is not None:  # each flight ends where it opens a vehicle that the ones before did not
+        (flown,) = fly_trials([_first_order(program, options, tuple(sorted(uris)))], options, inf)
+        if not _unknown(flown) or len(uris) == MOST_VEHICLES:
+            break
+        uris = (*uris, _unknown(flown))
+    return flown
+
+
+def _unknown(flown: FlownTrial) -> str:
+    """Return the URI that the program opened after those of all vehicles; empty if it opened none."""
+    return "" if flown.log is None else flown.log.end.unknown
 
 
 def _first_order(program: Program, options: LicenceOptions, uris: tuple[str, ...]) -> FlightOrder:

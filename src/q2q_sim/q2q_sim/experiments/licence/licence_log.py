@@ -34,6 +34,17 @@ class ProgramEnd:
     """Stopped because it waited outside Python's clock."""
     caught: str = ""
     """First error of a callback of the program, with its line: cflib catches it and goes on."""
+    unknown: str = ""
+    """URI that the program opened after those of all vehicles, which stopped it."""
+
+    @property
+    def waits(self) -> str:
+        """Return where the program waited when it was stopped; empty if nowhere that is known."""
+        where = f" on line {' and line '.join(map(str, self.waiting))}" if self.waiting else ""
+        place = " outside Python's clock, for input, a socket or a process" if self.outside else ""
+        waits = f"it waits{place}{where}" if place or where else ""
+        caught = f"a callback failed before, which cflib catches: {self.caught}" if self.caught else ""
+        return "; ".join(filter(None, (waits, caught)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@
 | yaw | the high-level commander, whose unit is rad, is asked for more than a turn, and a quarter at once |
 | command | it is asked for what no vehicle can follow (commands) |
 | end | it still flies 5 s after the end of the program, or at the time limit |
-| program | the program fails, dies, or does not end |
+| program | the program fails, dies, does not end, or opens more vehicles than there are |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
 
 MotionCommander of cflib itself stops the motors 0.1 m above the floor. Between notify_setpoint_stop and the
@@ -33,7 +33,7 @@ from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import CONTACT
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import failure_cause
-from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 
@@ -242,10 +242,13 @@ def _idle(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
 def _program(log: LicenceLog) -> BrokenRule | None:
     end, trial = log.end, log.trial
     rows = [row for row in range(len(log.uris)) if row != trial.excused]
+    if end.unknown:
+        why = f"{end.unknown} is one more than {len(log.uris)}"
+        return BrokenRule("program", end.t, "the program opens more vehicles than there are", why)
     if trial.kind in EXCUSED:
         return None
     if end.overdue:
-        return BrokenRule("program", end.t, "the program does not end", _waits(end))
+        return BrokenRule("program", end.t, "the program does not end", end.waits)
     if not end.status:
         return None
     tick = min(int(np.searchsorted(log.t, end.t)), len(log.t) - 1)
@@ -253,15 +256,6 @@ def _program(log: LicenceLog) -> BrokenRule | None:
     where = f", line {end.line}" if end.line else ""
     why = (end.error or f"exit status {end.status}") + where
     return None if safe else BrokenRule("program", end.t, "the program fails", why)
-
-
-def _waits(end: ProgramEnd) -> str:
-    """Return where a program waits that does not end."""
-    where = f" on line {' and line '.join(map(str, end.waiting))}" if end.waiting else ""
-    place = " outside Python's clock, for input, a socket or a process" if end.outside else ""
-    waits = f"it waits{place}{where}" if place or where else ""
-    caught = f"a callback failed before, which cflib catches: {end.caught}" if end.caught else ""
-    return "; ".join(filter(None, (waits, caught)))
 
 
 def _nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | None]:

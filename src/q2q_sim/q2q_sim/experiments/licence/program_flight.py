@@ -39,8 +39,6 @@ from q2q_sim.processes.parent_death import die_with_parent
 
 REST_S = 5.0
 """Longer than the firmware's watchdog of 2 s and a fall from the ceiling [s]."""
-MORE_VEHICLES = "the program opened more vehicles than there are"
-"""Error of a flight that ended for it."""
 PATIENCE_S = 140.0
 """Wall time after which a flight that waits outside Python's clock is ended [s]."""
 LOOK_S = 1.0
@@ -162,7 +160,7 @@ class _Flight:
             raise ValueError(f"{uri} is not the URI of an enabled vehicle of the crazyflies.yaml")
         if uri not in self._uris:
             if len(self._uris) == len(self._order.params.starts):
-                self._send(ProgramEnd(self._room.t, error=MORE_VEHICLES))
+                self._send(ProgramEnd(self._room.t, unknown=uri))
             self._uris.append(uri)
         return self._uris.index(uri)
 

@@ -1,0 +1,71 @@
+"""Vehicles of a licence are those that the program opens, whenever it does."""
+
+from math import inf
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+
+from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials, licence
+from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+
+ONE_BY_ONE = """
+import time
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+
+cflib.crtp.init_drivers()
+for number in (9, 8):
+    with SyncCrazyflie(f"radio://0/80/2M/E7E7E7E70{number}") as scf:
+        commander = scf.cf.high_level_commander
+        commander.takeoff(0.4, 1.0)
+        time.sleep(1.5)
+        assert number == 9, "fails in the air"
+        commander.land(0.0, 1.0)
+        time.sleep(1.5)
+        commander.stop()
+"""
+OPENED = """
+import time
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+cflib.crtp.init_drivers()
+vehicles = [Crazyflie() for _ in range({count})]
+for number, vehicle in enumerate(vehicles):
+    vehicle.open_link(f"radio://0/80/2M/E7E7E7E7{{number:02X}}")
+    time.sleep(0.1)
+"""
+
+
+def test_a_vehicle_that_is_opened_after_the_first_has_landed_is_judged(tmp_path: Path):
+    file = tmp_path / "one_by_one.py"
+    file.write_text(ONE_BY_ONE)
+    found = licence(Program(file, (), tmp_path), LicenceOptions())
+    (nominal,) = found.flights
+    assert nominal.log is not None
+    assert nominal.log.uris == ("radio://0/80/2M/E7E7E7E708", "radio://0/80/2M/E7E7E7E709")
+    assert nominal.log.flew.all()
+    assert [one.rule for one in nominal.failures] == ["motors", "landing", "program"]
+    assert nominal.failures[2].why == "AssertionError: fails in the air, line 13"
+
+
+def test_a_program_that_opens_more_vehicles_than_a_radio_has_fails(tmp_path: Path):
+    file = tmp_path / "sixteen.py"
+    file.write_text(OPENED.format(count=16))
+    (nominal,) = licence(Program(file), LicenceOptions()).flights
+    what = "the program opens more vehicles than there are: radio://0/80/2M/E7E7E7E70F is one more than 15"
+    assert [one.sentence.partition(" s ")[2] for one in nominal.failures] == [what]
+
+
+def test_a_vehicle_that_is_opened_only_after_a_fault_fails_the_flight(tmp_path: Path):
+    """Also where nothing is asked of the vehicle with the fault."""
+    file = tmp_path / "two.py"
+    file.write_text(OPENED.format(count=2))
+    params = LicenceParams(((0.0, 0.0, 0.0),))
+    order = FlightOrder(Program(file), params, LicenceTrial(TrialKind.UNARMED), (), (), 30.0)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
+    assert [one.what for one in flight.failures] == ["the program opens more vehicles than there are"]
