@@ -83,6 +83,14 @@ def test_motors_that_stop_in_the_air_are_blamed_on_the_stop_setpoint_and_its_lin
     assert f"hits the floor at {fall:.1f}" in found[1].what
 
 
+def test_a_vehicle_that_motors_drive_onto_the_floor_hits_it_though_it_stays_micrometres_above():
+    log = hover()
+    log.pos[700:, 0, 2] = np.maximum(1.0 - 0.03 * np.arange(1, 301), 3e-6)
+    log.vel[700:, 0, 2] = np.where(log.pos[700:, 0, 2] > 3e-6, -3.0, 0.0)
+    (found,) = broken_rules(log, LIMITS)
+    assert (found.rule, found.what) == ("landing", "cf1 hits the floor at 3.0 m/s")
+
+
 def test_motors_that_stop_for_a_packet_between_two_commanders_are_not_reported():
     log = hover()
     log.running[500:504] = False

@@ -37,6 +37,8 @@ from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 
+GROUND = 0.01
+"""Height below which a vehicle is on the floor [m]: motors that run hold one micrometres above."""
 LEVEL_SHARE = 0.1
 """Share of a flight in which a vehicle may be levelled out."""
 
@@ -131,11 +133,11 @@ def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | No
 def _landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     height, climb = log.pos[:, row, 2], log.vel[:, row, 2]
     hit = np.zeros(len(height), dtype=np.bool_)
-    hit[1:] = (height[1:] <= 0.0) & (climb[:-1] < -limits.landing)
+    hit[1:] = (height[1:] <= GROUND) & (climb[:-1] < -limits.landing)
     tick = _first(hit)
     if tick < 0:
         return None
-    what = f"{log.name(row)} hits the floor at {-climb[tick - 1]:.1f} m/s"
+    what = f"{log.name(row)} hits the floor at {-climb[tick - 1 : tick + 1].min():.1f} m/s"
     return BrokenRule("landing", float(log.t[tick]), what, failure_cause(log, row, float(log.t[tick])))
 
 
