@@ -146,6 +146,15 @@ def test_a_target_outside_the_room_is_reported_when_it_is_asked_for():
     assert (found[0].rule, found[0].t) == ("room", 3.0)
 
 
+@pytest.mark.parametrize(("height", "rules"), [(-0.7, ["room"]), (-0.1, [])])
+def test_a_target_below_the_floor_is_reported_unless_it_only_presses_a_landing(
+    height: float, rules: list[str]
+) -> None:
+    below = command(3.0, CommandKind.PLAN, "go_to", pos=(0.0, 0.0, height))
+    found = broken_rules(replace(hover(), commands=(below,)), LIMITS)
+    assert [one.rule for one in found] == rules
+
+
 def test_vehicles_collide_and_the_lower_one_of_a_stack_flies_in_downwash():
     log = hover(2)
     log.pos[UP, 1, 1] = 0.1

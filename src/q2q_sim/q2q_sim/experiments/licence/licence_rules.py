@@ -4,7 +4,7 @@
 |---|---|
 | motors | the motors stop for 0.05 s more than 0.25 m above the floor |
 | landing | a vehicle reaches the floor faster than 2.25 m/s, as after a fall from 0.25 m |
-| room | it leaves the room, or is asked to |
+| room | it leaves the room, or is asked to, as to go more than 0.15 m below the floor |
 | collision | two vehicles touch, within 0.14 m of each other; only a remark if one has lost its link |
 | downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |
@@ -51,6 +51,8 @@ class LicenceLimits:
     """Distance of the walls from the origin along x and y [m]."""
     ceiling: float = 2.5
     """[m]"""
+    depth: float = 0.15
+    """Depth below the floor that may be asked for [m]: it presses a landing onto it."""
     drop: float = 0.25
     """Height above which motors must not stop [m]; cflib's full_state_setpoint_demo stops them at 0.2 m."""
     stopped_s: float = 0.05
@@ -143,8 +145,9 @@ def _landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | N
 
 def _outside(pos: Array, limits: LicenceLimits) -> Mask:
     """Return which positions (..., 3) are outside the room; NaN is inside."""
-    x, y, z = np.moveaxis(np.abs(pos), -1, 0)
-    return np.asarray((x > limits.half_room[0]) | (y > limits.half_room[1]) | (z > limits.ceiling))
+    x, y, z = np.moveaxis(pos, -1, 0)
+    beside = (np.abs(x) > limits.half_room[0]) | (np.abs(y) > limits.half_room[1])
+    return np.asarray(beside | (z > limits.ceiling) | (z < -limits.depth))
 
 
 def _room(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
