@@ -222,6 +222,18 @@ def test_an_error_of_a_callback_that_cflib_catches_is_reported_where_the_program
     assert flight.findings[0].why == why
 
 
+@pytest.mark.parametrize(("seconds", "error"), [
+    ("-0.1", "ValueError: sleep length must be non-negative"),
+    ("float('nan')", "ValueError: Invalid value NaN (not a number)"),
+])  # fmt: skip
+def test_a_sleep_that_python_refuses_is_refused(tmp_path: Path, seconds: str, error: str):
+    file = tmp_path / "sleep.py"
+    file.write_text(f"import time\ntime.sleep(0)\ntime.sleep({seconds})\n")
+    order = FlightOrder(Program(file), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 9.0)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
+    assert [one.why for one in flight.findings] == [f"{error}, line 3"]
+
+
 def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
     """30 s of waiting, 20 of them in two tasks at a time, take no longer than the flight of as much."""
     wait = f"""

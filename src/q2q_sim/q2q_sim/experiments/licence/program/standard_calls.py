@@ -105,6 +105,12 @@ class TurnLock:
 
 
 def _replace_clocks(turns: Turns) -> None:
+    check = time.sleep
+
+    def sleep(seconds: float) -> None:
+        check(min(seconds, 0.0))  # raises what Python does for a time below 0, NaN, or no number
+        turns.sleep(seconds)
+
     def read() -> float:
         turns.spend(CALL_S)
         return turns.now
@@ -113,7 +119,7 @@ def _replace_clocks(turns: Turns) -> None:
         return round(read() * 1e9)
 
     replaced: Mapping[str, Callable[..., object]] = {
-        "sleep": turns.sleep,
+        "sleep": sleep,
         "time": lambda: EPOCH + read(),
         "time_ns": lambda: round(EPOCH) * 10**9 + read_ns(),
         "monotonic": read,
