@@ -234,6 +234,16 @@ def test_a_sleep_that_python_refuses_is_refused(tmp_path: Path, seconds: str, er
     assert [one.why for one in flight.findings] == [f"{error}, line 3"]
 
 
+def test_a_landing_in_an_exit_handler_is_flown(tmp_path: Path):
+    land = f"import atexit\n    @atexit.register\n    def land(): {LAND}; scf.close_link()"
+    program = hop(tmp_path, land)
+    text = program.file.read_text().replace("with SyncCrazyflie", "scf = SyncCrazyflie")
+    program.file.write_text(text.replace(" as scf:", "\nscf.open_link()\nif True:"))
+    order = FlightOrder(program, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
+    assert flight.findings == ()
+
+
 def test_dates_and_asyncio_go_by_the_clock_of_the_room(tmp_path: Path):
     """30 s of waiting, 20 of them in two tasks at a time, take no longer than the flight of as much."""
     wait = f"""

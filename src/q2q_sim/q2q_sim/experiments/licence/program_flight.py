@@ -7,6 +7,7 @@ by their firmware, until they stand still or REST_S have passed. cflib may be mi
 stand-in (crazyswarm) whose server is this process.
 """
 
+import atexit
 import logging
 import os
 import runpy
@@ -126,10 +127,12 @@ class _Flight:
         threading.excepthook = self._note_thread
         self._watch_callbacks()
         watch_main_thread(self._turns)
+        atexit._clear()  # noqa: SLF001  those of the process that this one was forked from
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
         for thread in threading.enumerate():
             if not thread.daemon and thread is not threading.current_thread():
                 thread.join()
+        atexit._run_exitfuncs()  # noqa: SLF001  the program's, which may land vehicles
         self._swarms.settle()
         self._finish(end)
 
