@@ -93,6 +93,17 @@ def test_it_is_named_in_text_xml_json_and_page(
     assert page.count(NO_ROW) == 2  # verdict and row
 
 
+def test_a_flight_without_time_is_a_failure_in_xml(flights: tuple[FlownTrial, FlownTrial]) -> None:
+    _, flew = flights
+    found = Licence(Program(Path("sound.py")), (flew,), (GAP,), 1.0)
+    suite = ET.fromstring(junit_xml(found).encode()).find("testsuite")  # noqa: S314  our own
+    assert suite is not None
+    assert [suite.get(one) for one in ("tests", "failures", "errors", "skipped")] == ["2", "1", "0", "0"]
+    failure = suite.find(f"testcase[@name='{GAP.words}']/failure")
+    assert failure is not None
+    assert failure.attrib == {"type": "time", "message": "no time left"}
+
+
 def test_the_page_of_a_program_that_opens_no_vehicle_has_no_replay(
     flights: tuple[FlownTrial, FlownTrial], tmp_path: Path
 ) -> None:
