@@ -17,7 +17,7 @@ import threading
 import traceback
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from io import TextIOBase
 from multiprocessing.connection import Connection
@@ -244,9 +244,16 @@ class _Flight:
         _end_looks()
         if self._room.t == 0.0:
             self._fly()  # a log has a tick
-        self._answer.send(self._room.log(tuple(self._uris), self._names, end, self._output.text()))
+        end = replace(end, error=_escaped(end.error), caught=_escaped(end.caught))
+        output = _escaped(self._output.text())
+        self._answer.send(self._room.log(tuple(self._uris), self._names, end, output))
         self._answer.close()
         os._exit(0)
+
+
+def _escaped(text: str) -> str:
+    """Return a text of a program that can be written as UTF-8."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _end_looks() -> None:
