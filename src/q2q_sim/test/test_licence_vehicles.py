@@ -7,6 +7,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
+from q2q_sim.commands.licence import main
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials, licence
 from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
@@ -59,6 +60,16 @@ def test_a_program_that_opens_more_vehicles_than_a_radio_has_fails(tmp_path: Pat
     (nominal,) = licence(Program(file), LicenceOptions()).flights
     what = "the program opens more vehicles than there are: radio://0/80/2M/E7E7E7E70F is one more than 15"
     assert [one.sentence.partition(" s ")[2] for one in nominal.failures] == [what]
+
+
+def test_starts_that_are_fewer_than_the_vehicles_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "two.py"
+    file.write_text(OPENED.format(count=2))
+    assert main(["--start", "0", "0", "0", str(file)]) == 2
+    message = "licence: 1 --start for 2 vehicles: give one for each, or none\n"
+    assert capsys.readouterr().err == message
 
 
 def test_a_vehicle_that_is_opened_only_after_a_fault_fails_the_flight(tmp_path: Path):

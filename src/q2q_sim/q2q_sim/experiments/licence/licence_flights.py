@@ -162,6 +162,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
 
     Raises:
         AirError: the air does not exist, or cannot be flown in.
+        ValueError: there are starts, but fewer than vehicles.
     """
     start_warm_parent()
     LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
@@ -202,7 +203,14 @@ def _unknown(flown: FlownTrial) -> str:
 
 
 def _first_order(program: Program, options: LicenceOptions, uris: tuple[str, ...]) -> FlightOrder:
-    """Return the order of a flight without faults; without URIs, of one vehicle."""
+    """Return the order of a flight without faults; without URIs, of one vehicle.
+
+    Raises:
+        ValueError: there are starts, but fewer than vehicles.
+    """
+    given = len(options.starts)
+    if 0 < given < len(uris):
+        raise ValueError(f"{given} --start for {len(uris)} vehicles: give one for each, or none")
     params = options.params(max(len(uris), 1))
     return FlightOrder(program, params, LicenceTrial(), uris, options.scanned, options.limit, options.served)
 
