@@ -120,6 +120,15 @@ def test_a_link_that_an_error_closes_is_blamed_on_the_error():
     assert broken_rules(closed, LIMITS)[0].why == "the closing of the link at 5.00 s, which sends zero thrust"
 
 
+def test_of_two_commands_that_end_a_flight_the_first_is_the_cause():
+    stop = command(5.0, CommandKind.OFF, "stop setpoint")
+    relax = command(5.001, CommandKind.RELAX, "notify_setpoint_stop")
+    zero = replace(command(5.002, CommandKind.OFF, "setpoint of thrust 0"), closing=True)
+    before = command(2.0, CommandKind.OFF, "setpoint of thrust 0")  # it flew on after
+    log = replace(fallen(hover()), commands=(before, stop, relax, zero))
+    assert broken_rules(log, LIMITS)[0].why == "stop setpoint at 5.00 s, line 7"
+
+
 def test_a_command_that_the_vehicle_flew_on_after_is_not_the_cause():
     stop = command(2.0, CommandKind.OFF, "setpoint of thrust 0")
     last = command(4.5, CommandKind.SETPOINT, "setpoint thrust 30000")

@@ -1,20 +1,21 @@
 """Cause of what a vehicle did: the command, or the silence, before it."""
 
-from q2q_sim.experiments.licence.commands.client_commands import ClientCommand, CommandKind
+from q2q_sim.experiments.licence.commands.client_commands import FLIGHT, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.firmware.supervisor.rules import State
 
 JUST_S = 0.5
 """Time within which a command is the cause of what follows it [s]: a fall from the ceiling takes 0.7 s."""
 SHUT = frozenset((State.FREE_FALL, State.LOCKED))
+ENDS = frozenset((CommandKind.OFF, CommandKind.EMERGENCY))
 WATCHDOG_S = 2.0
 """Age of a setpoint at which the firmware stops the motors [s]."""
 
 
 def failure_cause(log: LicenceLog, row: int, t: float) -> str:
     """Return why a vehicle did at t [s] what it did, in words."""
-    ending = log.last(row, t, _ends_flight)
-    if ending is not None and not _flown_after(log, row, ending, t):
+    ending = _ending(log, row, t)
+    if ending is not None:
         return _closed_by_error(log, ending) or ending.words
     tick = min(round(t / float(log.t[0])), len(log.t) - 1)
     if log.age[tick, row] >= WATCHDOG_S and log.state[tick, row] in SHUT:
@@ -35,16 +36,17 @@ def _closed_by_error(log: LicenceLog, ending: ClientCommand) -> str:
     return f"the program failed ({said}{where}), which closed the link at {ending.t:.2f} s"
 
 
-def _ends_flight(one: ClientCommand) -> bool:
-    return one.asked.kind in (CommandKind.OFF, CommandKind.EMERGENCY)
+def _ending(log: LicenceLog, row: int, t: float) -> ClientCommand | None:
+    """Return the first command that ends flight after the last that asks for it, and was followed."""
+    before = [one for one in log.of(row) if one.t <= t]
+    asked = max((k for k, one in enumerate(before) if one.asked.kind in FLIGHT), default=-1)
+    ends = (one for one in before[asked + 1 :] if one.asked.kind in ENDS)
+    return next((one for one in ends if not _flown_after(log, row, one, t)), None)
 
 
 def _flown_after(log: LicenceLog, row: int, ending: ClientCommand, t: float) -> bool:
-    """Return whether a vehicle flew on for long after a command that ends flight, or was asked to."""
-    later = (one for one in log.of(row) if ending.t < one.t <= t)
-    asked = any(one.asked.kind in (CommandKind.SETPOINT, CommandKind.PLAN) for one in later)
-    since = (log.t > ending.t + JUST_S) & (log.t <= t)
-    return asked or bool(log.running[since, row].any())
+    """Return whether a vehicle flew on for long after a command that ends flight."""
+    return bool(log.running[(log.t > ending.t + JUST_S) & (log.t <= t), row].any())
 
 
 def _silence(log: LicenceLog, row: int, t: float) -> str:
