@@ -10,7 +10,7 @@
 | tumble | the supervisor finds a vehicle tumbled |
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
 | spin | it turns faster than 500 deg/s for 0.2 s |
-| yaw | the high-level commander, whose unit is rad, is asked for more than a turn, and a quarter at once |
+| yaw | the high-level commander, whose unit is rad, is asked for more than a turn, half a turn at once |
 | command | it is asked for what no vehicle can follow (commands) |
 | end | it still flies 5 s after the end of the program, or at the time limit |
 | program | the program fails, dies, does not end, or opens more vehicles than there are |
@@ -69,8 +69,8 @@ class LicenceLimits:
     """[rad/s]"""
     spun_s: float = 0.2
     """Shortest spin [s]: an asked step of 360 deg/s overshoots to 500 for less."""
-    yaw_step: float = 0.5 * math.pi
-    """Largest step of an asked yaw beyond one turn [rad]: a program may count its turns in radians."""
+    yaw_step: float = math.radians(185.0)
+    """Largest step of an asked yaw beyond one turn [rad]: a program may count half turns in radians."""
 
 
 @dataclass(frozen=True, slots=True)
