@@ -89,15 +89,19 @@ def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: 
     assert broken in found.policies
 
 
-@pytest.mark.parametrize(("jump", "broken"), [(0.0, 1), (-0.0016, 0), (0.0016, 0)])
-def test_an_acceleration_is_held_for_too_long_in_ticks_of_equal_length(jump: float, broken: int) -> None:
-    """The clock jumps while it is held: ticks say nothing about how long that is."""
+@pytest.mark.parametrize(
+    ("jump", "speed", "broken"), [(0.0, 0.1, 1), (-0.0016, 0.1, 0), (0.0016, 0.1, 0), (0.0, 0.0, 0)]
+)
+def test_an_acceleration_is_held_for_too_long_in_ticks_of_equal_length(
+    jump: float, speed: float, broken: int
+) -> None:
+    """Where the clock jumps, or a setpoint is given again, ticks say nothing about how long it is held."""
     run = flown("off its path")
     ticks = run_ticks(fly_pure(run).topics)
     last = 100 + round(safe_replanner_params(run.scenario).hold / TICK_S)
     acc, moved = np.array([[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.full(2, SetpointStatus.SHIFTED, np.uint8)
     setpoints = [
-        replace(one, acc=acc if 100 <= k <= last else 0.0 * acc, status=moved)
+        replace(one, pos=0.0 * one.pos + speed * k, acc=acc if 100 <= k <= last else 0.0 * acc, status=moved)
         for k, one in enumerate(ticks.setpoints)
     ]
     stamp = ticks.stamp + np.where(np.arange(len(ticks.stamp)) >= last, jump, 0.0)

@@ -5,7 +5,7 @@
 | promise | setpoints without PROMISE_BROKEN are out of each other's zone |
 | stop | they are also while their vehicles stop from there, within the bounds of the replanner |
 | off_path | a vehicle measured outside the tube of its setpoint is PROMISE_BROKEN |
-| held_acc | an acceleration is held for `hold`, then the vehicle brakes, unless a new one is chosen |
+| held_acc | an acceleration is flown for `hold`, then the vehicle brakes, unless a new one is chosen |
 """
 
 from collections.abc import Sequence
@@ -133,18 +133,23 @@ def _outside(off: Array, tracking: float, tracking_z: float) -> Array:
 
 
 def held_acc(run: Run, ticks: RunTicks) -> StatedOutcome:
-    """Return the vehicles that hold an acceleration for longer than `hold`."""
+    """Return the vehicles that move with one acceleration for longer than `hold`.
+
+    Late frames, and those of a clock set back until that is known, get the newest setpoint again: no time
+    passes for its motion.
+    """
     if run.options.replan != "safe":
         return StatedOutcome()
     params = safe_replanner_params(run.scenario)
     ticks_held = round(params.hold / TICK_S)
-    acc = over_ticks(ticks.setpoints, "acc")
+    pos, acc = over_ticks(ticks.setpoints, "pos"), over_ticks(ticks.setpoints, "acc")
     size = np.linalg.norm(acc, axis=2)
     free = (size > STILL) & (size < params.acc_max - STILL)
     in_order = np.abs(np.diff(ticks.stamp) - TICK_S) < ROUNDING  # a clock that jumps makes shorter ticks
     same = (acc[1:] == acc[:-1]).all(axis=2) & in_order[:, None] & free[1:]  # (T - 1, n)
-    moved = over_ticks(ticks.setpoints, "status")[1:] != SetpointStatus.NOMINAL
-    windows = np.lib.stride_tricks.sliding_window_view(same & moved, ticks_held, axis=0)
+    moves = (pos[1:] != pos[:-1]).any(axis=2)
+    shifted = over_ticks(ticks.setpoints, "status")[1:] != SetpointStatus.NOMINAL
+    windows = np.lib.stride_tricks.sliding_window_view(same & moves & shifted, ticks_held, axis=0)
     held = np.asarray(windows.all(axis=2))
     return StatedOutcome(
         tuple(
