@@ -51,7 +51,7 @@ REFUSALS = (
     (
         "q2q_sim.commands.fly --real x --seed 3 --ignoring",
         1,
-        "--real x and aware, seed: a replay has only the options",
+        "--real x and --seed, --ignoring: a replay has only the options",
     ),
     ("q2q_sim.commands.crtp tabel6", 1, "did you mean table6?"),
     ("q2q_sim.commands.report none", 1, "no bag at none"),

@@ -116,6 +116,11 @@ def run_command(
         return refused
 
 
+def given_options(args: Namespace) -> list[str]:
+    """Return the options on the command line that `run_command` parsed, in their order and without values."""
+    return [word.partition("=")[0] for word in args.argv if word.startswith("--")]
+
+
 def failure_reason(refusal: ValueError | OSError) -> str:
     """Return why a command failed, in one line; of the operating system's errors the path and its words."""
     if isinstance(refusal, OSError) and refusal.strerror and refusal.filename:

@@ -18,6 +18,7 @@ from q2q_model.commands.command_line import (
     CommandLine,
     UsageError,
     Work,
+    given_options,
     output_file,
     output_folder,
     run_command,
@@ -47,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if args.case:
         _refuse_beside_case(args)
-    elif not args.guided and "--bug-runs" in _options(args):
+    elif not args.guided and "--bug-runs" in given_options(args):
         raise UsageError("--bug-runs needs --guided, whose search it measures")
     if args.through_nodes > args.runs:
         raise ValueError(f"--through-nodes {args.through_nodes}: at most the {args.runs} --runs")
@@ -70,14 +71,9 @@ def _prepare(args: Namespace) -> Work:
 
 def _refuse_beside_case(args: Namespace) -> None:
     """Raise UsageError for an option that is given and has no effect beside --case."""
-    for option in _options(args):
+    for option in given_options(args):
         if option not in OF_CASE:
             raise UsageError(f"{option} has no effect with --case")
-
-
-def _options(args: Namespace) -> list[str]:
-    """Return the options that are given."""
-    return [word.partition("=")[0] for word in args.argv if word.startswith("--")]
 
 
 def parser() -> CommandLine:

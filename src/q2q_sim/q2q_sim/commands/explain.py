@@ -14,6 +14,7 @@ from q2q_model.commands.command_line import (
     CommandLine,
     UsageError,
     Work,
+    given_options,
     output_file,
     output_folder,
     require_existing,
@@ -24,10 +25,10 @@ from q2q_model.commands.command_line import (
 EXAMPLE = """  ros2 run q2q_sim explain out/demo/bags/ignoring --out out/why --json out/why.json
   ros2 run q2q_sim explain --score 20 --json out/score.json"""
 FEWEST_ORDERS = 4
-"""Two pairs: the fewest that have a standard error."""
+"""Two pairs, each with its reverse."""
 
-OF_BAG = ("of", "orders", "seeds", "out")
-"""Options of the explanation of one bag."""
+OF_BAG, OF_SCORE = ("--of", "--orders", "--seeds", "--out"), ("--seed",)
+"""Options of the explanation of one bag, and of the score."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -52,10 +53,10 @@ def _prepare(args: Namespace) -> Work:
 
 def _check_partners(args: Namespace) -> None:
     """Raise UsageError for an option that would change nothing, with or without --score."""
-    line, (partner, ignored) = parser(), ("--score", OF_BAG) if args.score else ("a bag", ("seed",))
-    for name in ignored:
-        if getattr(args, name) != line.get_default(name):
-            raise UsageError(f"--{name} has no effect with {partner}")
+    partner, ignored = ("--score", OF_BAG) if args.score else ("a bag", OF_SCORE)
+    for option in given_options(args):
+        if option in ignored:
+            raise UsageError(f"{option} has no effect with {partner}")
 
 
 def parser() -> CommandLine:

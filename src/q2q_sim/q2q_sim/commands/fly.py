@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from q2q_model.commands.command_line import (
     CommandLine,
     Work,
+    given_options,
     output_file,
     output_folder,
     run_command,
@@ -26,7 +27,7 @@ EXAMPLE = """  scripts/fly --list
   scripts/fly table6_room --air room --model moving_law
   scripts/fly --real dc19_swap_ss_02"""
 
-OF_A_REPLAY = ("real", "model", "json")
+OF_A_REPLAY = ("--real", "--model", "--json")
 """Options of a replayed recording."""
 
 
@@ -71,8 +72,7 @@ def _check(args: Namespace) -> None:
 
 def _check_replay(args: Namespace) -> None:
     """Raise ValueError for options of a simulated flight, which a replay would ignore."""
-    usual = vars(parser().parse_args(["--real", args.real]))
-    ignored = [name for name in usual if name not in OF_A_REPLAY and vars(args)[name] != usual[name]]
+    ignored = [option for option in given_options(args) if option not in OF_A_REPLAY]
     if ignored:
         raise ValueError(
             f"--real {args.real} and {', '.join(ignored)}: a replay has only the options --model and --json; "

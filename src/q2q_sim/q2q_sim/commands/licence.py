@@ -19,6 +19,7 @@ from q2q_model.commands.command_line import (
     UsageError,
     Work,
     finite_number,
+    given_options,
     output_file,
     output_folder,
     outside_ros,
@@ -34,7 +35,17 @@ EXAMPLE = """  scripts/licence my_flight.py --out out/licence
 MOST_JOBS = 64
 MOST_SCANNED = 15
 """Vehicles of one radio."""
-OF_ONE = ("start", "scan", "crazyflies", "arming", "room", "air", "limit", "out", "junit")
+OF_ONE = (
+    "--start",
+    "--scan",
+    "--crazyflies",
+    "--arming",
+    "--room",
+    "--air",
+    "--limit",
+    "--out",
+    "--junit",
+)
 """Options of the licence of one program; those of a score have theirs from its folder."""
 
 
@@ -85,10 +96,9 @@ def _check_partners(args: Namespace) -> None:
         if args.only:
             raise UsageError("--only needs --score, whose programs it names")
         return
-    line = parser()
-    for name in OF_ONE:
-        if getattr(args, name) != line.get_default(name):
-            raise UsageError(f"--{name} is of one program, and --score judges a folder's: give one of them")
+    for option in given_options(args):
+        if option in OF_ONE:
+            raise UsageError(f"{option} is of one program, and --score judges a folder's: give one of them")
 
 
 def parser() -> CommandLine:
