@@ -6,8 +6,8 @@ the lags h of whole ticks nearest to `LAGS`, never 0, where the noise is, weight
 
     floor = sqrt(c) floor_0,   slope = sqrt(c) slope_0,   noise^2 = mean (r^2 - c s^2)
 
-Both are fitted in turn: first without noise, then with that of the first round, where c is nearly 1. Noise in
-the deviation would add to floor and take from slope.
+Both are fitted twice: first without noise, then with that of the first fit, where c is nearly 1; further fits
+change floor and slope by 1 to 3 %. Noise in the deviation would add to floor and take from slope.
 
 Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three,
 with the quantile of Student's t of one degree of freedom less than there are parts.
@@ -39,8 +39,6 @@ FEWEST_LAGS = 3
 """Fewest lags: one more than unknowns."""
 FEWEST_PARTS = 3
 """Fewest parts of a jackknife."""
-ROUNDS = 2
-"""Fits of deviation and lags in turn: more change floor and slope by 1 to 3 %."""
 LEAST_NOISE = 1e-3
 """[m/s^2]"""
 FIRST, LOW, HIGH = (0.8, 0.08), (0.0, 0.01), (1.0, 5.0)
@@ -119,13 +117,8 @@ def _pieces(part: _Part) -> list[_Part]:
 
 
 def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
-    noise, found = 0.0, None
-    for _ in range(ROUNDS):
-        found = _process_beside(parts, noise)
-        if found is None:
-            return None
-        noise = found.noise
-    return found
+    first = _process_beside(parts, 0.0)
+    return None if first is None else _process_beside(parts, first.noise)
 
 
 def _process_beside(parts: Sequence[_Part], noise: float) -> ResidualProcess | None:
