@@ -18,10 +18,11 @@ from time import perf_counter
 import numpy as np
 
 from q2q_sim.air.find_air import find_air
-from q2q_sim.plant.block_step import COMMAND_WIDTH, DRIVE_WIDTH
-from q2q_sim.plant.past_states import ROOM_WIDTH, remember
-from q2q_sim.plant.quadcopter import STATE_WIDTH, advance
-from q2q_sim.plant.room_law import PushTable
+from q2q_sim.plant.body.block_step import COMMAND_WIDTH, DRIVE_WIDTH
+from q2q_sim.plant.body.quadcopter import advance
+from q2q_sim.plant.body.state_row import STATE_WIDTH
+from q2q_sim.plant.push.past_states import ROOM_WIDTH, remember
+from q2q_sim.plant.push.room_law import PushTable
 from q2q_sim.plant.swarm import Swarm, air_push
 from simulated_swarms import swarm_flight
 

@@ -18,7 +18,7 @@ from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.mixer import drive_motors
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_values import Parameters
-from q2q_sim.plant.quadcopter import QUAT, RATE, STATE_WIDTH
+from q2q_sim.plant.body.state_row import QUAT, RATE, STATE_WIDTH
 
 PID, MELLINGER = 1, 2
 Numbers = tuple[float, ...]

@@ -17,7 +17,7 @@ from q2q_sim.air.room_air import (
     VehicleTerm,
     WindTerm,
 )
-from q2q_sim.plant.quadcopter import ETA
+from q2q_sim.plant.body.state_row import ETA
 from q2q_sim.plant.swarm import Swarm
 
 GAPS = np.array([0.1, 0.2, 0.35, 0.5, 0.8])

@@ -12,7 +12,7 @@ from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.firmware.commanded_flight import CommandedFlight
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.plant.quadcopter import QUAT
+from q2q_sim.plant.body.state_row import QUAT
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_document import scenario_from_document

@@ -14,7 +14,7 @@ from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.parameters.parameter_table import TABLE
-from q2q_sim.plant.quadcopter import QUAT, RATE, VEL
+from q2q_sim.plant.body.state_row import QUAT, RATE, VEL
 from q2q_sim.sensors.range_finder import NOTHING_MM, RoomBox
 
 LOG_CONTROL, LOG_DATA = b"\x5d", 0x5E

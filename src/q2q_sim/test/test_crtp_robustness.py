@@ -14,7 +14,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.supervisor.rules import State
-from q2q_sim.plant.quadcopter import CEILING1
+from q2q_sim.plant.body.state_row import CEILING1
 
 PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
 ANY = st.one_of(

@@ -6,10 +6,10 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.plant.near_pairs import NEIGHBOURS, NearPairs, no_pairs
-from q2q_sim.plant.past_states import LINE, ROOM_WIDTH, empty_ring
-from q2q_sim.plant.quadcopter import ETA, VEL
-from q2q_sim.plant.room_law import cell, knots_of
+from q2q_sim.plant.body.state_row import ETA, VEL
+from q2q_sim.plant.push.near_pairs import NEIGHBOURS, NearPairs, no_pairs
+from q2q_sim.plant.push.past_states import LINE, ROOM_WIDTH, empty_ring
+from q2q_sim.plant.push.room_law import cell, knots_of
 from q2q_sim.plant.swarm import Swarm
 
 STEPS = 150

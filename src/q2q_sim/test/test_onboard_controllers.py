@@ -26,7 +26,7 @@ from q2q_sim.firmware.controllers.columns import (
 from q2q_sim.firmware.controllers.mellinger import mellinger
 from q2q_sim.firmware.controllers.pid_step import filtered, pid, slope_of
 from q2q_sim.firmware.parameters.parameter_values import Parameters
-from q2q_sim.plant.quadcopter import QUAT, RATE
+from q2q_sim.plant.body.state_row import QUAT, RATE
 
 ANGLE = st.floats(-0.6, 0.6)
 NUMBER = st.floats(-1.0, 1.0)

@@ -18,7 +18,7 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
 from q2q_sim.firmware.motors.airframe import airframe_of
-from q2q_sim.plant.quadcopter import QUAT
+from q2q_sim.plant.body.state_row import QUAT
 from q2q_sim.plant.swarm import Swarm
 
 

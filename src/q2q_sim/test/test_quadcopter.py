@@ -11,7 +11,8 @@ from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, VEHICLES, Vehicle
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import POS, QUAT, RATE, ROTORS, VEL, excess_share, share_given
+from q2q_sim.plant.body.rotors import excess_share, share_given
+from q2q_sim.plant.body.state_row import POS, QUAT, RATE, ROTORS, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 H = 1.0 / PHYSICS_RATE
@@ -122,7 +123,8 @@ def test_spin_without_torque_keeps_angular_momentum_and_energy(vehicle: Vehicle)
 
 
 def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
-    from q2q_sim.plant.quadcopter import body_of, state_at_rest
+    from q2q_sim.plant.body.quadcopter import body_of
+    from q2q_sim.plant.body.state_row import state_at_rest
     from q2q_sim.plant.swarm import run_steps, still_air
 
     vehicle = TEXTBOOK_065

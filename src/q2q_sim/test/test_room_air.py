@@ -17,7 +17,7 @@ from q2q_sim.air.room_air import (
     RoomAir,
 )
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
+from q2q_sim.plant.body.state_row import POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 

@@ -20,7 +20,7 @@ from q2q_sim.air.room_air import (
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.scenario_air import ambient_of_air
-from q2q_sim.plant.quadcopter import ETA
+from q2q_sim.plant.body.state_row import ETA
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 

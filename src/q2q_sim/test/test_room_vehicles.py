@@ -16,7 +16,7 @@ from q2q_sim.air.room_air import (
     RotorDragTerm,
     VehicleTerm,
 )
-from q2q_sim.plant.quadcopter import CEILING1, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.body.state_row import CEILING1, QUAT, RATE, ROTORS, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 
 

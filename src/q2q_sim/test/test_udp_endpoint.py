@@ -12,7 +12,7 @@ from open_ports import addresses_of
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
-from q2q_sim.plant.quadcopter import CEILING1
+from q2q_sim.plant.body.state_row import CEILING1
 
 VERSION = b"\xdd\x00"
 PATIENCE_S = 0.5

@@ -12,7 +12,7 @@ from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.wake import AirSetup, Push, Sources
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.plant.quadcopter import POS, VEL
+from q2q_sim.plant.body.state_row import POS, VEL
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.scenarios import library
 

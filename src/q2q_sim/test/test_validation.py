@@ -32,8 +32,8 @@ from q2q_sim.experiments.validation.validation import (
     validation_sentence,
 )
 from q2q_sim.experiments.validation.validation_replay import longest_under_wake, replayed_runs
+from q2q_sim.plant.body.state_row import VEL
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
-from q2q_sim.plant.quadcopter import VEL
 from q2q_sim.plant.swarm import Swarm
 
 DT = 0.01

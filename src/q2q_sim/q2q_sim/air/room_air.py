@@ -32,7 +32,7 @@ A vehicle is in a jet where a node of the table outside of its radius has a push
 more than 0.1 % of the jet; others neither feel nor absorb it.
 
 A rotor gives no more than its ceiling, less its load; what rotors are asked for beyond that, all lose alike
-(q2q_sim.plant.quadcopter.excess_share), but together they give no more than each by itself (`share_given`).
+(q2q_sim.plant.body.rotors.excess_share), but together they give no more than each by itself (`share_given`).
 h: lever of the rotors, T: thrust lag.
 
 A term that is None is switched off; the residual and the edge torque act under a jet, and are zero without

@@ -13,7 +13,7 @@ from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.firmware.parameters.parameter_table import DECKS
 from q2q_sim.loop.room import Room
-from q2q_sim.plant.quadcopter import state_at_rest
+from q2q_sim.plant.body.state_row import state_at_rest
 from q2q_sim.scenarios.scenario import Scenario
 
 _POSITIONING: dict[str, tuple[str, ...]] = {

@@ -24,7 +24,7 @@ not fused.
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.plant.quadcopter import POS
+from q2q_sim.plant.body.state_row import POS
 
 DT = 0.01
 """[s]"""

@@ -26,7 +26,7 @@ from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware.parameters.uploads import Uploads
 from q2q_sim.firmware.supervisor.info import supervisor_info
 from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
-from q2q_sim.plant.quadcopter import ACC, POS, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.body.state_row import ACC, POS, QUAT, RATE, ROTORS, VEL
 from q2q_sim.sensors.range_finder import DOWN, RoomBox, ranges_mm
 
 TICK_MS = 10

@@ -20,7 +20,7 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.firmware.controllers.columns import CONTROL, SET_ACC
 from q2q_sim.firmware.firmware_tick import Controllers
-from q2q_sim.plant.quadcopter import ACC, POS, QUAT, VEL
+from q2q_sim.plant.body.state_row import ACC, POS, QUAT, VEL
 from q2q_sim.random_streams import stream
 
 STEP_US = 2000

@@ -9,7 +9,7 @@ from q2q_sim.firmware.controllers.columns import frame_row, fresh_memory
 from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
 from q2q_sim.firmware.firmware_tick import STEPS, Controllers, control_motors
 from q2q_sim.firmware.motors.airframe import airframe_of
-from q2q_sim.plant.quadcopter import ACC, state_at_rest
+from q2q_sim.plant.body.state_row import ACC, state_at_rest
 
 UP = np.array([0.0, 0.0, GRAVITY])
 

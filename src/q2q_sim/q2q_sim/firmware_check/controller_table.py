@@ -22,7 +22,7 @@ from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
-from q2q_sim.plant.quadcopter import POS, QUAT, RATE, STATE_WIDTH, VEL
+from q2q_sim.plant.body.state_row import POS, QUAT, RATE, STATE_WIDTH, VEL
 
 SETPOINT = (
     "s_mx", "s_my", "s_mz", "s_mroll", "s_mpitch", "s_myaw", "s_mquat",

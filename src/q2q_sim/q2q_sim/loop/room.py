@@ -31,7 +31,7 @@ from q2q_sim.air.find_air import FlownAir
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.link.radio import Radio, RadioParams, command_values
 from q2q_sim.loop.scenario_air import air_of, ambient_of_air, ambient_of_scenario
-from q2q_sim.plant.quadcopter import ACC
+from q2q_sim.plant.body.state_row import ACC
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.sensors.imu import Imu

@@ -1,9 +1,9 @@
 """Many rooms in one call: swarms of one kind, each in air of its own, stepped together.
 
 A batch of small rooms costs as little per vehicle as one large room: the call is made once, and the vehicles
-of neighbouring rooms share the blocks of q2q_sim.plant.block_step. Each room moves as a Swarm of the same
-start and seed does, to the last bit. Rooms do not meet, so threads share the rooms among them; by default
-there is one thread, the caller's.
+of neighbouring rooms share the blocks of plant.body.block_step. Each room moves as a Swarm of the same start
+and seed does, to the last bit. Rooms do not meet, so threads share the rooms among them; by default there is
+one thread, the caller's.
 """
 
 from collections.abc import Sequence
@@ -21,11 +21,12 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import RESIDUAL, UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
-from q2q_sim.plant.near_pairs import NearPairs
-from q2q_sim.plant.past_states import empty_ring, remember
-from q2q_sim.plant.quadcopter import STATE_WIDTH, Body, state_at_rest
-from q2q_sim.plant.room_law import RoomLaw
+from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
+from q2q_sim.plant.body.quadcopter import Body
+from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
+from q2q_sim.plant.push.near_pairs import NearPairs
+from q2q_sim.plant.push.past_states import empty_ring, remember
+from q2q_sim.plant.push.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
 
 AT_ONCE = 64

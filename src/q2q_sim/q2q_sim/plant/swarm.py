@@ -1,8 +1,8 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
 Each physics step finds the push of the air on every vehicle, then steps every vehicle
-(q2q_sim.plant.block_step). The air is a wake law (law_push.py), that of a room (room_push.py), or a class
-outside the loop (uncompiled_wake.py), which is asked between single steps. Both loops over pairs sort the
+(body/block_step.py). The air is a wake law (push/law_push.py), that of a room (push/room_push.py), or a class
+outside the loop (push/uncompiled_wake.py), asked between single steps. Both loops over pairs sort the
 vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash;
 between slots they are interpolated. A test compares the kernel with a plain numpy implementation.
 """
@@ -23,11 +23,9 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake import AirSetup
 from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
-from q2q_sim.plant.block_step import BLOCK_WIDTH, LANES, advance_rows
-from q2q_sim.plant.law_push import law_push
-from q2q_sim.plant.order_by_x import Rows
-from q2q_sim.plant.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
-from q2q_sim.plant.quadcopter import (
+from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, advance_rows
+from q2q_sim.plant.body.quadcopter import Body, body_of
+from q2q_sim.plant.body.state_row import (
     ETA,
     ETA_X,
     ETA_Y,
@@ -36,15 +34,16 @@ from q2q_sim.plant.quadcopter import (
     RATE,
     ROTORS,
     VEL,
-    Body,
     Three,
     X,
-    body_of,
     state_at_rest,
 )
-from q2q_sim.plant.room_law import RoomLaw, room_law
-from q2q_sim.plant.room_push import room_push
-from q2q_sim.plant.uncompiled_wake import UncompiledWake
+from q2q_sim.plant.push.law_push import law_push
+from q2q_sim.plant.push.order_by_x import Rows
+from q2q_sim.plant.push.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
+from q2q_sim.plant.push.room_law import RoomLaw, room_law
+from q2q_sim.plant.push.room_push import room_push
+from q2q_sim.plant.push.uncompiled_wake import UncompiledWake
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""

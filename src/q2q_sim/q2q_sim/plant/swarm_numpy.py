@@ -15,14 +15,15 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air import wake_laws as law
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.quadcopter import ACC, ETA, POS, QUAT, RATE, ROTORS, VEL, VZ, Body, Z
+from q2q_sim.plant.body.quadcopter import Body
+from q2q_sim.plant.body.state_row import ACC, ETA, POS, QUAT, RATE, ROTORS, VEL, VZ, Z
 from q2q_sim.plant.swarm import Air
 
 
 def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:
     """Advance by one physics step for each row of commands, changing state and air in place.
 
-    Arguments as of Swarm.step; state (n, STATE_WIDTH) and body as of q2q_sim.plant.quadcopter.
+    Arguments as of Swarm.step; state (n, STATE_WIDTH) and body as of q2q_sim.plant.body.quadcopter.
     """
     mass, decay, h = body.mass, body.decay, body.step
     for command in commands:  # (n, 4)

@@ -34,7 +34,7 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.estimator import FLOW_HEIGHT_MIN, PIXELS
 from q2q_sim.firmware.firmware import SEES_FLOW, Firmware
-from q2q_sim.plant.quadcopter import ACC, QUAT, RATE
+from q2q_sim.plant.body.state_row import ACC, QUAT, RATE
 
 Numbers = Array | tuple[float, ...]
 RSSI = 40

@@ -29,7 +29,7 @@ from q2q_sim.firmware.controllers.columns import MOTOR
 from q2q_sim.firmware.firmware import Build, Firmware
 from q2q_sim.firmware.supervisor.rules import State
 from q2q_sim.loop.room import Room
-from q2q_sim.plant.quadcopter import POS, QUAT, ROTORS, VEL, R
+from q2q_sim.plant.body.state_row import POS, QUAT, ROTORS, VEL, R
 from q2q_sim.scenarios.room_profiles import CAPTURE
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.sensors.range_finder import RoomBox

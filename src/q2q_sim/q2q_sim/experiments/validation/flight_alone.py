@@ -27,7 +27,7 @@ from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.loop.scenario_air import ambient_of_air
-from q2q_sim.plant.quadcopter import POS, QUAT, VEL
+from q2q_sim.plant.body.state_row import POS, QUAT, VEL
 from q2q_sim.plant.swarm import Swarm
 
 LOST = 2.0

@@ -18,7 +18,7 @@ from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.estimate_noise import estimate_noise
 from q2q_sim.experiments.validation.onboard_law import ReadFlight, feedback
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration
-from q2q_sim.plant.quadcopter import POS, QUAT, VEL
+from q2q_sim.plant.body.state_row import POS, QUAT, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 
 

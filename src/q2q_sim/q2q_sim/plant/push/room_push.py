@@ -13,11 +13,8 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import INSIDE
 from q2q_sim.air.unit_processes import RESIDUAL, WANDER_X, WANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
-from q2q_sim.plant.jet_reach import JetReach, reach, reach_of, update_extremes
-from q2q_sim.plant.near_pairs import update
-from q2q_sim.plant.order_by_x import Rows
-from q2q_sim.plant.past_states import SHARE, SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, recall
-from q2q_sim.plant.quadcopter import (
+from q2q_sim.plant.body.rotors import rotor_torque
+from q2q_sim.plant.body.state_row import (
     CEILING1,
     CEILING2,
     CEILING3,
@@ -45,9 +42,12 @@ from q2q_sim.plant.quadcopter import (
     X,
     Y,
     Z,
-    rotor_torque,
 )
-from q2q_sim.plant.room_law import (
+from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
+from q2q_sim.plant.push.near_pairs import update
+from q2q_sim.plant.push.order_by_x import Rows
+from q2q_sim.plant.push.past_states import SHARE, SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, recall
+from q2q_sim.plant.push.room_law import (
     AT_ONCE,
     AWAY_X,
     AWAY_Y,

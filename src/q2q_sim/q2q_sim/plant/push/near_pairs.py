@@ -1,6 +1,6 @@
 """Vehicles that may soon be in a jet: a list for each source, made anew when somebody has moved, compiled.
 
-A vehicle can be in the jet of a source only within `reach` of it (q2q_sim.plant.jet_reach). The list holds
+A vehicle can be in the jet of a source only within `reach` of it (jet_reach.py). The list holds
 all that would be within reach if both moved by SLACK and slopes and speeds rose by STEEPER and FASTER: until
 then nobody else is. Vehicles in reach are selected at each step among those of the list, in the order along x
 of that step, so that no result depends on when the list was made.
@@ -15,9 +15,9 @@ import numpy as np
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import BLEND
-from q2q_sim.plant.jet_reach import Bound, Extremes, JetReach, reach, reach_of
-from q2q_sim.plant.order_by_x import Rows, sort_by_x
-from q2q_sim.plant.quadcopter import X, Y, Z
+from q2q_sim.plant.body.state_row import X, Y, Z
+from q2q_sim.plant.push.jet_reach import Bound, Extremes, JetReach, reach, reach_of
+from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
 
 SLACK = 0.15
 """Way that a vehicle may go before the list is made anew [m]: 75 steps at 1 m/s."""

@@ -10,11 +10,11 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
 from q2q_sim.air.unit_processes import KINDS, block_steps
-from q2q_sim.plant.jet_reach import EXTREMES_WIDTH, Bound, bound_of
-from q2q_sim.plant.near_pairs import NearPairs, no_pairs
-from q2q_sim.plant.order_by_x import Rows
-from q2q_sim.plant.past_states import ROOM_WIDTH
-from q2q_sim.plant.quadcopter import Body
+from q2q_sim.plant.body.quadcopter import Body
+from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, Bound, bound_of
+from q2q_sim.plant.push.near_pairs import NearPairs, no_pairs
+from q2q_sim.plant.push.order_by_x import Rows
+from q2q_sim.plant.push.past_states import ROOM_WIDTH
 from q2q_sim.random_streams import stream
 
 LEAST_WORK = 0.5
@@ -107,7 +107,7 @@ class RoomLaw(NamedTuple):
     unit: Array
     """Block of the unit processes, (KINDS, steps, n)."""
     extremes: Array
-    """Largest slope and speed of the vehicles (q2q_sim.plant.jet_reach), (EXTREMES_WIDTH,)."""
+    """Largest slope and speed of the vehicles (q2q_sim.plant.push.jet_reach), (EXTREMES_WIDTH,)."""
     ceilings: Array
     """Largest thrust of each rotor at the start [N], (n, 4); infinite without a vehicle term."""
     gains: Array

@@ -8,9 +8,9 @@ import math
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, pair_eta, wake_delay, wake_reach
-from q2q_sim.plant.order_by_x import Rows, sort_by_x
-from q2q_sim.plant.past_states import SHARE
-from q2q_sim.plant.quadcopter import ETA, Four, X, Y, Z
+from q2q_sim.plant.body.state_row import ETA, Four, X, Y, Z
+from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
+from q2q_sim.plant.push.past_states import SHARE
 
 
 @compiled(**BORROWING)

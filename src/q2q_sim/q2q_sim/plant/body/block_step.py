@@ -1,46 +1,44 @@
 """Physics step of many quadcopters, eight at a time, in a loop that compiles to vector instructions.
 
-The equations are the functions of q2q_sim.plant.quadcopter. Eight rows are copied into a block that holds one
-line of eight lanes for each column: a loop over the lanes has no branch, and reads and writes at distances
-that the compiler knows. The inverse tangent and sine of roll and pitch are those of the C library, row by
-row. A lane that needs a branch (a rotor at its limit, motors off, a turn beyond the series, the ground) is
-discarded, and `advance` steps its row. Rows come out as `advance` writes them, to the last bit: vector
-instructions round as scalar ones do.
+The equations are the functions of quadcopter, rigid_body and rotors. Eight rows are copied into a block that
+holds one line of eight lanes for each column: a loop over the lanes has no branch, and reads and writes at
+distances that the compiler knows. The inverse tangent and sine of roll and pitch are those of the C library,
+row by row. A lane that needs a branch (a rotor at its limit, motors off, a turn beyond the series, the
+ground) is discarded, and `advance` steps its row. Rows come out as `advance` writes them, to the last bit:
+vector instructions round as scalar ones do.
 """
 
 from q2q_control.attitude.allocation_kernel import unlimited_rotors
 from q2q_control.attitude.attitude_law import AttitudeGains, Axes, attitude_torque
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
-from q2q_sim.plant.quadcopter import (
+from q2q_sim.plant.body.quadcopter import GAIN1, Body, advance, tilt
+from q2q_sim.plant.body.rigid_body import (
+    SMALL_SQUARE,
+    acceleration,
+    half_turn_squared,
+    quat_after,
+    rate_after,
+    small_half_turn,
+)
+from q2q_sim.plant.body.rotors import excess_share, rotor_torque
+from q2q_sim.plant.body.state_row import (
     AX,
     CEILING1,
     ETA,
     ETA_X,
     ETA_Y,
     F1,
-    GAIN1,
     QX,
-    SMALL_SQUARE,
     STATE_WIDTH,
     TX,
     VX,
-    Body,
     Four,
     P,
     Three,
     X,
     Y,
     Z,
-    acceleration,
-    advance,
-    excess_share,
-    half_turn_squared,
-    quat_after,
-    rate_after,
-    rotor_torque,
-    small_half_turn,
-    tilt,
 )
 
 LANES = 8
@@ -142,7 +140,7 @@ def _translated(block: Array, lane: int, rotors: Four, body: Body) -> tuple[Thre
         wind[Y] + block[ETA_Y * LANES + lane],
         wind[Z] + block[ETA * LANES + lane],
     )
-    ax, ay, az = acceleration(_four(block, QX, lane), rotors, push, body)
+    ax, ay, az = acceleration(_four(block, QX, lane), rotors, push, body.mass)
     (bx, by, bz), (x, y, z) = _three(block, VX, lane), _three(block, X, lane)
     vx, vy, vz = bx + ax * h, by + ay * h, bz + az * h
     pos = (x + 0.5 * (bx + vx) * h, y + 0.5 * (by + vy) * h, z + 0.5 * (bz + vz) * h)

@@ -3,7 +3,7 @@
 from q2q_model.signals.values import Array
 from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.wake import AirSetup, Sources, Wake
-from q2q_sim.plant.quadcopter import ETA, ETA_X, ETA_Y, F1, POS, QUAT, ROTORS, TORQUE, VEL
+from q2q_sim.plant.body.state_row import ETA, ETA_X, ETA_Y, F1, POS, QUAT, ROTORS, TORQUE, VEL
 
 
 class UncompiledWake:

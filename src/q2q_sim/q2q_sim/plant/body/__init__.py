@@ -1,0 +1,1 @@
+"""One vehicle: its state, its rotors and its rigid body, step by step."""
