@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.playing.braked_plan import brake_plan
-from q2q_planner.playing.glide import GlideParams, glide
+from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer
 
 NAMES = ("cf1", "cf2")
@@ -114,6 +112,44 @@ def test_glide_start_hold_and_a_second_flight_never_let_the_reference_jump() -> 
     assert room.player.start().granted
     np.testing.assert_allclose(room.tick(9.0).pos[1], [0.0, -1.0, 1.5], atol=1e-9)
     assert room.largest_step() < 0.01  # 1 m/s: nothing here is faster
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_no_vehicle_in_flight_is_left_to_drift_by_a_wait(held: bool) -> None:
+    """Both fly 3 cm below their references; the same without the wait is the truth."""
+    rooms = _Room(ABOVE), _Room(ABOVE)
+    for room in rooms:
+        room.tick()
+        assert room.player.glide().granted
+        room.tick(1.0)
+        if held:
+            assert room.player.hold().granted
+            room.tick(2.0)
+        room.pos = room.setpoints[-1].pos - np.array([0.0, 0.0, 0.03])
+        room.tick()
+    refusal = rooms[0].player.wait()
+    assert not refusal.granted
+    assert refusal.reason == (
+        "cf1 is 0.03 m from its reference: in flight it would drift; "
+        "hold, or land it first, or restart this node if it stands there"
+    )
+    for _ in range(50):
+        waited, flown = (room.tick() for room in rooms)
+        np.testing.assert_array_equal(waited.pos, flown.pos)
+
+
+def test_vehicles_that_have_landed_are_followed_again_by_a_wait_and_one_that_has_not_refuses_it() -> None:
+    room = _Room(ABOVE)
+    room.tick()
+    assert room.player.glide().granted
+    flying = room.tick(8.0).pos
+    room.pos = np.array([GROUND[0], flying[1]])
+    room.tick()
+    assert "cf2 is 0.00 m from its reference" in room.player.wait().reason
+    room.pos = GROUND
+    room.tick()
+    assert room.player.wait().granted
+    np.testing.assert_array_equal(room.tick().pos, GROUND)
 
 
 def turning(first: float, last: float) -> SwarmPlan:
@@ -250,45 +286,6 @@ def test_a_braked_plan_begins_as_the_plan_goes_and_stays_on_its_path() -> None:
 def test_braking_ends_half_its_duration_later_in_the_plan_or_at_its_ends(s: float, end: float) -> None:
     for curve, whole in zip(brake_plan(PLAN, s).trajectories, PLAN.trajectories, strict=True):
         np.testing.assert_allclose(curve.at(np.array(5.0)), whole.at(np.array(end)), atol=1e-9)
-
-
-def here(*rows: tuple[float, float, float]) -> Array:
-    return np.array([(*row, 0.0) for row in rows])
-
-
-def test_a_glide_ends_where_it_should_is_as_slow_as_told_and_certified() -> None:
-    ends = here((1.0, 0.0, 1.0), (0.0, 1.0, 1.5))
-    plan = glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), ends, GlideParams())
-    t = np.linspace(0.0, plan.duration, 500)
-    speeds = [np.linalg.norm(curve.at(t, 1)[:, :3], axis=1).max() for curve in plan.trajectories]
-    assert max(speeds) == pytest.approx(0.5, rel=1e-4)  # the longest line sets the time of all
-    np.testing.assert_allclose([curve.at(t[-1:])[0] for curve in plan.trajectories], ends, atol=1e-9)
-    assert plan.certified
-    assert certify(plan, Cylinder(0.2, 1.1)).holds
-
-
-def test_lines_that_cross_are_flown_one_after_another() -> None:
-    """Both lines meet at the origin in the middle; one at a time, 0.5 m stay between them."""
-    starts, ends = here((-1.0, 0.0, 0.5), (0.0, -1.0, 0.5)), here((1.0, 0.0, 0.5), (0.0, 1.0, 0.5))
-    plan = glide(NAMES, starts, ends, GlideParams())
-    assert certify(plan, Cylinder(0.2, 1.1)).holds
-    half = plan.duration / 2
-    moved = [float(np.ptp(curve.at(np.array([0.0, half])), axis=0).max()) for curve in plan.trajectories]
-    assert sorted(round(one) for one in moved) == [0, 2]
-
-
-def test_a_line_over_another_vehicle_becomes_a_way_around_it() -> None:
-    """The way home after section 5.2: Q2 from -2 m to 2 m, over Q1 at rest in the middle."""
-    starts, ends = here((0.0, 0.0, 1.5), (0.0, -2.0, 2.0)), here((0.0, 0.0, 1.5), (0.0, 2.0, 2.0))
-    plan = glide(NAMES, starts, ends, GlideParams())
-    assert certify(plan, Cylinder(0.2, 1.1)).holds
-    np.testing.assert_allclose(plan.trajectories[1].at(np.array(plan.duration)), ends[1], atol=1e-9)
-
-
-def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -> None:
-    stacked = here((0.0, 0.0, 1.0), (0.05, 0.0, 1.5))
-    with pytest.raises(ValueError, match=r"cf1 and cf2 would enter each other's zone by 0\.\d\d m"):
-        glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), stacked, GlideParams())
 
 
 @pytest.mark.parametrize("t", [4.7, 40.0])

@@ -4,10 +4,11 @@
                               |                                        |
                               +------------ hold: braking, rest <------+
 
-While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion. Calls never
-make the reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at
-the newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the
-first tick begins anew, and one that was called goes on.
+While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion: nothing would
+keep vehicles in flight where they are, and `wait` is refused while one is at its reference. Calls never make
+the reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
+newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the first
+tick begins anew, and one that was called goes on.
 """
 
 from dataclasses import dataclass, replace
@@ -29,6 +30,8 @@ AT_REST = 1e-3
 """Speed [m/s] and yaw rate [rad/s] below which the reference is at rest."""
 SEEN_AT_REST = 2.0
 """Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
+FLOWN_WITHIN = 0.25
+"""Distance from its reference within which a vehicle is taken to fly at it [m]: a landed one is below it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +83,9 @@ class PlanPlayer:
         return setpoint
 
     def wait(self) -> Reply:
-        """Wait: let the reference follow the measured vehicles."""
+        """Wait: let the reference follow the measured vehicles, which do not fly at it."""
+        if refusal := self._flown():
+            return Reply(granted=False, reason=refusal)
         self.played, self._wait = None, True
         return Reply(granted=True, reason="waiting")
 
@@ -190,6 +195,17 @@ class PlanPlayer:
             state = f"a measured position has moved at {self._apart:.1f} m/s"
             return Reply(granted=False, reason=f"{state} since the frame before: keep the vehicles at rest")
         return np.column_stack([last.pos, last.yaw])
+
+    def _flown(self) -> str:
+        """Return which vehicle is at the reference that is played; empty if none is."""
+        if self.played is None or self._last is None:
+            return ""
+        far = np.linalg.norm(self._measured()[:, :3] - self._last.pos, axis=1)
+        for name, off in zip(self._plan.names, far.tolist(), strict=True):
+            if off <= FLOWN_WITHIN:
+                state = f"{name} is {off:.2f} m from its reference: in flight it would drift"
+                return f"{state}; hold, or land it first, or restart this node if it stands there"
+        return ""
 
     def _first(self) -> Array:
         return np.stack([curve.at(np.array(0.0)) for curve in self._plan.trajectories])

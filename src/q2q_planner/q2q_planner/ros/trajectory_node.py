@@ -2,8 +2,9 @@
 
 With `wait` the plan is played by calls (q2q_planner.playing.plan_player): the reference follows the measured
 vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the plan's
-clock, `~/hold` brakes along the plan, `~/wait` waits again. The waiting plan is latched on `next_plan`. For
-real vehicles, the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
+clock, `~/hold` brakes along the plan, `~/wait` waits again once vehicles have landed (in flight, where they
+would drift, it is refused). The waiting plan is latched on `next_plan`. For real vehicles, the nodes `radio`
+and `crazyswarm` make these calls (docs/real_vehicles.md).
 """
 
 from collections.abc import Callable

@@ -1,0 +1,50 @@
+"""A glide is certified, as slow as told, and leads round what is in its way, or is refused."""
+
+import numpy as np
+import pytest
+
+from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.values import Array
+from q2q_planner.offline.certificate import certify
+from q2q_planner.playing.glide import GlideParams, glide
+
+NAMES = ("cf1", "cf2")
+
+
+def here(*rows: tuple[float, float, float]) -> Array:
+    return np.array([(*row, 0.0) for row in rows])
+
+
+def test_a_glide_ends_where_it_should_is_as_slow_as_told_and_certified() -> None:
+    ends = here((1.0, 0.0, 1.0), (0.0, 1.0, 1.5))
+    plan = glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), ends, GlideParams())
+    t = np.linspace(0.0, plan.duration, 500)
+    speeds = [np.linalg.norm(curve.at(t, 1)[:, :3], axis=1).max() for curve in plan.trajectories]
+    assert max(speeds) == pytest.approx(0.5, rel=1e-4)  # the longest line sets the time of all
+    np.testing.assert_allclose([curve.at(t[-1:])[0] for curve in plan.trajectories], ends, atol=1e-9)
+    assert plan.certified
+    assert certify(plan, Cylinder(0.2, 1.1)).holds
+
+
+def test_lines_that_cross_are_flown_one_after_another() -> None:
+    """Both lines meet at the origin in the middle; one at a time, 0.5 m stay between them."""
+    starts, ends = here((-1.0, 0.0, 0.5), (0.0, -1.0, 0.5)), here((1.0, 0.0, 0.5), (0.0, 1.0, 0.5))
+    plan = glide(NAMES, starts, ends, GlideParams())
+    assert certify(plan, Cylinder(0.2, 1.1)).holds
+    half = plan.duration / 2
+    moved = [float(np.ptp(curve.at(np.array([0.0, half])), axis=0).max()) for curve in plan.trajectories]
+    assert sorted(round(one) for one in moved) == [0, 2]
+
+
+def test_a_line_over_another_vehicle_becomes_a_way_around_it() -> None:
+    """The way home after section 5.2: Q2 from -2 m to 2 m, over Q1 at rest in the middle."""
+    starts, ends = here((0.0, 0.0, 1.5), (0.0, -2.0, 2.0)), here((0.0, 0.0, 1.5), (0.0, 2.0, 2.0))
+    plan = glide(NAMES, starts, ends, GlideParams())
+    assert certify(plan, Cylinder(0.2, 1.1)).holds
+    np.testing.assert_allclose(plan.trajectories[1].at(np.array(plan.duration)), ends[1], atol=1e-9)
+
+
+def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -> None:
+    stacked = here((0.0, 0.0, 1.0), (0.05, 0.0, 1.5))
+    with pytest.raises(ValueError, match=r"cf1 and cf2 would enter each other's zone by 0\.\d\d m"):
+        glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), stacked, GlideParams())
