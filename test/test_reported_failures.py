@@ -17,12 +17,16 @@ from q2q_model.node.health import Health, HealthReport, Level, health_report
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import SeveralWriters
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.stamps import stamp_from_time
-from q2q_model.signals.values import SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_sim.ros.simulator_node import Simulator
 
 CUT = "motors cut by all/emergency: restart this node to fly"
+LOST = (
+    "motors cut, not measured for cut_s, until a new flight: "
+    "restart this node, or set stamps back by more than 1 s"
+)
 
 
 def controller(**given: object) -> tuple[RoomNode, TickWiring[SwarmCommand]]:
@@ -81,9 +85,22 @@ def test_a_lost_vehicle_is_reported_phase_by_phase_and_its_cut_is_an_error() -> 
         "cf1: failsafe HOLD",
         "cf1: failsafe LEVEL",
         "cf1: failsafe LAND",
-        "cf1: motors cut, not measured for cut_s: restart this node to fly",
+        f"cf1: {LOST}",
     ]
     assert (graded(wiring).level, graded(wiring).summary) == (Level.ERROR, node.lines[-1])
+
+
+@pytest.mark.parametrize(("back", "flies"), [(0.9, False), (1.1, True)])
+def test_a_vehicle_cut_for_want_of_measurements_flies_again_when_it_is_said_to(
+    back: float, flies: bool
+) -> None:
+    node, wiring = controller(cut_s=1.5)
+    fly(node, 0.0, 2.2, lost_since=0.5)
+    first = 2.19 - back
+    fly(node, first, first + 0.2)
+    command = decode(node.published["command"][-1], SwarmCommand)
+    assert (bool(command.thrust[0] > 0.0), command.status[0] != CommandStatus.CUT) == (flies, flies)
+    assert wiring.health.failure == ("" if flies else f"cf1: {LOST}")
 
 
 def test_packets_that_vehicles_refuse_are_a_doubt_of_the_simulator_while_they_come() -> None:

@@ -14,7 +14,10 @@ from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, Mask, Names, Status, SwarmCommand, rows_by_name
 
 EMERGENCY_CUT = "motors cut by all/emergency: restart this node to fly"
-FAILSAFE_CUT = "motors cut, not measured for cut_s: restart this node to fly"
+FAILSAFE_CUT = (
+    "motors cut, not measured for cut_s, until a new flight: "
+    f"restart this node, or set stamps back by more than {SET_BACK_S:g} s"
+)
 SETTLED_S = 10.0
 """Time without a phase after which changes are reported again [s]: one dropout after another is one event."""
 LANDED = 30
