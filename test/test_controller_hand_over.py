@@ -10,9 +10,13 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from diagnostic_msgs.msg import DiagnosticStatus
 from room_node import RoomNode
 
+from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC
+from q2q_control.flight_procedure.observation import VehicleReport
+from q2q_control.flight_procedure.piloted_flight import OrderExecutor
+from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
-from q2q_control.ros.guarded_commands import PROCEDURES
+from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.values import SwarmCommand, SwarmSetpoint, SwarmState
@@ -30,7 +34,7 @@ def pitch(node: RoomNode, tick: int) -> float:
     return float(decode(node.published["command"][-1], SwarmCommand).pitch[1])
 
 
-@pytest.mark.parametrize("procedure", PROCEDURES)
+@pytest.mark.parametrize("procedure", [STATUS_TOPIC, *RECORDED_STATUS_TOPICS])
 def test_the_integral_of_the_ground_is_not_flown(procedure: str) -> None:
     node = RoomNode("pid", {"aware": False, "live": True, "k_i_xy": 1.0}, {})
     pid_node.build(node)
@@ -40,3 +44,31 @@ def test_the_integral_of_the_ground_is_not_flown(procedure: str) -> None:
     assert grown > 1.2 * first
     node.takers[procedure](DiagnosticStatus(message=Step.GLIDE.value))
     assert pitch(node, 200) == first
+
+
+class _OnTheGround(OrderExecutor):
+    """Executor of vehicles that report nothing."""
+
+    def reports(self) -> tuple[VehicleReport, ...]:
+        return ()
+
+
+def test_the_steps_are_heard_whatever_the_node_is_called_that_flies_the_vehicles() -> None:
+    """Names are relative: `~` would stand for the node's own name, which controllers do not know."""
+    room, controller = RoomNode("hall", {}, {}), RoomNode("pid", {"aware": False}, {})
+    pid_node.build(controller)
+    params = FlightProcedureParams(), LandingParams()
+    services = ProcedureServices(room, (), _OnTheGround(), params)
+    services.emergency()
+    reported = {topic: said for topic, said in room.published.items() if topic in controller.takers}
+    assert [one.message for said in reported.values() for one in said] == [Step.STOPPED.value]
+
+
+def test_vehicles_of_another_node_on_the_ground_reset_no_controller_in_flight() -> None:
+    node = RoomNode("pid", {"aware": False, "live": True, "k_i_xy": 1.0}, {})
+    pid_node.build(node)
+    first = pitch(node, 1)
+    for tick, (name, step) in enumerate((("a", Step.FLIGHT), ("b", Step.CHECKED), ("a", Step.HOLD)), start=2):
+        node.takers[STATUS_TOPIC](DiagnosticStatus(name=name, message=step.value))
+        held = [pitch(node, 100 * tick + k) for k in range(100)]
+    assert held[0] > 1.2 * first

@@ -113,7 +113,7 @@ def test_what_the_server_does_not_report_is_said_not_to_be_checked(monkeypatch: 
     room.wait(1.5)
     words = "not checked: parameters of cf1, cf2; own estimate of cf1, cf2; thrust scale of cf1, cf2"
     assert room.node.lines[-1] == f"step checked: {words}"
-    values = {one.key: one.value for one in room.node.published["~/status"][-1].values}
+    values = {one.key: one.value for one in room.node.published["procedure/status"][-1].values}
     assert values == {"take_off_refusal": "", "unchecked": words}
     assert room.call(Call.TAKE_OFF).granted
     assert f"step arming: {words}" in room.node.lines

@@ -76,7 +76,7 @@ def test_a_vehicle_that_lands_or_has_landed_is_not_far_and_is_again_in_the_next_
     doubts = []
     steps = Step.FLIGHT, Step.LANDING, Step.DISARMING, Step.CONNECTED, Step.CHECKED, Step.FLIGHT
     for tick, step in enumerate(steps):
-        node.takers["radio/status"](DiagnosticStatus(message=step.value))
+        node.takers["procedure/status"](DiagnosticStatus(message=step.value))
         fly(node, tick, 3.0)
         report()
         doubts.append(wiring.health.doubts["setpoints"])

@@ -6,6 +6,10 @@ the ground and in the onboard climb they are not: what is learned there is wrong
 
 from q2q_control.flight_procedure.steps import FLYING, FOLLOWS_SETPOINTS, Step
 
+STATUS_TOPIC = "procedure/status"
+"""Topic of the steps, latched, whatever the node is called that flies the vehicles."""
+RECORDED_STATUS_TOPICS = ("radio/status", "crazyswarm/status")
+"""Topics of the steps in bags of nodes that had them under their own names."""
 _FOLLOWS = {step.value for step in FOLLOWS_SETPOINTS}
 _FLYING = {step.value for step in FLYING}
 _LANDING = Step.LANDING.value

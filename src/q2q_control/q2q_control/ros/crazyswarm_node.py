@@ -10,10 +10,10 @@
 | `<name>/status`, `<name>/onboard`, the server's parameters | in | checks before a take-off |
 
 Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
-`~/land`, `~/emergency`, each answered when it is done, or with why it is refused; `~/status` has the step,
-and what cannot be checked because the server does not report it. Setpoints are sent only from the hand-over
-after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` forward a request to the
-server, on the ground only. Without motion_capture_tracking_interfaces no poses pass, without
+`~/land`, `~/emergency`, each answered when it is done, or with why it is refused; `procedure/status` has the
+step, and what cannot be checked because the server does not report it. Setpoints are sent only from the
+hand-over after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` forward a request to
+the server, on the ground only. Without motion_capture_tracking_interfaces no poses pass, without
 crazyflie_interfaces nothing is flown: a warning says so, and with neither the node does not start. Set
 `legacy_hz:=0` on the controller if this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
 

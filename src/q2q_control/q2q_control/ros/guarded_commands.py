@@ -5,7 +5,7 @@ earlier, but to take one can block a process for ever in the rmw_fastrtps of Jaz
 When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller starts anew.
 """
 
-from functools import partial
+from collections import defaultdict
 from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -17,7 +17,7 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch
-from q2q_control.flight_procedure.hand_over import HandOver
+from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC, HandOver
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.far_setpoints import FarSetpointMonitor
 from q2q_model.ros.node.steady_timer import steady_timer
@@ -29,8 +29,6 @@ from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, 
 
 EMERGENCY = "all/emergency"
 """Name of the emergency service, as in Crazyswarm2."""
-PROCEDURES = ("radio/status", "crazyswarm/status")
-"""Statuses of the flight procedure; one of these nodes flies the vehicles."""
 _SATURATED = int(CommandStatus.SATURATED)  # numpy takes 5 us to read an enumeration
 
 
@@ -47,6 +45,7 @@ class GuardedCommands:
         self._flown: tuple[SwarmState, SwarmSetpoint] | None = None  # of the last tick
         self._far, self._flying = FarSetpointMonitor(), True
         self._changes = PhaseChanges()
+        self._hand_overs: defaultdict[str, HandOver] = defaultdict(HandOver)  # by who reports the steps
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
@@ -64,8 +63,8 @@ class GuardedCommands:
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         wiring.check_each_second(self._look_for_far_setpoints)
-        for topic in PROCEDURES:
-            node.create_subscription(DiagnosticStatus, topic, partial(self._follow, HandOver()), LATCHED)
+        for topic in (STATUS_TOPIC, *RECORDED_STATUS_TOPICS):
+            node.create_subscription(DiagnosticStatus, topic, self._follow, LATCHED)
         if self._watch is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, TICK_S, self._check)
@@ -78,8 +77,9 @@ class GuardedCommands:
             self._watch = TickWatch(self._guard, self._watch.params)
         self._stamp_delay = StampDelayMonitor()
 
-    def _follow(self, hand_over: HandOver, status: DiagnosticStatus) -> None:
+    def _follow(self, status: DiagnosticStatus) -> None:
         """Start the controller anew when commands begin to be flown; note whether vehicles fly."""
+        hand_over = self._hand_overs[status.name]
         if hand_over.take(status.message):
             self._guard.begin_flight()
         if not hand_over.flying:

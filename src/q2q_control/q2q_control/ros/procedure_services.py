@@ -1,7 +1,7 @@
 """Services of the flight procedure: `~/start`, `~/take_off`, `~/fly`, `~/hold`, `~/land`, `~/emergency`.
 
-Each answers when the request is done, or with the reason why it is not. `~/status` (latched) has the step,
-what refuses a take-off, and what cannot be checked; every step is logged in one line.
+Each answers when the request is done, or with the reason why it is not. `procedure/status` (latched) has the
+step, what refuses a take-off, and what cannot be checked; every step is logged in one line.
 """
 
 from collections.abc import Callable
@@ -12,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
+from q2q_control.flight_procedure.hand_over import STATUS_TOPIC
 from q2q_control.flight_procedure.observation import plan_outline
 from q2q_control.flight_procedure.piloted_flight import OrderExecutor, PilotedFlight, ProcedureStatus
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
@@ -41,7 +42,7 @@ class ProcedureServices:
         """Serve the procedure of some vehicles."""
         self._node = node
         self._flight = PilotedFlight(names, executor, TrajectoryClient(node), params)
-        self._status = node.create_publisher(DiagnosticStatus, "~/status", LATCHED)
+        self._status = node.create_publisher(DiagnosticStatus, STATUS_TOPIC, LATCHED)
         self._services: dict[Call | Act, LateReplyService] = {
             call: LateReplyService(node, f"~/{call.value}", partial(self._call, call)) for call in Call
         }
