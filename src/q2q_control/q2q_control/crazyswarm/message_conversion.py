@@ -12,6 +12,7 @@ difference: angular velocities are rad/s, body, in both. A pose without orientat
 components of its quaternion (the servers check different ones).
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -46,8 +47,9 @@ def legacy_twists(command: SwarmCommand, scale: RpytScale, backend: str) -> Arra
 
 
 def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:
-    """Return the frame of the known vehicles; an incomplete orientation becomes NaN."""
-    known = [one for one in poses if one.name in vehicles]
+    """Return the frame of the known vehicles given once; an incomplete orientation becomes NaN."""
+    doubled = doubled_names(poses, vehicles)
+    known = [one for one in poses if one.name in vehicles and one.name not in doubled]
     quat = np.array([one.quat for one in known]).reshape(len(known), 4)
     whole = np.isfinite(quat).all(axis=1, keepdims=True)
     return MocapFrame(
@@ -56,6 +58,12 @@ def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> Moca
         pos=np.array([one.pos for one in known]).reshape(len(known), 3),
         quat=np.where(whole, quat, np.nan),
     )
+
+
+def doubled_names(poses: Sequence[NamedPose], vehicles: Names) -> Names:
+    """Return the known vehicles that have more than one pose: either may be another vehicle's."""
+    times = Counter(one.name for one in poses)
+    return tuple(name for name in vehicles if times[name] > 1)
 
 
 def poses_of(state: SwarmState) -> list[NamedPose]:

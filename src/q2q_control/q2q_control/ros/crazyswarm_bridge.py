@@ -8,7 +8,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from q2q_control.crazyswarm.configured_vehicles import poses_version, server_vehicles, vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
-from q2q_control.crazyswarm.message_conversion import frame_of, poses_of
+from q2q_control.crazyswarm.message_conversion import doubled_names, frame_of, poses_of
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
@@ -34,6 +34,8 @@ POSES_OUT = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, deadline=Duration(nanoseconds=10_000_000)
 )
 """QoS of poses_out: Crazyswarm2's servers request a deadline of 10 ms, which the writer must offer."""
+
+DOUBLED = "given twice: left out, as either pose may be another vehicle's; check its markers"
 
 
 class Crazyswarm:
@@ -141,6 +143,8 @@ class Crazyswarm:
             self._health.refuse(f"{self._settings.poses_in}: {refusal}")
             return
         poses = [self._poses.read(one) for one in message.poses]
+        if doubled := doubled_names(poses, self._names):
+            self._health.refuse(f"{self._settings.poses_in}: {', '.join(doubled)} {DOUBLED}")
         self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
 
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:

@@ -2,7 +2,7 @@
 
 | topic or service | direction | made of |
 |---|---|---|
-| `poses_in` (NamedPoseArray) | in | `mocap` |
+| `poses_in` (NamedPoseArray) | in | `mocap`, without vehicles that are named twice |
 | `poses_out` (NamedPoseArray, deadline 10 ms) | out | `state` if measured; lone markers without orientation |
 | `<name>/cmd_full_state` (FullState) | out | `reference_safe`, minus `interference`'s acceleration if aware |
 | `<name>/cmd_vel_legacy` (Twist) | out, in mode command | `command`; signs by `backend` |

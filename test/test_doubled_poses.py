@@ -1,0 +1,52 @@
+"""Of a vehicle that motion capture names twice in one message no pose is taken; the others are."""
+
+import math
+import sys
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.clock import Clock
+from room_node import RoomNode
+
+from q2q_control.crazyswarm.message_conversion import NamedPose
+from q2q_control.ros.crazyswarm_bridge import Crazyswarm
+from q2q_control.ros.crazyswarm_types import find_pose_types
+from q2q_model.ros.node.diagnostics import PERIOD_S
+from q2q_model.ros.topics.messages import header_at
+from q2q_model.signals.cdr import decode
+from q2q_model.signals.values import MocapFrame
+from q2q_sim.ros.absent_packages import interface_packages
+
+TOLD = (
+    "refused: /poses: cf1 given twice: left out, as either pose may be another vehicle's; check its markers"
+)
+
+
+class ClockedNode(RoomNode):
+    """Node with the clock of the wall."""
+
+    def get_clock(self) -> Clock:
+        """Return it."""
+        return Clock()
+
+
+def test_the_doubled_vehicle_alone_is_left_out_and_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, module in interface_packages().items():
+        monkeypatch.setitem(sys.modules, name, module)
+    node = ClockedNode("crazyswarm", {"vehicles": ("cf1", "cf2")}, {})
+    Crazyswarm(node)
+    (report,) = [act for period, act in node.timers if period == PERIOD_S]
+    places = ("cf1", 1.0), ("cf2", 2.0), ("wand", 3.0), ("cf1", 4.0), ("wand", 5.0)
+    poses = [NamedPose(name, (x, 0.0, 0.0), (math.nan,) * 4) for name, x in places]
+    for k in range(2):
+        node.takers["/poses"](find_pose_types().write(header_at(k * 10_000_000), poses))
+        frame = decode(node.published["mocap"][-1], MocapFrame)
+        assert (frame.names, frame.pos[:, 0].tolist()) == (("cf2",), [2.0])
+        report()
+        said = node.published["/diagnostics"][-1]
+        assert isinstance(said, DiagnosticArray)
+        assert said.status[0].message == TOLD
+    assert node.lines.count(TOLD) == 1
