@@ -71,6 +71,10 @@ class FakeLink:
         """Keep the word."""
         self.sent.append("stop")
 
+    def close(self) -> None:
+        """Keep the word."""
+        self.sent.append("close")
+
 
 @dataclass
 class Bench:

@@ -1,5 +1,7 @@
 """Vehicles of the node `radio`: how long its end waits for their landing."""
 
+from collections.abc import Callable
+
 import pytest
 from radio_pilot_bench import LANDING_S, NAMES, PARAMS, FakeLink, state
 
@@ -12,9 +14,13 @@ from q2q_control.radio.vehicle_record import Phase
 from q2q_model.node.health import Health
 
 
-def in_flight(monkeypatch: pytest.MonkeyPatch, ground: float = 0.0) -> RadioVehicles:
+def in_flight(
+    monkeypatch: pytest.MonkeyPatch,
+    ground: float = 0.0,
+    open_one: Callable[..., FakeLink] = lambda *_: FakeLink(),
+) -> RadioVehicles:
     """Return vehicles that fly at z = 3 m and 6 m at t = 0 s."""
-    monkeypatch.setattr(radio_vehicles, "CflibLink", lambda *_: FakeLink())
+    monkeypatch.setattr(radio_vehicles, "CflibLink", open_one)
     params = RadioNodeParams(vehicles=NAMES, uris=("udp://127.0.0.1:1", "udp://127.0.0.1:2"))
     procedure = FlightProcedureParams(ground=ground), LandingParams()
     vehicles = RadioVehicles(params, PARAMS, procedure, Health())
@@ -26,6 +32,22 @@ def in_flight(monkeypatch: pytest.MonkeyPatch, ground: float = 0.0) -> RadioVehi
         pilot.watch(0.0)
     assert set(pilot.phases.values()) == {Phase.FLYING}
     return vehicles
+
+
+def test_links_that_were_opened_are_closed_where_a_later_one_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    opened: list[FakeLink] = []
+
+    def open_one(name: str, *_: object) -> FakeLink:
+        if name == NAMES[1]:
+            raise ValueError("udp://127.0.0.1:2 is in use")
+        opened.append(FakeLink())
+        return opened[-1]
+
+    with pytest.raises(ValueError, match="in use"):
+        in_flight(monkeypatch, open_one=open_one)
+    assert [link.sent for link in opened] == [["close"]]
 
 
 def test_an_end_in_flight_waits_for_the_longest_landing(monkeypatch: pytest.MonkeyPatch) -> None:

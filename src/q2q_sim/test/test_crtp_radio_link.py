@@ -28,6 +28,8 @@ from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 ANSWER_S = 600.0
 """A link that has not connected by then does not [s]."""
+OWN_URI = f"radio://0/80/2M/{os.getpid():010X}"
+"""A URI of no other test that runs on this machine."""
 TABLE = {
     "locSrv.extPosStdDev": TableEntry("<f", writable=True),
     "stabilizer.controller": TableEntry("<B", writable=True),
@@ -106,7 +108,7 @@ def test_a_link_leaves_the_controller_to_the_firmware_app_and_checks_that_it_is_
 ) -> None:
     """Mellinger's was set on connection, which switched the app off."""
     monkeypatch.setattr(CflibLink, "keep_open", lambda _: None)
-    link = CflibLink("cf1", "udp://127.0.0.1:1", firmware_params(("locSrv.extPosStdDev=0.001",), "setpoint"))
+    link = CflibLink("cf1", OWN_URI, firmware_params(("locSrv.extPosStdDev=0.001",), "setpoint"))
     try:
         params = link._crazyflie.param = Held(held)
         params.link = link
@@ -128,11 +130,20 @@ def test_without_a_radio_a_link_reports_the_reason_in_one_line(
         raise OSError("Cannot find a Crazyradio Dongle")
 
     monkeypatch.setattr("cflib.crtp.get_link_driver", no_dongle)
-    link = CflibLink("cf1", "radio://0/80/2M/E7E7E7E701", {})
+    link = CflibLink("cf1", OWN_URI, {})
     assert asked.wait(ANSWER_S)
     link.close()  # once its thread has ended
     assert link.log_lines() == ["Couldn't load link driver: Cannot find a Crazyradio Dongle"]
     assert caplog.messages == []
+
+
+def test_a_uri_is_opened_by_one_link_of_this_machine_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CflibLink, "keep_open", lambda _: None)
+    for _ in range(2):
+        link = CflibLink("cf1", OWN_URI, {})
+        with pytest.raises(ValueError, match=f"{OWN_URI.lower()} is in use by another node on "):
+            CflibLink("cf2", OWN_URI, {})
+        link.close()
 
 
 def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so_and_whether_it_flies(

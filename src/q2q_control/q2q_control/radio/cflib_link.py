@@ -22,6 +22,7 @@ from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
+from q2q_model.node.claim import claim
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
 
 if TYPE_CHECKING:
@@ -70,12 +71,13 @@ class CflibLink:
         """Open the link; `firmware_params` are set once connected, `cache` is a folder for the tables.
 
         Raises:
-            ValueError: cflib is not installed.
+            ValueError: cflib is not installed, or another node of this machine has opened the URI.
         """
         self._uri = uri
         self._params = dict(firmware_params)
         self._required = dict(firmware_params)
         self._crazyflie = _crazyflie(cache)
+        self._claim = claim(uri.lower())
         self._known = _Known()
         self._pings = PingShare()
         self._counts_pings = uri.startswith("udp://")  # its driver reports no quality
@@ -124,6 +126,7 @@ class CflibLink:
         """Close the link."""
         self._mailbox.close()
         self._crazyflie.close_link()
+        self._claim.close()
 
     def health(self) -> LinkHealth:
         """Return the health of link and vehicle."""

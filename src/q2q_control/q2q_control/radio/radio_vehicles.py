@@ -1,6 +1,7 @@
 """Vehicles of the node `radio`: their links, the pilot, and what each tick sends."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 
 from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
@@ -37,7 +38,7 @@ class RadioVehicles:
         """Open the links; vehicles land as in the procedure; `health` counts ticks.
 
         Raises:
-            ValueError: no vehicles, a wrong file or parameter, cflib is missing.
+            ValueError: no vehicles, a wrong file or parameter, cflib is missing, a URI is open elsewhere.
             OSError: a file cannot be read.
         """
         self._sends_poses = params.places
@@ -106,8 +107,15 @@ def other_publishers(node: str, publishers: Sequence[Sequence[str]]) -> str:
 
 
 def _open_links(params: RadioNodeParams) -> dict[str, CflibLink]:
+    """Open all links, or none: if one is refused, those before it are closed."""
     firmware = firmware_params(params.firmware_params, params.mode, poses=params.places)
-    return {one.name: CflibLink(one.name, one.uri, firmware, params.toc_cache) for one in _crazyflies(params)}
+    links: dict[str, CflibLink] = {}
+    with ExitStack() as opened:
+        for one in _crazyflies(params):
+            links[one.name] = CflibLink(one.name, one.uri, firmware, params.toc_cache)
+            opened.callback(links[one.name].close)
+        opened.pop_all()
+    return links
 
 
 def _crazyflies(params: RadioNodeParams) -> tuple[Crazyflie, ...]:
