@@ -3,7 +3,7 @@
 Every tick: the state in which a command given now finds the vehicles (latency, lags, disturbance:
 `initial_state`); references, last solutions and the downwash along their paths (`forecast`); the inputs that
 keep the vehicles nearest to their references within thrust, tilt and their rates (`horizon_solver`); the
-first of them, or a fallback, as acceleration (`fallback`), and as thrust, roll and pitch.
+first of them, or a fallback, as acceleration (`commanded_acceleration`), and as thrust, roll and pitch.
 
     minimise sum_k sum_j (r_j(t_k) - r_j,ref(t_k))^2 + (effort)      of (26), for all vehicles that interact
     v' = a + eta(r, r(t - tau)) + d,   a' = (u - a) / T              downwash linear along the last prediction
@@ -29,8 +29,8 @@ from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import axis_chains
+from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, tighten
-from q2q_control.mpc.fallback import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
