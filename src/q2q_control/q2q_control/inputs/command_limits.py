@@ -1,4 +1,4 @@
-"""Delay of a command on its way to the rotors, its limits, and how long it holds without a newer one."""
+"""Limits of a command, its delay on the way to the rotors, and how long it holds without a newer one."""
 
 from q2q_model.signals.clock_resets import PATIENCE_S
 
