@@ -22,7 +22,7 @@ glides back to the plan's first points, where the next flight can begin (land_ho
 if vehicles overlap horizontally. A second `land` lands them where they are.
 """
 
-from q2q_control.flight_procedure.checks.refusals import unchecked
+from q2q_control.flight_procedure.checks.flight_checks import unchecked
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.progress.active_flight import ActiveFlight

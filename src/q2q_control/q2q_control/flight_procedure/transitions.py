@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.flight_procedure.checks.refusals import (
+from q2q_control.flight_procedure.checks.flight_checks import (
     airborne_refusal,
     cut_refusal,
     join_refusal,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_control.flight_procedure.checks.refusals import state_refusal
+from q2q_control.flight_procedure.checks.flight_checks import state_refusal
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_model.signals.values import Array

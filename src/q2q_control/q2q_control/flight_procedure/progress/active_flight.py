@@ -1,7 +1,7 @@
 """Flight in progress: what its calls, the outcomes of its orders and the ends of its steps share."""
 
+from q2q_control.flight_procedure.checks.flight_checks import apart_refusal
 from q2q_control.flight_procedure.checks.ground_check import GroundCheck
-from q2q_control.flight_procedure.checks.refusals import apart_refusal
 from q2q_control.flight_procedure.observation import Observation
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.progress.procedure_state import ProcedureState
