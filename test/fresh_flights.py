@@ -21,8 +21,8 @@ from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.situations import random_encounters
 from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.preview import resting_preview
+from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.compiled import COMPILED, twice_compiled, uncalled_kernels
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor

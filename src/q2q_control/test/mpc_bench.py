@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_control.inputs.preview import SampledPreview
+from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import (

@@ -11,8 +11,8 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.flight_procedure.hand_over import HandOver
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.inputs.controller import Controller
+from q2q_control.mpc.mpc import Mpc
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc
 from q2q_control.pid.gains_file import load_gains
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid

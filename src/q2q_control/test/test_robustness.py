@@ -13,8 +13,8 @@ from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.law import ExplicitLaw
 from q2q_control.explicit.teacher import Teacher
 from q2q_control.inputs.preview import SampledPreview
+from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.jet import Jet

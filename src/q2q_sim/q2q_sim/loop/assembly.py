@@ -12,8 +12,8 @@ from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.plan_samples import sampled_preview
+from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.interaction_model import InteractionModel

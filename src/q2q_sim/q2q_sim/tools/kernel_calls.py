@@ -15,9 +15,9 @@ from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, solve_situations
 from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
+from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at
-from q2q_control.mpc.receding import Mpc, MpcSetup
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
