@@ -12,13 +12,13 @@ from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, work
 from q2q_control.explicit.situations import random_situations
 from q2q_control.explicit.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
-from q2q_control.mpc.group_solve import Modes
-from q2q_control.mpc.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
+from q2q_control.mpc.solver.group_solve import Modes
+from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.solver.riccati import solve
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_model.downwash.jet import PAPER_LAW

@@ -6,8 +6,6 @@ import pytest
 from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, correct_estimate
 from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
 from q2q_control.mpc.chain import ChainWeights, chain
-from q2q_control.mpc.group_solve import Group, solve_group
-from q2q_control.mpc.horizon_solver import group_roots, groups_of
 from q2q_control.mpc.prediction.downwash_horizon import (
     SlopeRule,
     predict_downwash,
@@ -25,6 +23,8 @@ from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import sweep_chains, sweep_gains
+from q2q_control.mpc.solver.group_solve import Group, solve_group
+from q2q_control.mpc.solver.horizon_solver import group_roots, groups_of
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.interaction_model import PairMotion
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet

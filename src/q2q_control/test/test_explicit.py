@@ -25,7 +25,6 @@ from q2q_control.explicit.law import (
 )
 from q2q_control.explicit.situations import random_encounters, random_situations
 from q2q_control.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
-from q2q_control.mpc.horizon_solver import horizon_solver
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
@@ -33,6 +32,7 @@ from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
+from q2q_control.mpc.solver.horizon_solver import horizon_solver
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState

@@ -7,13 +7,13 @@ import pytest
 from mpc_bench import DT, IDEAL, PAIR, Air, controller, first_tick, hover, pass_over, rms, signals
 
 from q2q_control.inputs.preview import SampledPreview
-from q2q_control.mpc.group_solve import Modes
-from q2q_control.mpc.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.solver.group_solve import Modes
+from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor

@@ -1,4 +1,4 @@
-"""Explicit law in place of the solver of q2q_control.mpc.horizon_solver.
+"""Explicit law in place of the solver of q2q_control.mpc.solver.horizon_solver.
 
 Everything else is the receding horizon's: latency, downwash along the horizon, fallbacks. All chains are
 swept without bounds; the first command along z is then the law's, of the vehicle and the neighbour whose
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
 from q2q_control.mpc.chain import axis_chains
-from q2q_control.mpc.horizon_solver import InTime
 from q2q_control.mpc.mpc import SolverFactory
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep_chains, sweep_gains
+from q2q_control.mpc.solver.horizon_solver import InTime
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import Vehicle

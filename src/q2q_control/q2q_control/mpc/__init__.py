@@ -1,1 +1,1 @@
-"""Model predictive control: the problem, its solver, and what they need to know, a file each."""
+"""Model predictive control: prediction, the problem, its solver, and the commands of a tick."""

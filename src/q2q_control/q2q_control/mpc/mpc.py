@@ -31,7 +31,6 @@ from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.chain import axis_chains
 from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, tighten
-from q2q_control.mpc.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
@@ -47,6 +46,7 @@ from q2q_control.mpc.prediction.neighbours import (
 from q2q_control.mpc.prediction.vehicle_tracks import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
+from q2q_control.mpc.solver.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated

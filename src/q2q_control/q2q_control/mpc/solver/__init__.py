@@ -1,1 +1,1 @@
-"""Solvers of the linear-quadratic problem with bounded inputs."""
+"""Solver of one tick's horizon: groups of vehicles, and the linear-quadratic problem with bounded inputs."""

@@ -13,7 +13,6 @@ from typing import Protocol
 import numpy as np
 
 from q2q_control.mpc.chain import Chains, axis_chains
-from q2q_control.mpc.group_solve import Group, Modes, solve_group
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
 from q2q_control.mpc.problem.horizon import (
@@ -26,6 +25,7 @@ from q2q_control.mpc.problem.horizon import (
 )
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
 from q2q_control.mpc.solver.chain_sweep import gains_of_table, gains_table, sweep_chains, sweep_gains
+from q2q_control.mpc.solver.group_solve import Group, Modes, solve_group
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.constants import Vehicle
