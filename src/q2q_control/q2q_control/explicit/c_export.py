@@ -4,7 +4,7 @@
 
 Returns the vertical acceleration command, the reference's included [m/s^2]. Inputs are those of
 q2q_control.explicit.features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4
-has no other.
+has no other. The firmware app (q2q_control.onboard) does not use it.
 """
 
 import numpy as np

@@ -1,1 +1,1 @@
-"""App for the vehicle's own firmware, in C99: downwash, its correction, and an explicit law."""
+"""App for the vehicle's own firmware, in C99: neighbours' tracks, their downwash, and its correction."""
