@@ -67,9 +67,9 @@ class FakeLink:
         """Keep the word."""
         self.sent.append(("land", height, duration))
 
-    def stop(self) -> None:
+    def cut(self) -> None:
         """Keep the word."""
-        self.sent.append("stop")
+        self.sent.append("cut")
 
     def close(self) -> None:
         """Keep the word."""

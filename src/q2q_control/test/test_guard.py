@@ -174,7 +174,7 @@ def test_an_emergency_cuts_all_at_once_and_stays_through_a_reset() -> None:
     guard = guarded()
     fly(guard, 0, 5)
     assert not guard.emergency
-    at_once = guard.cut()
+    at_once = guard.cut_all()
     assert at_once is not None
     assert guard.emergency
     late = guard.update(state_at(0.03), setpoint_at(0.03), None)
@@ -187,7 +187,7 @@ def test_an_emergency_cuts_all_at_once_and_stays_through_a_reset() -> None:
 
 def test_an_emergency_before_the_first_tick_cuts_that() -> None:
     guard = guarded()
-    assert guard.cut() is None
+    assert guard.cut_all() is None
     assert fly(guard, 0, 1)[0].status.tolist() == [CUT, CUT]
 
 

@@ -76,7 +76,7 @@ def test_a_vehicle_hovers_from_the_hand_over_on(name: str) -> None:
 def test_motors_that_were_cut_stay_cut() -> None:
     guard = Guard(CONTROLLERS["pid"](), FallbackParams(), HOVER)
     t = climbed(guard)
-    guard.cut()
+    guard.cut_all()
     guard.begin_flight()
     assert after(guard, t).status[0] == CommandStatus.CUT
 

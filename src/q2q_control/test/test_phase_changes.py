@@ -76,7 +76,7 @@ def test_a_cut_is_reported_again_in_a_new_flight_beside_the_same_controller() ->
     guard, changes = guarded(), PhaseChanges()
     for made in fly(guard, 0, 200):
         assert reported(changes, made) == []
-    guard.cut()
+    guard.cut_all()
     assert [line for made in fly(guard, 200, 210) for line in reported(changes, made)] == [
         "cf1, cf2: failsafe CUT"
     ]

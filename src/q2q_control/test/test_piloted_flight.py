@@ -97,7 +97,7 @@ def test_what_refuses_flights_refuses_no_landing_and_no_emergency() -> None:
     assert piloted.call(Call.LAND, 1.1) is None
     assert vehicles.begun[-1] is Act.STOP_STREAM
     assert piloted.call(Call.EMERGENCY, 1.2) is None
-    assert vehicles.begun[-1] is Act.CUT
+    assert vehicles.begun[-1] is Act.EMERGENCY
 
 
 def test_a_single_act_is_answered_with_its_outcome() -> None:
@@ -116,7 +116,7 @@ def test_a_call_supersedes_a_single_act_and_its_outcome_is_that_of_the_call() ->
     piloted.begin_single(Act.ARM, "arm", 0.0)
     assert piloted.call(Call.EMERGENCY, 0.1) is None
     assert piloted.replies() == [(Act.ARM, Reply(granted=False, reason="emergency took over"))]
-    assert vehicles.begun == [Act.ARM, Act.CUT]
+    assert vehicles.begun == [Act.ARM, Act.EMERGENCY]
     vehicles.result = DONE
     piloted.update(0.2)
     ((request, reply),) = piloted.replies()

@@ -88,10 +88,10 @@ def test_a_landing_ordered_while_a_link_is_lost_is_sent_at_once_and_when_it_is_b
 def test_a_vehicle_lost_in_a_hover_is_cut_at_once_and_when_it_is_back() -> None:
     bench = lost_in_hover()
     bench.pilot.cut(("cf2",), bench.t)
-    assert bench.links["cf2"].sent == ["stop"]
+    assert bench.links["cf2"].sent == ["cut"]
     bench.links["cf2"].now = FLIES
     bench.look(3.0)
-    assert bench.links["cf2"].sent == ["stop"] * 2
+    assert bench.links["cf2"].sent == ["cut"] * 2
     assert bench.pilot.phases == {"cf1": Phase.CLIMBING, "cf2": Phase.READY}
 
 

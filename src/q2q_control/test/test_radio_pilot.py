@@ -143,13 +143,13 @@ def test_land_lands_those_who_fly_and_stop_stops_all() -> None:
     bench.fly()
     assert bench.pilot.land(bench.t)
     assert set(bench.pilot.phases.values()) == {Phase.LANDING}
-    bench.pilot.stop(bench.t)
-    assert all(link.sent[-1] == "stop" for link in bench.links.values())
+    bench.pilot.cut_all(bench.t)
+    assert all(link.sent[-1] == "cut" for link in bench.links.values())
     bench.rpyt_setpoints()
-    assert all(link.sent[-1] == "stop" for link in bench.links.values())
+    assert all(link.sent[-1] == "cut" for link in bench.links.values())
 
 
-def test_a_vehicle_commanded_cut_is_reported_and_reported_as_stopped_until_it_is_armed_again() -> None:
+def test_a_vehicle_commanded_cut_is_logged_and_reported_as_cut_until_it_is_armed_again() -> None:
     bench = Bench()
     bench.fly()
     bench.pilot.log_lines()
@@ -157,9 +157,9 @@ def test_a_vehicle_commanded_cut_is_reported_and_reported_as_stopped_until_it_is
     bench.pilot.cut(("cf2",), bench.t)
     assert bench.pilot.log_lines() == ["cf2 is commanded CUT: motors stopped", "cf2 is ready"]
     reports = RadioExecutor(bench.pilot, bench.links, CRAZYFLIE_2_0).reports()
-    assert [one.stopped for one in reports] == [False, True]
+    assert [one.cut for one in reports] == [False, True]
     bench.done(Act.ARM)
-    assert bench.pilot.stopped == frozenset()
+    assert bench.pilot.motors_cut == frozenset()
 
 
 def test_places_are_sent_once_a_frame_and_only_where_measured() -> None:

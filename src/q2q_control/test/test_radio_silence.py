@@ -1,4 +1,4 @@
-"""What goes over the radio while no commands come, and how a vehicle is stopped."""
+"""What goes over the radio while no commands come, and how a vehicle's motors are cut."""
 
 from dataclasses import replace
 
@@ -44,14 +44,14 @@ def test_a_vehicle_is_levelled_from_40_ms_after_its_command_and_not_before() -> 
     assert bench.links["cf1"].sent[-1] == HOVER
 
 
-def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_stopped() -> None:
+def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_cut() -> None:
     bench = Bench()
     bench.fly()
     bench.rpyt_setpoints()
     bench.silent_until(1.02, seen=False)
     sink = RpytSetpoint(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.failsafe.ladder
     assert set(bench.silent_until(3.9, seen=False)) == {sink}
-    assert bench.silent_until(0.2, seen=False)[-1] == "stop"
+    assert bench.silent_until(0.2, seen=False)[-1] == "cut"
     assert bench.pilot.phases["cf1"] is Phase.READY
 
 
@@ -117,7 +117,7 @@ def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     names = cut_vehicles(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
     bench.pilot.cut((*names, "stranger"), bench.t)
     bench.rpyt_setpoints()
-    assert bench.links["cf1"].sent[-1] == "stop"
+    assert bench.links["cf1"].sent[-1] == "cut"
     assert bench.links["cf2"].sent[-1] == RpytSetpoint(1.0, 2.0, 3.0, 30000)
     assert bench.pilot.phases["cf1"] is Phase.READY
 
@@ -128,7 +128,7 @@ def test_a_stop_is_sent_again_until_the_vehicle_says_it_is_locked() -> None:
     link = bench.links["cf1"]
     bench.pilot.cut(("cf1",), bench.t)
     bench.look(0.1)
-    assert link.sent[-2:] == ["stop", "stop"]
+    assert link.sent[-2:] == ["cut", "cut"]
     link.now = replace(WELL, locked=True)
     link.sent.clear()
     bench.look(0.1)
@@ -138,15 +138,15 @@ def test_a_stop_is_sent_again_until_the_vehicle_says_it_is_locked() -> None:
 def test_a_stop_is_sent_again_for_2_s_and_not_after_a_new_start() -> None:
     bench = Bench()
     bench.fly()
-    bench.pilot.stop(bench.t)
+    bench.pilot.cut_all(bench.t)
     bench.links["cf1"].sent.clear()
     bench.look(2.1)
     assert bench.links["cf1"].sent == []
-    bench.pilot.stop(bench.t)
+    bench.pilot.cut_all(bench.t)
     bench.pilot.begin(Order(Act.ARM), bench.t)
     bench.links["cf1"].sent.clear()
     bench.look(0.1)
-    assert "stop" not in bench.links["cf1"].sent
+    assert "cut" not in bench.links["cf1"].sent
 
 
 def test_a_stop_given_while_a_link_is_down_is_delivered_when_it_is_back() -> None:
@@ -155,32 +155,32 @@ def test_a_stop_given_while_a_link_is_down_is_delivered_when_it_is_back() -> Non
     link = bench.links["cf2"]
     link.now = LinkHealth(connected=False)
     bench.look(0.02)
-    bench.done(Act.CUT)
+    bench.done(Act.EMERGENCY)
     for _ in range(3):
         bench.look(1.0)
     link.sent.clear()
     link.now = WELL
     for _ in range(3):
         bench.look(0.02)
-    assert link.sent == ["stop"] * 3
+    assert link.sent == ["cut"] * 3
     link.now = replace(WELL, locked=True)
     bench.look(0.02)
     link.now = WELL  # restarted
     bench.look(0.02)
-    assert link.sent == ["stop"] * 3
+    assert link.sent == ["cut"] * 3
 
 
 def test_a_stop_is_sent_again_for_2_s_of_connection_over_two_losses() -> None:
     bench = Bench()
     bench.fly()
     link = bench.links["cf1"]
-    bench.pilot.stop(bench.t)
+    bench.pilot.cut_all(bench.t)
     for now, expected in ((WELL, 9), (LinkHealth(connected=False), 9), (WELL, 17), (WELL, 17)):
         link.now = now
         for _ in range(8):
             bench.look(0.125)  # the first look after a loss counts no connection
-        assert link.sent.count("stop") == expected
-    assert bench.links["cf2"].sent.count("stop") == 16
+        assert link.sent.count("cut") == expected
+    assert bench.links["cf2"].sent.count("cut") == 16
 
 
 def test_times_of_silence_out_of_order_are_refused() -> None:

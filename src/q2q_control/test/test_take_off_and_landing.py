@@ -126,17 +126,17 @@ def test_vehicles_that_land_by_themselves_are_watched_to_the_ground() -> None:
     assert "step landing: by themselves" in bench.log
 
 
-def test_vehicles_whose_motors_were_stopped_are_not_told_to_land_by_themselves() -> None:
+def test_vehicles_whose_motors_were_cut_are_not_told_to_land_by_themselves() -> None:
     bench = up_to(Step.FLIGHT)
-    bench.reports = tuple(replace(one, flies=False, stopped=True) for one in bench.reports)
+    bench.reports = tuple(replace(one, flies=False, cut=True) for one in bench.reports)
     bench.wait(STEP)
     assert bench.log[-1] == "step landing: motors of cf1, cf2 stopped"
 
 
-def test_a_stopped_vehicle_is_named_while_the_other_lands_by_itself() -> None:
+def test_a_cut_vehicle_is_named_while_the_other_lands_by_itself() -> None:
     bench = up_to(Step.FLIGHT)
     first, second = (replace(one, flies=False) for one in bench.reports)
-    bench.reports = first, replace(second, stopped=True)
+    bench.reports = first, replace(second, cut=True)
     bench.wait(STEP)
     assert bench.log[-1] == "step landing: motors of cf2 stopped"
 
@@ -157,7 +157,7 @@ def test_after_an_emergency_each_vehicle_must_have_been_locked_or_offline() -> N
     assert bench.procedure.step is Step.STOPPED  # cf2 was never locked
     bench.reports = first, replace(second, connected=False)
     bench.wait(6.0)
-    bench.reports = first, second  # back, and not yet stopped
+    bench.reports = first, second  # back, and not yet cut
     bench.wait(0.4)
     bench.reports = first, replace(second, locked=True)
     bench.wait(6.0)

@@ -66,7 +66,7 @@ def test_without_a_newer_state_a_missing_tick_is_held_after_hold_s() -> None:
 
 def test_after_an_emergency_the_watch_is_silent_while_ticks_come_and_cuts_without_them() -> None:
     guard, watch = watched(10)
-    assert guard.cut() is not None
+    assert guard.cut_all() is not None
     assert [watch.due(state_at(0.09), now=100.0 + 0.09 + late) for late in (0.0, 0.01, 0.029)] == [None] * 3
     command = watch.due(state_at(0.09), now=100.0 + 0.121)
     assert command is not None

@@ -119,7 +119,7 @@ class Guard:
         """Return whether an emergency has cut all motors."""
         return self._emergency
 
-    def cut(self) -> SwarmCommand | None:
+    def cut_all(self) -> SwarmCommand | None:
         """Cut all motors permanently: an emergency; return the command to send, None before any tick."""
         self._emergency = True
         if self._last is not None:

@@ -26,8 +26,8 @@ class VehicleReport:
     """It flies setpoints; False if it lands or has landed by itself."""
     airborne: bool | None = None
     """It flies, and does not land by itself."""
-    stopped: bool = False
-    """Its motors were stopped in this flight."""
+    cut: bool = False
+    """Its motors were cut in this flight, by whomever."""
     silent_s: float = math.nan
     """Time since a setpoint or command was last sent to it [s]; NaN if its executor handles that itself."""
     wrong: str | None = None

@@ -115,7 +115,7 @@ class FlightProcedure:
             flight.stream.on = False
             flight.down.clear()
             self.state.enter(Step.STOPPED, t)
-            flight.give(Act.CUT, observation, t)
+            flight.give(Act.EMERGENCY, observation, t)
         elif call in {Call.TAKE_OFF, Call.START}:
             flight.joins = call is Call.START
             self.state.enter(Step.ARMING, t, unchecked(observation) or "all checks passed")
@@ -160,8 +160,8 @@ class FlightProcedure:
             self._flight.land(observation, t, fault)
 
     def _leave_alone(self, observation: Observation, t: float) -> None:
-        """Follow vehicles that no longer fly setpoints: their motors were stopped, or they land."""
-        stopped = [one.name for one in observation.vehicles if one.stopped]
-        why = f"motors of {', '.join(stopped)} stopped" if stopped else "by themselves"
+        """Follow vehicles that no longer fly setpoints: their motors were cut, or they land."""
+        cut = [one.name for one in observation.vehicles if one.cut]
+        why = f"motors of {', '.join(cut)} stopped" if cut else "by themselves"
         self.state.answer(granted=False, reason=f"no vehicle flies setpoints: landing, {why}")
         self.state.enter(Step.LANDING, t, why)

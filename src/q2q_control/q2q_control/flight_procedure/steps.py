@@ -22,7 +22,7 @@ class Step(Enum):
     LANDING = "landing"
     DISARMING = "disarming"
     STOPPED = "stopped"
-    """The motors were stopped and are locked."""
+    """The motors were cut and are locked."""
 
 
 ON_GROUND = frozenset({Step.OFFLINE, Step.CONNECTED, Step.CHECKED})
@@ -62,7 +62,7 @@ class Act(Enum):
     STOP_STREAM = "stop streaming"
     LAND = "land"
     DISARM = "disarm"
-    CUT = "stop the motors"
+    EMERGENCY = "stop the motors"
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ ACTS_OF = {
     Call.FLY: (Act.GLIDE, Act.STREAM, Act.START),
     Call.HOLD: (Act.BRAKE,),
     Call.LAND: (Act.STOP_STREAM, Act.LAND, Act.DISARM),
-    Call.EMERGENCY: (Act.CUT,),
+    Call.EMERGENCY: (Act.EMERGENCY,),
 }
 """Acts of each call, in order."""
 ALLOWED_IN = {

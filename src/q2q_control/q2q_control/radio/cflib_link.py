@@ -174,9 +174,9 @@ class CflibLink:
         """Command the onboard landing to a height [m], before all that wait."""
         self._mailbox.put_first(lambda: self._sender.land(height, duration))
 
-    def stop(self) -> None:
-        """Stop the motors and lock them, before all that wait."""
-        self._mailbox.put_first(self._sender.stop)
+    def cut(self) -> None:
+        """Cut the motors and lock them, before all that wait."""
+        self._mailbox.put_first(self._sender.cut)
 
     def _wrong(self) -> str:
         if self._known.refused:

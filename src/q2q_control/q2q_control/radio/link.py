@@ -73,8 +73,8 @@ class VehicleLink(Protocol):
     def land(self, height: float, duration: float) -> None:
         """Stop sending setpoints and command the onboard landing to a height [m] within `duration` [s]."""
 
-    def stop(self) -> None:
-        """Stop the motors and lock them."""
+    def cut(self) -> None:
+        """Cut the motors and lock them."""
 
 
 class CflibCommander(Protocol):
@@ -175,6 +175,6 @@ class CflibSender:
         self.commander.send_notify_setpoint_stop()
         self.high_level.land(height, duration)
 
-    def stop(self) -> None:
-        """Stop the motors and lock them."""
+    def cut(self) -> None:
+        """Cut the motors and lock them."""
         self.supervisor.send_emergency_stop()

@@ -45,7 +45,7 @@ class RadioExecutor:
             locked=health.locked,
             airborne=self.pilot.phases[name] in {Phase.CLIMBING, Phase.FLYING} and health.flying is not False,
             flies=self.pilot.phases[name] is Phase.FLYING,
-            stopped=name in self.pilot.stopped,
+            cut=name in self.pilot.motors_cut,
             wrong=health.wrong,
             onboard=health.onboard,
             hover_ratio=nan if health.own_hover is None else hover_ratio(self.vehicle, health.own_hover),

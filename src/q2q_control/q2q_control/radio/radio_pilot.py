@@ -1,4 +1,4 @@
-"""Pilot that executes the flight procedure's orders over the radio, and lands or stops vehicles by itself.
+"""Pilot that executes the procedure's orders over the radio, and lands vehicles or cuts motors by itself.
 
     OFFLINE <-> READY -- arm --> ARMING --> ARMED -- take off --> CLIMBING -- stream --> FLYING
                   ^                           |                      |                     |
@@ -10,17 +10,17 @@
 | arming takes longer than arm_s | back to READY |
 | flying | the command of every tick is sent; before that, none |
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
-| lost while climbing or landing | the high-level commander goes on; land and stop are sent all the same |
+| lost while climbing or landing | the high-level commander goes on; land and cut are sent all the same |
 | back, and its supervisor says that it flies | CLIMBING goes on; from FLYING, or if told to, it lands |
 | battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no pose is sent; the firmware's estimate coasts |
-| command with status CUT | the vehicle's motors are stopped and locked |
-| stopped, and not locked | the stop is sent again, for 2 s of connection, also after the link was lost |
+| command with status CUT | the vehicle's motors are cut and locked |
+| cut, and not locked | the cut is sent again, for 2 s of connection, also after the link was lost |
 | a command that is not finite | it is not sent, and counts as none; the other vehicles' are sent |
 | no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
 | none for silent_land_s | the vehicle lands by itself |
 | the same, with RPYT and no fresh state | it descends level, at the ladder's land_share of hover |
-| the same for silent_stop_s | its motors are stopped and locked |
+| the same for silent_stop_s | its motors are cut and locked |
 
 The last four rows keep the firmware's watchdog fed while the radio works and the controller does not; they
 start after the first command in flight, and end with the next command before the landing. The procedure
@@ -77,9 +77,9 @@ class RadioPilot:
         return {name: one.phase for name, one in self._vehicles.items()}
 
     @property
-    def stopped(self) -> frozenset[str]:
-        """Return the vehicles whose motors were stopped since they were armed."""
-        return frozenset(name for name, one in self._vehicles.items() if np.isfinite(one.stopped_at))
+    def motors_cut(self) -> frozenset[str]:
+        """Return the vehicles whose motors were cut since they were armed."""
+        return frozenset(name for name, one in self._vehicles.items() if np.isfinite(one.cut_at))
 
     def landing_left(self, t: float) -> float:
         """Return the time from t [s] until the last landing has ended [s]; 0 if none is under way."""
@@ -107,8 +107,8 @@ class RadioPilot:
             self.land(t)
         elif order.act is Act.DISARM:
             self._each({Phase.ARMING, Phase.ARMED, Phase.LANDING, Phase.READY}, self._disarm_one, t)
-        elif order.act is Act.CUT:
-            self.stop(t)
+        elif order.act is Act.EMERGENCY:
+            self.cut_all(t)
 
     def outcome(self, t: float) -> Reply | None:
         """Return the outcome of the last order by time t [s], once; None while it is unknown."""
@@ -127,13 +127,13 @@ class RadioPilot:
                 self._land(name, t)
         return any(one.air_phase is Phase.LANDING for one in self._vehicles.values())
 
-    def stop(self, t: float) -> None:
-        """Stop and lock all motors."""
+    def cut_all(self, t: float) -> None:
+        """Cut and lock all motors."""
         for name in self._links:
             self._cut_one(name, t)
 
     def cut(self, names: Names, t: float) -> None:
-        """Stop and lock the motors of these vehicles, which are commanded CUT, if they fly."""
+        """Cut and lock the motors of these vehicles, which are commanded CUT, if they fly."""
         for name in names:
             if name in self._vehicles and self._vehicles[name].air_phase in AIRBORNE:
                 self._log.append(f"{name} is commanded CUT: motors stopped")
@@ -205,8 +205,8 @@ class RadioPilot:
         self._links[name].arm()
 
     def _cut_one(self, name: str, t: float) -> None:
-        self._vehicles[name].stop(t)
-        self._links[name].stop()
+        self._vehicles[name].cut(t)
+        self._links[name].cut()
         if self._vehicles[name].phase is not Phase.OFFLINE:
             self._enter(name, Phase.READY, t)
 
@@ -222,8 +222,8 @@ class RadioPilot:
             if one.phase is not Phase.OFFLINE:
                 self._enter(name, Phase.OFFLINE, t)
             return
-        if one.stop_again(t, locked=health.locked):
-            self._links[name].stop()  # the first may be lost on the way, or the link was down
+        if one.cut_again(t, locked=health.locked):
+            self._links[name].cut()  # the first may be lost on the way, or the link was down
         if one.phase is Phase.OFFLINE:
             self._resume(name, one, health, t)
         elif one.phase is Phase.ARMING:

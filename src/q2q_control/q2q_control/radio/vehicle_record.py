@@ -20,8 +20,8 @@ class Phase(Enum):
     LANDING = "landing"
 
 
-STOP_AGAIN_S = 2.0
-"""Connected time for which an emergency stop is sent again until the vehicle is locked [s]."""
+CUT_AGAIN_S = 2.0
+"""Connected time for which a cut of the motors is sent again until the vehicle is locked [s]."""
 AIRBORNE = frozenset({Phase.CLIMBING, Phase.FLYING, Phase.LANDING})
 ON_BOARD = {
     Phase.CLIMBING: "its high-level commander hovers on",
@@ -44,12 +44,12 @@ class VehicleRecord:
     """Time of the last measured state [s]."""
     low_since: float = inf
     """Start of the low battery [s]."""
-    stopped_at: float = -inf
-    """Time of its last emergency stop since arming [s]."""
+    cut_at: float = -inf
+    """Time at which its motors were last cut since arming [s]."""
     watched_at: float = inf
     """Time at which it was last watched, connected [s]."""
-    stop_left: float = 0.0
-    """Connected time for which that stop is still sent again [s]; 0 once the vehicle was locked."""
+    cut_left: float = 0.0
+    """Connected time for which that cut is still sent again [s]; 0 once the vehicle was locked."""
     commanded_at: float = -inf
     """Time of the last command since arming [s]."""
     height: float = 0.0
@@ -75,15 +75,15 @@ class VehicleRecord:
     def arm(self) -> None:
         """Forget the last flight."""
         self.low_since, self.commanded_at, self.full_state = inf, -inf, None
-        self.stopped_at, self.stop_left = -inf, 0.0
+        self.cut_at, self.cut_left = -inf, 0.0
 
-    def stop(self, t: float) -> None:
-        """Note an emergency stop at time t [s]."""
-        self.stopped_at, self.stop_left, self.lost = t, STOP_AGAIN_S, None
+    def cut(self, t: float) -> None:
+        """Note that its motors are cut at time t [s]."""
+        self.cut_at, self.cut_left, self.lost = t, CUT_AGAIN_S, None
 
-    def stop_again(self, t: float, *, locked: bool) -> bool:
-        """Return whether to send its emergency stop again at time t [s], at which it is connected."""
+    def cut_again(self, t: float, *, locked: bool) -> bool:
+        """Return whether to send the cut of its motors again at time t [s], at which it is connected."""
         connected_s = 0.0 if self.phase is Phase.OFFLINE else max(0.0, t - self.watched_at)
         self.watched_at = t
-        self.stop_left = 0.0 if locked else max(0.0, self.stop_left - connected_s)
-        return self.stop_left > 0.0
+        self.cut_left = 0.0 if locked else max(0.0, self.cut_left - connected_s)
+        return self.cut_left > 0.0

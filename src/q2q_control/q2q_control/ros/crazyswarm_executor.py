@@ -52,9 +52,9 @@ class CrazyswarmExecutor:
             Act.TAKE_OFF: lambda order: (self._takeoff, _timed(takeoff, order)),
             Act.LAND: lambda order: (self._land, _timed(land, order)),
             Act.STOP_STREAM: lambda _: (self._stop, stop.Request()),  # type: ignore[attr-defined]
-            Act.CUT: lambda _: (self._emergency, Empty.Request()),
+            Act.EMERGENCY: lambda _: (self._emergency, Empty.Request()),
         }
-        self._act, self._asked = Act.CUT, -math.inf
+        self._act, self._asked = Act.EMERGENCY, -math.inf
         self._future: Future[object] | None = None
         self._reply: Reply | None = None
 

@@ -119,7 +119,7 @@ class GuardedCommands:
             self._log_changes(command)
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        command = self._guard.cut()
+        command = self._guard.cut_all()
         if command is not None:
             self._changes.take(command)  # logged here, for all vehicles in one line
         self._send(command)

@@ -23,7 +23,7 @@ class ActiveFlight:
         self.joins = False
         """The vehicles were in the air already: no take-off, no glide."""
         self.down: set[str] = set()
-        """Vehicles seen locked or offline since an emergency: the others were not stopped yet."""
+        """Vehicles seen locked or offline since an emergency: the others were not cut yet."""
 
     def order(self, act: Act, observation: Observation) -> Order:
         """Return the order of an act."""

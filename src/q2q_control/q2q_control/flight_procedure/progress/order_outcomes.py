@@ -51,7 +51,7 @@ def _succeed(flight: ActiveFlight, act: Act, observation: Observation, reason: s
         state.enter(Step.HOLD, t)
     elif act is Act.STOP_STREAM:
         flight.give(Act.LAND, observation, t)
-    elif act is Act.CUT:
+    elif act is Act.EMERGENCY:
         state.answer(granted=True, reason="motors stopped; restart the vehicles")
 
 
