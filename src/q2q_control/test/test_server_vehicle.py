@@ -7,7 +7,7 @@ import pytest
 from q2q_control.crazyswarm.reported_vehicles import ARM_S, READ_S, ReportedVehicles
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
-from q2q_control.radio.crazyflies import params_set
+from q2q_control.radio.crazyflies_file import params_set
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_model.vehicle.hover_thrust import OwnHover, hover_ratio
 

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.radio.cflib_link import CflibLink
-from q2q_control.radio.crazyflies import Crazyflie, crazyflies_at, crazyflies_from_file
+from q2q_control.radio.crazyflies_file import Crazyflie, crazyflies_at, crazyflies_from_file
 from q2q_control.radio.firmware_params import firmware_params
 from q2q_control.radio.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_executor import RadioExecutor

@@ -4,7 +4,7 @@ import pytest
 
 from q2q_control.crazyswarm.configured_vehicles import vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
-from q2q_control.radio.crazyflies import crazyflies_at, crazyflies_from_document
+from q2q_control.radio.crazyflies_file import crazyflies_at, crazyflies_from_document
 
 
 def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
