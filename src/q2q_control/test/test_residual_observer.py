@@ -43,7 +43,7 @@ def run(
     for k, z in enumerate(height):
         states[k] = observer.update(seen(k * DT, z), np.array([eta]))[0]
         if push is not None and k >= age:
-            observer.feel((k - age) * DT, push[[k - age]])
+            observer.correct_by_accelerometer((k - age) * DT, push[[k - age]])
     return states
 
 
@@ -72,7 +72,7 @@ def test_a_step_of_the_push_is_followed_by_the_poles_of_the_riccati_equation() -
     observer, x = ResidualObserver(NO_SLOPE), np.zeros(4)
     for i in k:
         observer.update(seen(i * DT, height[i]), np.zeros(1))
-        observer.feel(i * DT, push[[i]])
+        observer.correct_by_accelerometer(i * DT, push[[i]])
         ahead = F @ x
         x = ahead + gain @ (np.array([height[i], push[i]]) - H @ ahead)
         np.testing.assert_allclose(observer.belief.state[0], x, atol=1e-6)
@@ -110,13 +110,13 @@ def test_an_older_sample_weighs_less_and_one_too_old_nothing() -> None:
         observer = ResidualObserver(NO_SLOPE)
         run(observer, np.zeros(40))
         before = observer.belief.state[0].copy()
-        observer.feel((39 - age) * DT, np.ones(1))
+        observer.correct_by_accelerometer((39 - age) * DT, np.ones(1))
         steps.append(float((observer.belief.state[0] - before)[RESIDUAL]))
     assert steps[0] > 2.0 * steps[1] > 4.0 * steps[2] > 0.0
-    observer.feel(40 * DT, np.ones(1))  # of the future
+    observer.correct_by_accelerometer(40 * DT, np.ones(1))  # of the future
     fresh = ResidualObserver(NO_SLOPE)
     run(fresh, np.zeros(40))
-    fresh.feel(39 * DT - OLDEST - DT, np.ones(1))
+    fresh.correct_by_accelerometer(39 * DT - OLDEST - DT, np.ones(1))
     np.testing.assert_array_equal(fresh.belief.state[0, [RESIDUAL, OFFSET]], [0.0, 0.0])
 
 

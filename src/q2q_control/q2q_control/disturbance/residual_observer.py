@@ -80,7 +80,7 @@ class ResidualObserver:
     def reset(self) -> None:
         """Forget all estimates."""
         self._names: Names = ()
-        self._t = self._felt = -np.inf
+        self._t = self._sampled_at = -np.inf
         self._known: Mask = np.zeros(0, np.bool_)
         self._sigma = np.zeros(0)
         self.belief = Belief(np.zeros((0, 4)), np.zeros((0, 4, 4)))
@@ -100,17 +100,17 @@ class ResidualObserver:
         self._known |= measured.fresh
         return self.belief.state.copy()
 
-    def feel(self, t: float, push: Array) -> None:
-        """Take y [m/s^2], (n,), of time t [s], in the order of the last update; NaN where unknown.
+    def correct_by_accelerometer(self, t: float, push: Array) -> None:
+        """Correct by y [m/s^2], (n,), of time t [s], in the order of the last update; NaN where unknown.
 
         A sample not later than the last, of the future, or older than `OLDEST` is ignored.
         """
         age = self._t - t
-        if t <= self._felt or not 0.0 <= age <= OLDEST:
+        if t <= self._sampled_at or not 0.0 <= age <= OLDEST:
             return
-        self._felt, share = t, self._process.share(age)
+        self._sampled_at, share = t, self._process.share(age)
         noise = self._process.noise**2 + (1.0 - share**2) * self._sigma**2
-        feel_push(self.belief, self._known & np.isfinite(push), push, noise, share)
+        correct_by_push(self.belief, self._known & np.isfinite(push), push, noise, share)
 
     def _reorder(self, names: Names) -> None:
         have, old = self._names, self.belief
@@ -164,11 +164,11 @@ def advance(belief: Belief, known: Mask, rows: Rows, step: float, share: float) 
 
 
 @compiled
-def feel_push(belief: Belief, felt: Mask, push: Array, noise: Array, share: float) -> None:
-    """Correct the rows `felt` (n,) by y (n,), samples of share w + b with variance `noise` (n,), in place."""
+def correct_by_push(belief: Belief, rows: Mask, push: Array, noise: Array, share: float) -> None:
+    """Correct `rows` (n,) by y (n,), samples of share w + b with variance `noise` (n,), in place."""
     see = np.array([0.0, 0.0, share, 1.0])
     for i in range(push.size):
-        if felt[i]:
+        if rows[i]:
             _correct(belief.state[i], belief.cov[i], see, push[i], noise[i])
 
 

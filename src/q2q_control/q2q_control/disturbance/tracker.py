@@ -72,7 +72,7 @@ class DisturbanceTracker:
     ) -> None:
         """Track vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
         self._fine = None if correct is None else ResidualObserver(correct)
-        self._felt = AccelerometerResidual()
+        self._accelerometers = AccelerometerResidual()
         self._most, self._mass = params.disturbance_max, vehicle.mass
         self._actuation = Actuation(vehicle, params.latency)
         self._observer = DisturbanceObserver(
@@ -85,7 +85,7 @@ class DisturbanceTracker:
         """Forget everything."""
         self._actuation.reset()
         self._observer.reset()
-        self._felt.reset()
+        self._accelerometers.reset()
         if self._fine is not None:
             self._fine.reset()
         self._names, self._eta = (), np.zeros((0, 3))
@@ -104,16 +104,16 @@ class DisturbanceTracker:
             vertical = self._fine.update(measured, eta)
             estimate, residual = _with_vertical(estimate, vertical, self._most), vertical[:, RESIDUAL]
             now = ExplainedTick(tick.t, tick.names, quat, acc[:, 2] + GRAVITY + eta)
-            self._correct(self._felt.explain(now))
+            self._correct(self._accelerometers.explain(now))
         return Tracked(estimate, acc, self._actuation.pending(), residual)
 
     def sense(self, imu: SwarmImu) -> None:
         """Take accelerometers of a tick; they correct the estimates of the next one."""
-        self._correct(self._felt.sense(imu))
+        self._correct(self._accelerometers.sense(imu))
 
-    def _correct(self, felt: tuple[float, Array] | None) -> None:
-        if self._fine is not None and felt is not None:
-            self._fine.feel(*felt)
+    def _correct(self, sample: tuple[float, Array] | None) -> None:
+        if self._fine is not None and sample is not None:
+            self._fine.correct_by_accelerometer(*sample)
 
     def sent(self, command: SwarmCommand, tick: Aligned) -> None:
         """Remember the tick's command."""
