@@ -14,7 +14,7 @@ from q2q_control.explicit.teacher import Teacher, pair_horizon
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.group_solve import Modes

@@ -19,7 +19,7 @@ from least_time import least_time
 from q2q_control.mpc.chain import ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix

@@ -10,7 +10,7 @@ from q2q_control.mpc.prediction.downwash_horizon import (
     SlopeRule,
     predict_downwash,
 )
-from q2q_control.mpc.prediction.downwash_stages import (
+from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     DELTA,
     LEAST_DOWNWASH,
     DownwashHorizon,

@@ -28,7 +28,7 @@ from q2q_control.explicit.teacher import Teacher, downwash_between, pair_horizon
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains

@@ -10,7 +10,7 @@ from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon, Tracks
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.solver.group_solve import Modes
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver

@@ -6,7 +6,7 @@ import pytest
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predict_downwash
-from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.prediction.neighbours import (
     LATE_FADE,
     SILENT,

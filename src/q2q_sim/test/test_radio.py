@@ -8,8 +8,8 @@ import pytest
 from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
-from q2q_sim.link.packets import round_packets
 from q2q_sim.link.radio import Radio, RadioParams, command_values
+from q2q_sim.link.radio_kernel import round_packets
 
 TICK_NS, STEP_NS, STEPS = 10_000_000, 2_000_000, 5
 HOVER = 0.33

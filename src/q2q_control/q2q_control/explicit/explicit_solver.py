@@ -15,7 +15,7 @@ from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, work
 from q2q_control.mpc.chain import axis_chains
 from q2q_control.mpc.mpc import SolverFactory
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep_chains, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import InTime

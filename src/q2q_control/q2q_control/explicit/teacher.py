@@ -15,7 +15,7 @@ from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.situations import Situations
 from q2q_control.mpc.chain import Chain, ChainWeights, chain
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import DELTA, DownwashHorizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA, DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import FALL
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem

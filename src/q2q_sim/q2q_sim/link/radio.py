@@ -19,7 +19,7 @@ import numpy as np
 from q2q_model.signals.values import Array, Mask, Rows, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.link.packets import deliver_packets, send_packets
+from q2q_sim.link.radio_kernel import deliver_packets, send_packets
 from q2q_sim.random_streams import DrawnAhead, stream
 
 

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.prediction.downwash_stages import (
+from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     DownwashHorizon,
     Tracks,
     bounding_boxes,

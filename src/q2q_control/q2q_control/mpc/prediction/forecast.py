@@ -12,7 +12,7 @@ from q2q_control.mpc.prediction.downwash_horizon import (
     no_downwash,
     predict_downwash,
 )
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.prediction.previous_solution import PredictedSolution, PreviousSolution
 from q2q_control.mpc.prediction.vehicle_tracks import Future, Neighbours, VehicleTracks
 from q2q_model.downwash.interaction_model import InteractionModel

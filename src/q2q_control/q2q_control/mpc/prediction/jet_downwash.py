@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.prediction.downwash_stages import (
+from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     DELTA,
     DownwashHorizon,
     Tracks,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
-from q2q_control.mpc.prediction.downwash_stages import Tracks
+from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import KNOWN_NAMES, Array, Mask, Names, Rows, SwarmState, TrackStatus, index_of
 from q2q_model.vehicle.constants import GRAVITY

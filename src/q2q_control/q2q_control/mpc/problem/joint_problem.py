@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.mpc.chain import Chains
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.lq_problem import LqProblem
 from q2q_model.compiled import compiled

@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_control.mpc.chain import Chains, axis_chains
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_stages import DownwashHorizon
+from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import (
     CUT_OFF,
     INTERRUPTED,
