@@ -1,6 +1,6 @@
 """Mean downwash of one source: its table and how its air travels.
 
-Slowness, carried and slope (jet_coordinates) are profiled: the best table (push_table) is solved for each,
+Slowness, carried and slope (jet_coordinates) are profiled: the best table (jet_splines) is solved for each,
 and the simplex of Nelder and Mead minimises what is left. The bootstrap is linearised at the estimate: with
 the Jacobian J = (X, Z) of coefficients above zero and travel, and the misses e,
 
@@ -25,8 +25,7 @@ from scipy.optimize import minimize
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import Travel
-from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, push_table
-from q2q_sim.air.learning.jet.push_table import (
+from q2q_sim.air.learning.jet.jet_splines import (
     DEFAULT_PENALTY,
     RIDGE,
     ROUGHNESS,
@@ -37,6 +36,7 @@ from q2q_sim.air.learning.jet.push_table import (
     spline_values,
     squared_error,
 )
+from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, push_table
 from q2q_sim.air.learning.jet.upper_share import upper_share
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
 from q2q_sim.air.learning.records.air_record import AirRecord

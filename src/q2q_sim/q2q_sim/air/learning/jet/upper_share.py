@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array, Rows
-from q2q_sim.air.learning.jet.push_table import REACH, spline_values
+from q2q_sim.air.learning.jet.jet_splines import REACH, spline_values
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value

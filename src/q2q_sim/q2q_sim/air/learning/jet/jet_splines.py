@@ -1,4 +1,4 @@
-"""Table of a jet's push by penalised tensor-product B-splines (Eilers, Marx, Statistical Science 11, 1996).
+"""B-splines of a jet's push, fitted with penalties (Eilers, Marx, Statistical Science 11, 1996).
 
     P(gap, r) = sum over a, b of B_a(gap) B_b(r) beta_ab >= 0,   P = P_r = 0 at r = REACH,  P_r = 0 at r = 0
 
