@@ -15,7 +15,7 @@ import numpy as np
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_sim.loop.assembly import Options, blocks_of
+from q2q_sim.loop.flight_blocks import Options, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 from row import Row

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from q2q_model.trajectory import plan_file
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.scenarios import library
 from row import Row
@@ -126,7 +126,7 @@ def _ready(package: str, name: str, folder: Path) -> float:
 
 def _parameters(name: str, folder: Path) -> list[str]:
     if name == "trajectory":
-        plan_file.save(folder / "plan.json", assembly.plan_of(library.load(SCENARIO)))
+        plan_file.save(folder / "plan.json", flight_blocks.plan_of(library.load(SCENARIO)))
         return [f"plan:={folder / 'plan.json'}"]
     if name == "bag_record":
         return [f"bag:={folder / f'bag_{perf_counter()}'}"]

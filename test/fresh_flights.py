@@ -40,9 +40,9 @@ from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.faults.faults import KINDS, Fault
-from q2q_sim.loop.assembly import Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc
+from q2q_sim.loop.flight_blocks import Options, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.monitors.proximity import any_in_zone, in_zone_once, least_distances, near_sample

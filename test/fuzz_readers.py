@@ -31,7 +31,7 @@ with atheris.instrument_imports(include=["q2q_model", "q2q_planner", "q2q_sim", 
     from q2q_model.trajectory import plan_file
     from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
     from q2q_planner.tools.waypoint_file import read_waypoints
-    from q2q_sim.loop import assembly
+    from q2q_sim.loop import flight_blocks
     from q2q_sim.scenarios import library
 
 ROOT = Path(__file__).parents[1]
@@ -107,7 +107,7 @@ def small_bag() -> bytes:
 
 def good_files() -> dict[str, list[bytes]]:
     """Return what each reader's corpus begins with."""
-    table2 = assembly.plan_of(library.load("table6"))
+    table2 = flight_blocks.plan_of(library.load("table6"))
     rows = SCENARIO[SCENARIO.index("vehicles:") :]
     return {
         "bag": [small_bag()],

@@ -26,7 +26,7 @@ from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import Wire
-from q2q_sim.loop.assembly import Options, blocks_of
+from q2q_sim.loop.flight_blocks import Options, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 

@@ -11,7 +11,7 @@ import pytest
 from q2q_model.files.model_names import shipped_models
 from q2q_model.trajectory import plan_file
 from q2q_sim.air.air_names import air_path
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.scenarios import library
 
 READERS = {
@@ -24,7 +24,7 @@ READ = """
 import importlib, json, sys
 from pathlib import Path
 readers = {end: importlib.import_module(name).load for end, name in json.loads(sys.argv[1]).items()}
-import q2q_model.documents.plain_reader, q2q_sim.loop.assembly
+import q2q_model.documents.plain_reader, q2q_sim.loop.flight_blocks
 FORBIDDEN = ("import", "compile", "exec", "code.__new__", "marshal.", "pickle.", "os.system", "os.exec",
              "os.posix_spawn", "os.fork", "subprocess.", "ctypes.", "socket.")
 seen, watching = [], False
@@ -66,7 +66,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], list[str
     """Return sound files of every format, and hostile ones of every ending."""
     folder = tmp_path_factory.mktemp("files")
     plan = folder / "plan.json"
-    plan_file.save(plan, assembly.plan_of(library.load("table6")))
+    plan_file.save(plan, flight_blocks.plan_of(library.load("table6")))
     shipped = [*shipped_models().glob("*.q2q"), *Path(library.__file__).parent.glob("*.yaml")]
     airs = [air_path("room")]
     hostile = [folder / f"hostile_{k}{end}" for k in range(len(HOSTILE)) for end in READERS]

@@ -33,7 +33,7 @@ from q2q_model.signals.values import SwarmCommand
 from q2q_model.trajectory import plan_file
 from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_planner.ros.trajectory_node import TrajectoryParams
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.scenarios import library
 
@@ -105,7 +105,7 @@ class Real:
         package, executable = name.split(".")
         given = [Given(f"{one}_hz", value=0.0) for one in ("vehicle_topics", "legacy")]
         if executable == "trajectory":
-            plan_file.save(folder / "plan.json", assembly.plan_of(library.load("table6")))
+            plan_file.save(folder / "plan.json", flight_blocks.plan_of(library.load("table6")))
             given.append(Given("plan", value=str(folder / "plan.json")))
         self.node = Node(executable, parameter_overrides=given)
         MADE.append(self.node)

@@ -24,7 +24,7 @@ from q2q_sim.launching.launch_plan import (
     server_arguments,
     undeclared,
 )
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.processes.processes import NodeSpec, find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.scenarios import library
@@ -75,7 +75,7 @@ def test_a_launched_simulator_starts_by_itself_and_at_the_pace_asked_for(tmp_pat
 @pytest.fixture
 def room(tmp_path: Path) -> dict[str, str]:
     """Return the files of a real room, and a folder for its bag."""
-    plan_file.save(tmp_path / "plan.json", assembly.plan_of(library.load("table6")))
+    plan_file.save(tmp_path / "plan.json", flight_blocks.plan_of(library.load("table6")))
     (tmp_path / "crazyflies.yaml").write_text("robots: {}\n")
     given = {"plan": "plan.json", "crazyflies": "crazyflies.yaml", "folder": "flight"}
     return {name: str(tmp_path / file) for name, file in given.items()}

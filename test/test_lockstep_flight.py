@@ -27,7 +27,7 @@ from q2q_model.trajectory import plan_file
 from q2q_sim.flight import scenario_flight
 from q2q_sim.flight.running_nodes import running_nodes
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.loop.distributed import DistributedMpc
@@ -62,7 +62,7 @@ def test_a_plan_file_flies_through_the_nodes_as_without_ros(tmp_path: Path) -> N
     points += " cf2: [{t: 0, pos: [0, 0, 1]}, {t: 2, pos: [0, 0.1, 1]}]}"
     (tmp_path / "points.yaml").write_text(points)
     plan = tmp_path / "plan.json"
-    plan_file.save(plan, assembly.plan_of(library.load(str(tmp_path / "points.yaml"))))
+    plan_file.save(plan, flight_blocks.plan_of(library.load(str(tmp_path / "points.yaml"))))
     request = FlightRequest(str(plan), vehicle="crazyflie_2_1", wake="paper", model="paper_law", stack=True)
     through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     model = find_model("paper_law").interaction
@@ -108,7 +108,7 @@ def test_one_mpc_node_a_vehicle_flies_the_numbers_of_the_distributed_loop_withou
     request = FlightRequest(SCENARIO, controller="mpc", distributed=True, stack=True, seed=3)
     through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     scenario, model = load_scenario(request), find_model(load_scenario(request).model).interaction
-    blocks = assembly.blocks_of(scenario, request.options, model)
+    blocks = flight_blocks.blocks_of(scenario, request.options, model)
     distributed = DistributedMpc(scenario, request.options, model, blocks.plan)
     options = FlightOptions(controller="mpc", seed=3, model=model)
     alone = fly_blocks(scenario, replace(blocks, controller=distributed), options)

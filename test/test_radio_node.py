@@ -26,7 +26,12 @@ from q2q_model.ros.topics.qos import EVERY_TICK
 from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
+from q2q_sim.loop.scenario_node_parameters import (
+    controller_node_parameters,
+    filter_node_parameters,
+    replanner_node_parameters,
+)
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.processes.processes import NodeSpec, Processes
 from q2q_sim.scenarios import library
@@ -134,9 +139,9 @@ class _Watcher:
 
 def specs(folder: Path, domain: int, more: Mapping[str, Mapping[str, float]]) -> list[NodeSpec]:
     scenario = library.load(SCENARIO)
-    options = assembly.Options()
+    options = flight_blocks.Options()
     plan, port = folder / "plan.json", first_port(domain)
-    plan_file.save(plan, assembly.plan_of(scenario))
+    plan_file.save(plan, flight_blocks.plan_of(scenario))
     uris = tuple(f"udp://127.0.0.1:{port + k}" for k in range(2))
     room = {"scenario": SCENARIO, "autostart": False, "crtp": True, "crtp_port": port, "crtp_start": "air"}
     radio = {
@@ -147,14 +152,14 @@ def specs(folder: Path, domain: int, more: Mapping[str, Mapping[str, float]]) ->
         **more.get("radio", {}),
     }
     return [
-        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
+        NodeSpec("q2q_model", "mocap_filter", filter_node_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
-        NodeSpec("q2q_planner", "replanner", assembly.replanner_parameters(scenario, options)),
+        NodeSpec("q2q_planner", "replanner", replanner_node_parameters(scenario, options)),
         NodeSpec(
             "q2q_control",
             "pid",
-            assembly.controller_parameters(scenario, options) | LIVE | dict(more.get("pid", {})),
+            controller_node_parameters(scenario, options) | LIVE | dict(more.get("pid", {})),
         ),
         NodeSpec("q2q_sim", "simulator", room),
         NodeSpec("q2q_control", "radio", radio),

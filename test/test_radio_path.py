@@ -35,8 +35,8 @@ from q2q_sim.crtp.pilot import STILL, Wire
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.motors.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
 from q2q_sim.firmware.motors.thrust_curve import CURVE
-from q2q_sim.loop.assembly import Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios import library

@@ -26,7 +26,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names, SwarmCommand
 from q2q_model.trajectory import plan_file
 from q2q_planner.ros import replanner_node, trajectory_node
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.ros.absent_packages import interface_packages
 from q2q_sim.ros.bag_play_node import Player
 from q2q_sim.ros.simulator_node import Simulator
@@ -178,7 +178,7 @@ NAMESAKES = (
 def test_a_node_that_runs_twice_reports_that_its_output_is_doubled(
     build: Callable[[SharedRoom], object], topic: str, tmp_path: Path
 ) -> None:
-    plan_file.save(tmp_path / "plan.json", assembly.plan_of(library.load("table6")))
+    plan_file.save(tmp_path / "plan.json", flight_blocks.plan_of(library.load("table6")))
     given: dict[str, object] = {"bag": str(BAG), "autostart": False, "plan": str(tmp_path / "plan.json")}
     node, report = room_for(build, **given, vehicles=())
     node.writers = {topic: ("one",)}

@@ -14,8 +14,8 @@ from q2q_model.files.find_model import find_model
 from q2q_model.identification.selection.candidates import FORMS
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.air.find_air import find_air
-from q2q_sim.loop.assembly import Mode, plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import Mode, plan_of
 from q2q_sim.monitors.metrics import VehicleMetrics, measure
 from q2q_sim.scenarios import library
 

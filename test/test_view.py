@@ -18,8 +18,8 @@ from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmState
-from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.ros.stand_in import StandInNode
 from q2q_sim.ros.view_node import View
 from q2q_sim.scenarios import library

@@ -25,7 +25,7 @@ from q2q_model.signals.values import (
     index_of,
 )
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_sim.loop.assembly import Options, blocks_of, plan_of
+from q2q_sim.loop.flight_blocks import Options, blocks_of, plan_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document

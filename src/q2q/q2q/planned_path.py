@@ -6,7 +6,7 @@ from math import dist
 from q2q.identified_model import ModelChoice, flown_model
 from q2q.scenario_choice import ScenarioChoice, scenario
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_sim.loop.assembly import plan_around, plan_of
+from q2q_sim.loop.flight_blocks import plan_around, plan_of
 from q2q_sim.scenarios.scenario import Scenario
 
 START_NEAR = 0.1

@@ -22,8 +22,8 @@ from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
-from q2q_sim.loop.assembly import Blocks, Mode, Options, blocks_of, ignore_accelerometers
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.loop.flight_blocks import Blocks, Mode, Options, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.policies import RecordedSignal
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import in_another_air

@@ -10,9 +10,9 @@ from q2q_control.pid.pid import Pid
 from q2q_model.files.find_model import find_model
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_sim.air.air_names import AirError
-from q2q_sim.loop.assembly import pid_params
 from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.loop.closed_loop import fly as fly_closed_loop
+from q2q_sim.loop.flight_blocks import pid_params
 
 TABLE6 = replace(q2q.scenario("table6"), duration=1.0)
 STACK = {

@@ -37,7 +37,7 @@ from q2q_sim.experiments.ablation.learned_models import LEAST, LearnedModel, mod
 from q2q_sim.experiments.ablation.onboard_flight import Trace
 from q2q_sim.experiments.ablation.side_by_side import SPACING, side_by_side, with_vehicles
 from q2q_sim.experiments.ablation.two_level_interval import median_interval
-from q2q_sim.loop.assembly import plan_of
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

@@ -12,8 +12,8 @@ from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
+from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.room_profiles import ROUGH

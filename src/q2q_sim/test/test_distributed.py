@@ -9,9 +9,9 @@ import pytest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_sim.loop.assembly import Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc, ExchangeParams
+from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
 from q2q_sim.scenarios import library
 
 SECONDS = 5.0

@@ -6,7 +6,7 @@ from q2q_sim.experiments.explanation.causes import present_causes
 from q2q_sim.experiments.explanation.explanation import cut_case
 from q2q_sim.experiments.explanation.flight_case import flight_case
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.scenarios import library
 
 

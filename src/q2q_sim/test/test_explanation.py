@@ -25,7 +25,7 @@ from q2q_sim.experiments.explanation.recorded_case import RecordedCase, recorded
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
 from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares, standard_error
 from q2q_sim.faults.faults import KINDS, Fault
-from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_air

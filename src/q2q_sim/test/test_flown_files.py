@@ -14,7 +14,7 @@ from q2q_planner.tools.waypoint_file import read_waypoints
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.commands.fly import main
 from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
@@ -76,7 +76,7 @@ def test_a_scenario_may_name_a_plan_beside_it_and_all_the_rest(plan: Path) -> No
     found = library.load(str(path))
     assert (found.duration, found.vehicle, found.wake) == (5.0, CRAZYFLIE_2_1, "paper")
     np.testing.assert_array_equal(
-        assembly.plan_of(found).trajectories[0].coefficients,
+        flight_blocks.plan_of(found).trajectories[0].coefficients,
         plan_file.load(plan).trajectories[0].coefficients,
     )
 

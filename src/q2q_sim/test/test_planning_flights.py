@@ -21,7 +21,7 @@ from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios import library
@@ -49,9 +49,9 @@ def learned() -> ModelFile:
 def test_planning_around_the_learned_downwash_spares_both_85_percent(
     original: Flight, learned: ModelFile
 ) -> None:
-    plan = assembly.plan_around(SCENARIO, learned)
+    plan = flight_blocks.plan_around(SCENARIO, learned)
     assert plan.certified
-    assert plan_cost(plan) <= 1.3 * plan_cost(assembly.plan_of(SCENARIO))
+    assert plan_cost(plan) <= 1.3 * plan_cost(flight_blocks.plan_of(SCENARIO))
     flown = fly(SCENARIO, FlightOptions(mode="ignoring", plan=plan))
     assert (height_errors(flown) <= 0.15 * height_errors(original)).all()
 
@@ -71,8 +71,8 @@ def test_the_safe_replanner_spares_both_95_percent_and_never_enters_the_zone(ori
 
 def test_a_model_without_downwash_is_planned_around_by_its_zone() -> None:
     none = find_model("none")
-    plan = assembly.plan_around(SCENARIO, none)
-    assert plan_cost(plan) == plan_cost(assembly.plan_of(SCENARIO, none.zone))
+    plan = flight_blocks.plan_around(SCENARIO, none)
+    assert plan_cost(plan) == plan_cost(flight_blocks.plan_of(SCENARIO, none.zone))
 
 
 @pytest.mark.parametrize("controller", [PidParams(), MpcParams()])

@@ -34,8 +34,8 @@ from q2q_sim.experiments.promise.tracking_tube import (
     learn_tube,
     read_tube,
 )
-from q2q_sim.loop.assembly import safe_replanner_params
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import safe_replanner_params
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.room_profiles import IDEAL
 from q2q_sim.scenarios.scenario import Scenario

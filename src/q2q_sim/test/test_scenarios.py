@@ -19,8 +19,13 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.wake_laws import wake_by_name
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.scenario_air import air_of
+from q2q_sim.loop.scenario_node_parameters import (
+    controller_node_parameters,
+    filter_node_parameters,
+    replanner_node_parameters,
+)
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.block_overrides import BLOCKS
@@ -40,12 +45,12 @@ def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
     scenario = library.load(name)
     assert scenario.name == name
     assert 10 < len(library.describe(name)) < 110
-    assert assembly.plan_of(scenario).names == scenario.names
+    assert flight_blocks.plan_of(scenario).names == scenario.names
     assert wake_by_name(scenario.wake)
     for parameters in (
-        assembly.filter_parameters(scenario),
-        assembly.replanner_parameters(scenario, assembly.Options()),
-        assembly.controller_parameters(scenario, assembly.Options()),
+        filter_node_parameters(scenario),
+        replanner_node_parameters(scenario, flight_blocks.Options()),
+        controller_node_parameters(scenario, flight_blocks.Options()),
     ):
         assert all(isinstance(value, bool | int | float | str | tuple) for value in parameters.values())
 
@@ -54,7 +59,7 @@ def test_controller_nodes_fly_the_vehicle_of_the_scenario() -> None:
     loaded = [library.load(name) for name in library.names()]
     upgraded = with_firmware(library.load("stack3"), "thrust_upgrade")
     for one in filter(None, (*loaded, *(scenario.in_air for scenario in loaded), upgraded)):
-        parameters = assembly.controller_parameters(one, assembly.Options())
+        parameters = controller_node_parameters(one, flight_blocks.Options())
         assert vehicle_by_name(str(parameters["vehicle"]), str(parameters["firmware"])) == one.vehicle
 
 
@@ -96,7 +101,7 @@ def test_table6_is_section_5_2() -> None:
         (50.0, (0.0, -2.0, 2.0)),
     ]
     assert scenario.vehicle.mass == 0.65
-    assert assembly.pid_params(scenario, limited=True).thrust_max == 6.6
+    assert flight_blocks.pid_params(scenario, limited=True).thrust_max == 6.6
 
 
 def test_terms_that_are_off_in_the_scenarios_own_air_are_on_in_another() -> None:
@@ -118,7 +123,7 @@ def test_table6_room_is_flown_by_crazyflies_in_an_air_that_is_not_its_own() -> N
     assert flown.vehicle == on_firmware(CRAZYFLIE_2_0, "stock_2025_02")  # of the recorded flights
     assert flown.waypoints == scenario.waypoints
     assert flown.radio == scenario.radio
-    assert assembly.pid_params(flown, limited=True).k_p_z == 10.0
+    assert flight_blocks.pid_params(flown, limited=True).k_p_z == 10.0
     chosen = with_air(with_choices(scenario, "crazyflie_2_1", ""), "room", ())  # it comes before the file
     assert chosen.vehicle == on_firmware(CRAZYFLIE_2_1, "stock_2025_02")
     other = with_air(with_choices(scenario, "crazyflie_brushless", ""), "room", ())
@@ -128,7 +133,7 @@ def test_table6_room_is_flown_by_crazyflies_in_an_air_that_is_not_its_own() -> N
 @pytest.mark.parametrize("count", [1, 2, 7, 50])
 def test_swarms_of_any_size_start_apart_and_stay_apart(count: int) -> None:
     scenario = library.load(f"swarm{count}")
-    plan = assembly.plan_of(scenario)
+    plan = flight_blocks.plan_of(scenario)
     assert len(scenario.names) == count
     t = np.linspace(0.0, scenario.duration, 61)
     pos = np.stack([trajectory.at(t)[:, :3] for trajectory in plan.trajectories], axis=1)  # (61, n, 3)

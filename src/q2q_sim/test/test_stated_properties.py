@@ -18,7 +18,7 @@ from q2q_sim.experiments.guided.stated_properties.filter_properties import swap
 from q2q_sim.experiments.guided.stated_properties.replanner_properties import held_acc, promise, stop
 from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import safe_replanner_params
+from q2q_sim.loop.flight_blocks import safe_replanner_params
 
 BUGS = {bug.name: bug for bug in SEEDED_BUGS}
 PASS = 4.5

@@ -6,7 +6,7 @@ from pathlib import Path
 from q2q_model.bag import FlightFacts, read_facts
 from q2q_model.vehicle.constants import firmware_of, is_named
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.loop.scenario_air import air_description
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

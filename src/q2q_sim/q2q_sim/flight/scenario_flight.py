@@ -18,9 +18,14 @@ from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.bag_topics.topics import PREDICTION_TYPE, PREDICTIONS
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
 from q2q_sim.flight.unfinished_bag import end_of_bag, read_flown, why_unfinished
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.scenario_air import air_of
+from q2q_sim.loop.scenario_node_parameters import (
+    controller_node_parameters,
+    filter_node_parameters,
+    replanner_node_parameters,
+)
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_finding, with_lost_ticks
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
@@ -70,9 +75,9 @@ class FlightRequest:
     """Correct the predicted downwash by positions and accelerometers."""
 
     @property
-    def options(self) -> assembly.Options:
+    def options(self) -> flight_blocks.Options:
         """Return the choices between blocks; raise ValueError for an unknown one."""
-        return assembly.Options(self.mode, self.controller, self.replan, self.correct)
+        return flight_blocks.Options(self.mode, self.controller, self.replan, self.correct)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,9 +152,9 @@ def node_specs(scenario: Scenario, request: FlightRequest, folder: Path, bag: Pa
     """Return the nodes of a flight with their parameters, and write their plan."""
     plan = folder / "plan.json"
     if request.plan == "avoid":
-        plan_file.save(plan, assembly.plan_around(scenario, find_model(scenario.model)))
+        plan_file.save(plan, flight_blocks.plan_around(scenario, find_model(scenario.model)))
     else:
-        plan_file.save(plan, assembly.plan_of(scenario))
+        plan_file.save(plan, flight_blocks.plan_of(scenario))
     chain = _chain(scenario, request, plan)
     apart: tuple[NodeSpec, ...] = ()
     if request.distributed:
@@ -189,10 +194,10 @@ def _recorder(scenario: Scenario, request: FlightRequest, bag: Path) -> NodeSpec
 
 def _chain(scenario: Scenario, request: FlightRequest, plan: Path) -> tuple[NodeSpec, ...]:
     """Return the nodes from mocap_filter to controller."""
-    replanner = assembly.replanner_parameters(scenario, request.options)
-    controller = assembly.controller_parameters(scenario, request.options) | {"live": request.live}
+    replanner = replanner_node_parameters(scenario, request.options)
+    controller = controller_node_parameters(scenario, request.options) | {"live": request.live}
     return (
-        NodeSpec("q2q_model", "mocap_filter", assembly.filter_parameters(scenario)),
+        NodeSpec("q2q_model", "mocap_filter", filter_node_parameters(scenario)),
         NodeSpec("q2q_model", "interference", {"model": scenario.model}),
         NodeSpec("q2q_planner", "trajectory", {"plan": str(plan), "start": 0.0}),
         NodeSpec("q2q_planner", "replanner", replanner),

@@ -24,7 +24,7 @@ from q2q_model.signals.layout import TICK_TOPICS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.bag_topics.topics import TYPE_NAMES
-from q2q_sim.loop import assembly
+from q2q_sim.loop import flight_blocks
 from q2q_sim.ros.absent_packages import standing_in
 from q2q_sim.ros.stand_in import Declared, RecordedPort, StandInNode
 from q2q_sim.scenarios import library
@@ -149,7 +149,7 @@ def _surveyed(package: str, name: str) -> NodeInterface:
     executable = name.removesuffix("_node")
     with TemporaryDirectory(prefix="q2q-survey-") as scratch:
         folder = Path(scratch)
-        plan_file.save(folder / "plan.json", assembly.plan_of(library.load(SCENARIO)))
+        plan_file.save(folder / "plan.json", flight_blocks.plan_of(library.load(SCENARIO)))
         _write_bag(folder / "bag")
         chosen = configurations(executable, folder)
         built = [_built(module, executable, configuration) for configuration in chosen]

@@ -3,9 +3,9 @@
 from q2q_sim.air.air_names import LAWS
 
 CONTROLLERS = ("pid", "mpc")
-"""Controllers (q2q_sim.loop.assembly)."""
+"""Controllers (q2q_sim.loop.flight_blocks)."""
 REPLANNERS = ("none", "paper", "safe")
-"""Online replanners (q2q_sim.loop.assembly)."""
+"""Online replanners (q2q_sim.loop.flight_blocks)."""
 WAKES = LAWS
 """True wakes of the simulator (q2q_sim.air.wake_laws)."""
 ENGINES = ("local", "dask")

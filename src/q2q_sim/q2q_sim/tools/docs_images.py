@@ -15,8 +15,8 @@ from q2q_model import palette
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Interference, SwarmState, TrackStatus
-from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.report.panels import save
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

@@ -17,7 +17,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline.shared_pieces import split_at
 from q2q_planner.playing.plan_waypoints import waypoints_of
 from q2q_sim.air.air_names import RECORDED, ROOM, SYNTHETIC
-from q2q_sim.loop.assembly import plan_of
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import with_air

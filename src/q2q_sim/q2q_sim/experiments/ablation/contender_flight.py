@@ -24,8 +24,8 @@ from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup
 from q2q_sim.experiments.ablation.onboard_flight import Trace, fly_on_board
 from q2q_sim.experiments.ablation.side_by_side import side_by_side, with_vehicles
-from q2q_sim.loop.assembly import Mode, Options, blocks_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios.scenario import Scenario
 

@@ -29,8 +29,8 @@ from q2q_control.inputs.controller import Controller
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
-from q2q_sim.loop.assembly import Blocks, Options, blocks_of, pid_params, plan_of, tracker_params
 from q2q_sim.loop.distributed import DistributedMpc, ExchangeParams
+from q2q_sim.loop.flight_blocks import Blocks, Options, blocks_of, pid_params, plan_of, tracker_params
 from q2q_sim.scenarios.scenario import Scenario
 
 INTEGRAL_SHARE = 0.12

@@ -16,7 +16,7 @@ from q2q_model.signals.values import (
     SwarmSetpoint,
     SwarmState,
 )
-from q2q_sim.loop.assembly import Blocks
+from q2q_sim.loop.flight_blocks import Blocks
 from q2q_sim.loop.lockstep import joined_command
 
 

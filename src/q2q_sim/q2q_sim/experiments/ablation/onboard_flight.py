@@ -29,8 +29,8 @@ from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.firmware_tick import MELLINGER
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
-from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import ticks_of
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.loop.room import STEPS, Room
 from q2q_sim.scenarios.scenario import Scenario
 

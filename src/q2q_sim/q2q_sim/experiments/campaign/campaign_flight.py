@@ -18,8 +18,8 @@ from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
 from q2q_sim.experiments.campaign.violation_replay import write_replay
-from q2q_sim.loop.assembly import MODES
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
+from q2q_sim.loop.flight_blocks import MODES
 from q2q_sim.monitors.policies import (
     Circumstances,
     Evidence,

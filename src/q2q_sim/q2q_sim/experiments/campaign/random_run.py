@@ -19,7 +19,7 @@ import numpy as np
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_sim.faults.faults import Fault, random_faults
-from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

@@ -28,7 +28,7 @@ from q2q_sim.experiments.campaign.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
 from q2q_sim.experiments.explanation.loss import largest_loss
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.monitors.policies import Limits
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios.scenario import Scenario

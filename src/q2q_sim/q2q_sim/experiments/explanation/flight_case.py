@@ -7,8 +7,8 @@ from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.loop.assembly import MODES, Options, plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import MODES, Options, plan_of
 from q2q_sim.loop.scenario_air import air_of
 from q2q_sim.scenarios.scenario import Scenario
 

@@ -17,7 +17,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
 from q2q_sim.bag_topics.scenario_facts import flown_scenario
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
-from q2q_sim.loop.assembly import Options
+from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
 

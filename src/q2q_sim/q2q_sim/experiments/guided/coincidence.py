@@ -18,7 +18,7 @@ import numpy as np
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, earliest_start
-from q2q_sim.loop.assembly import plan_of
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.scenarios.scenario import Scenario
 
 FAMILIES = (

@@ -10,8 +10,8 @@ from q2q_model.signals.values import Array
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate import certify
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
-from q2q_sim.loop.assembly import plan_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.monitors.metrics import best_position, tick_period
 from q2q_sim.scenarios import library
 

@@ -18,8 +18,8 @@ from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, Case
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
-from q2q_sim.loop.assembly import Mode
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.monitors.metrics import best_position, measure
 from q2q_sim.report.figures import PlotCurve, thrust_limits
 from q2q_sim.scenarios import library

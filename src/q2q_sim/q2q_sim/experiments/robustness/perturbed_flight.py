@@ -26,8 +26,8 @@ from q2q_sim.experiments.robustness.perturbations import (
     flown_room,
     with_faster_paths,
 )
-from q2q_sim.loop.assembly import Mode, Options, blocks_of, ignore_accelerometers
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario

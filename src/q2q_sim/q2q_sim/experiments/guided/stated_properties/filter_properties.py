@@ -16,7 +16,7 @@ from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck_by_kinds
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.assembly import filter_params
+from q2q_sim.loop.flight_blocks import filter_params
 from q2q_sim.monitors.policies import Limits, Violation
 from q2q_sim.monitors.policies.blindness import RECOVERY_S
 

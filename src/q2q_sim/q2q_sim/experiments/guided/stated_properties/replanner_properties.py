@@ -21,7 +21,7 @@ from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
-from q2q_sim.loop.assembly import safe_replanner_params
+from q2q_sim.loop.flight_blocks import safe_replanner_params
 from q2q_sim.monitors.policies import Violation
 
 STOPS_EVERY = 5

@@ -1,10 +1,10 @@
-"""Blocks of a flight and their parameters, built from its scenario, for the nodes and for `closed_loop`.
+"""Blocks of a flight and their parameters, built from its scenario, for `closed_loop` and the nodes.
 
-Both take plan and parameters from here, so that they fly the same.
+The nodes take plan and parameters from here too (scenario_node_parameters), so that both fly the same.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from q2q_control.disturbance.tracker import TrackerParams
@@ -26,9 +26,6 @@ from q2q_model.files.model_file import ModelFile
 from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import SwarmImu
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_model.tunable import ParameterValue
-from q2q_model.vehicle.constants import firmware_of
-from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.downwash_zone import PAPER_LOOP, LearnedDownwash, avoid_downwash
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
@@ -44,8 +41,6 @@ __all__ = ["Blocks", "Mode", "Options", "blocks_of", "plan_around", "plan_of"]
 
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
 MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
-
-NodeParameters = dict[str, ParameterValue]
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,27 +210,3 @@ def _controller(
 def _check(what: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
         raise ValueError(f"unknown {what} {value!r}: choose one of {', '.join(known)}")
-
-
-def filter_parameters(scenario: Scenario) -> NodeParameters:
-    """Return the parameters of the node mocap_filter."""
-    return {"vehicles": scenario.names} | asdict(filter_params(scenario))
-
-
-def replanner_parameters(scenario: Scenario, options: Options) -> NodeParameters:
-    """Return the parameters of the node replanner."""
-    if options.replan == "safe":
-        safe = asdict(safe_replanner_params(scenario))
-        return {"law": "safe"} | {f"safe.{key}": value for key, value in safe.items()}
-    return {"law": "paper"} | asdict(replanner_params(scenario, enabled=options.replan == "paper"))
-
-
-def controller_parameters(scenario: Scenario, options: Options) -> dict[str, ParameterValue]:
-    """Return the parameters of the node pid or mpc."""
-    own: dict[str, ParameterValue] = {"vehicle": scenario.vehicle.name, "aware": options.aware}
-    own |= {"firmware": firmware_of(scenario.vehicle) or STOCK, "vehicles": scenario.names}
-    own |= {"correct": True} if options.correct else {}
-    if options.controller == "pid":
-        known = {"model": scenario.model} | asdict(tracker_params(scenario)) if options.correct else {}
-        return own | known | asdict(pid_params(scenario, limited=options.limited))
-    return own | {"model": scenario.model} | asdict(mpc_params(scenario, limited=options.limited))
