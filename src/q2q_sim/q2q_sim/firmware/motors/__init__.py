@@ -1,1 +1,1 @@
-"""Mixer, motors, battery and airframe."""
+"""Motors, battery and airframe."""
