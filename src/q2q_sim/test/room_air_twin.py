@@ -11,8 +11,8 @@ from q2q_sim.air.wake import Push
 from q2q_sim.air.wake_laws import BLEND
 
 
-def resting_push(air: RoomAir, pos: Array, quat: Array, share: Array) -> Push:
-    """Return the mean push on vehicles that have always been where they are; share is T / (m g)."""
+def resting_push(air: RoomAir, pos: Array, quat: Array, thrust_ratio: Array) -> Push:
+    """Return the mean push on vehicles that have always been where they are; thrust_ratio is T / (m g)."""
     n = len(pos)
     down, up, torque = np.zeros(n), np.zeros(n), np.zeros((n, 3))
     for j in range(n):
@@ -23,7 +23,7 @@ def resting_push(air: RoomAir, pos: Array, quat: Array, share: Array) -> Push:
             for _, other_dz, other, other_push, other_weight in under:
                 if other_dz < dz:
                     left *= 1.0 - other_weight * _taken(air, other_dz, np.hypot(*other), other_push)
-            strength = left * share[j] * weight
+            strength = left * thrust_ratio[j] * weight
             down[i] += strength * push
             up[j] += air.jet.upper_ratio * strength * push
             torque[i] += _edge(air, dz, away, strength)

@@ -68,7 +68,7 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         force=np.broadcast_to([0.0, 0.0, GRAVITY], (*shape, 3)).copy(),
         command=weight,
         thrust=weight,
-        strength=np.ones(shape),
+        thrust_ratio=np.ones(shape),
         quat=np.broadcast_to([0.0, 0.0, 0.0, 1.0], (*shape, 4)).copy(),
         rate_body=np.zeros((*shape, 3)),
         lag=0.07,

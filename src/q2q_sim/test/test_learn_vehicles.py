@@ -53,7 +53,7 @@ def battery_flight(k: int, offset: float) -> AirRecord:
     force = record.force.copy()
     force[..., 2] += offset
     motors = Motors(np.repeat(duty[:, None, None], 4, axis=2), volts[:, None])
-    return replace(record, lag=0.0, force=force, strength=load[:, None], motors=motors)
+    return replace(record, lag=0.0, force=force, thrust_ratio=load[:, None], motors=motors)
 
 
 def _duty(load: Array, hover: Array) -> Array:

@@ -34,21 +34,21 @@ def test_the_kernel_gives_what_plain_numpy_does() -> None:
         swarm = swarm_in(air, [tuple(place) for place in places])
         tilt = rng.uniform(-0.3, 0.3, (3, 6))
         swarm.state[:, QUAT] = quat_from_euler(*tilt)
-        share = rng.uniform(0.5, 1.5, 6)
-        swarm.state[:, ROTORS] = 0.25 * HOVER * share[:, None]
-        expected = resting_push(air, places, swarm.state[:, QUAT], share)
-        _remember_for_ever(swarm, share)
+        thrust_ratio = rng.uniform(0.5, 1.5, 6)
+        swarm.state[:, ROTORS] = 0.25 * HOVER * thrust_ratio[:, None]
+        expected = resting_push(air, places, swarm.state[:, QUAT], thrust_ratio)
+        _remember_for_ever(swarm, thrust_ratio)
         np.testing.assert_allclose(swarm.downwash(), expected.acc, rtol=1e-9, atol=1e-12)
         np.testing.assert_allclose(swarm.state[:, TORQUE], expected.torque, rtol=1e-9, atol=1e-15)
         found = max(found, np.abs(expected.torque[:, 2]).max())
     assert found > 1e-5  # tilted vehicles feel part of it about their yaw axis
 
 
-def _remember_for_ever(swarm: Swarm, share: Array) -> None:
+def _remember_for_ever(swarm: Swarm, thrust_ratio: Array) -> None:
     """Write the present into all of the past, at rest."""
     x, y, z, w = swarm.state[:, QUAT].T
     upright = 1.0 - 2.0 * (x * x + y * y)
-    swarm.air.ring[:, :, 3] = share
+    swarm.air.ring[:, :, 3] = thrust_ratio
     swarm.air.ring[:, :, 6] = 2.0 * (x * z + w * y) / upright
     swarm.air.ring[:, :, 7] = 2.0 * (y * z - w * x) / upright
 

@@ -56,30 +56,30 @@ def thrust_ratio(before: Array, after: Array, span: Array) -> Array:
     return np.asarray(np.sqrt((acc * acc).sum(axis=-1)) / GRAVITY)
 
 
-def strengths(i: Rows, j: Rows, law: Array, thrust: Array, terms: SourceTerms) -> Array:
+def strengths(i: Rows, j: Rows, law: Array, thrust_ratio: Array, terms: SourceTerms) -> Array:
     """Return s of pairs at N instants, (p, N).
 
     Args:
         i: Vehicle that feels, (p,), ascending.
         j: Vehicle that causes, (p,).
         law: Vertical downwash of each pair alone [m/s^2], (p, N).
-        thrust: Thrust of j over its weight when its air left it, without the downwash on j, (p, N).
+        thrust_ratio: Thrust of j over its weight when its air left it, without the downwash on j, (p, N).
         terms: Loading and absorption.
     """
     feels, causes = np.ascontiguousarray(i), np.ascontiguousarray(j)
     first = np.searchsorted(feels, np.arange(max(feels.max(initial=0), causes.max(initial=0)) + 2))
     rows = (feels, causes, first)
-    return _strengths(rows, np.ascontiguousarray(law), np.ascontiguousarray(thrust), terms)
+    return _strengths(rows, np.ascontiguousarray(law), np.ascontiguousarray(thrust_ratio), terms)
 
 
 @compiled
-def _strengths(rows: tuple[Rows, Rows, Rows], law: Array, thrust: Array, terms: SourceTerms) -> Array:
+def _strengths(rows: tuple[Rows, Rows, Rows], law: Array, thrust_ratio: Array, terms: SourceTerms) -> Array:
     """Return s, (p, N); pairs of vehicle v are rows first[v] to first[v + 1]."""
     i, j, first = rows
     share = np.empty(law.shape)
     for p in range(law.shape[0]):
         for k in range(law.shape[1]):
-            excess = thrust[p, k] - 1.0
+            excess = thrust_ratio[p, k] - 1.0
             for q in range(first[j[p]], first[j[p] + 1]):
                 excess += max(-law[q, k], 0.0) / GRAVITY
             share[p, k] = 1.0 + terms.loading * excess

@@ -33,8 +33,8 @@ def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body)
         _move(state, drive[:, :3], body)
         _stand(state, h)
         air.rows[-1] += 1
-        share = state[:, ROTORS].sum(axis=1) / (mass * GRAVITY)
-        air.ring[air.rows[-1] % len(air.ring)] = np.column_stack([state[:, POS], share])
+        thrust_ratio = state[:, ROTORS].sum(axis=1) / (mass * GRAVITY)
+        air.ring[air.rows[-1] % len(air.ring)] = np.column_stack([state[:, POS], thrust_ratio])
 
 
 def downwash_numpy(state: Array, air: Air, h: float) -> Array:
@@ -46,11 +46,11 @@ def downwash_numpy(state: Array, air: Air, h: float) -> Array:
     i, j = (rows[~np.eye(n, dtype=bool)] for rows in np.indices((n, n)))  # every i != j
     rel = state[j, POS] - state[i, POS]  # (pairs, 3)
     near = np.hypot(rel[:, 0], rel[:, 1]) <= _reach(WakeLaw(air.kind), np.abs(rel[:, 2]))
-    share = np.ones(len(rel))
+    thrust_ratio = np.ones(len(rel))
     if air.kind == WakeLaw.MEASURED:
         source = _seen(air, j, _delay(rel[:, 2]) / h)  # (pairs, 4)
-        rel, share = source[:, :3] - state[i, POS], source[:, 3]
-    np.add.at(eta, i, np.where(near, share * _eta_z(WakeLaw(air.kind), rel), 0.0))
+        rel, thrust_ratio = source[:, :3] - state[i, POS], source[:, 3]
+    np.add.at(eta, i, np.where(near, thrust_ratio * _eta_z(WakeLaw(air.kind), rel), 0.0))
     return eta
 
 

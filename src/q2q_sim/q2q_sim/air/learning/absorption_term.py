@@ -79,7 +79,7 @@ def sum_of_two(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
 def _pushes(parts: Sequence[WakeRows], jet: JetTerm) -> tuple[Array, Array]:
     """Return T P of the nearer and of the farther source [m/s^2], (m,) each."""
     places = [wake_rows.jet_places(parts, travel_of(jet), source) for source in (0, 1)]
-    near, far = (place.strength * push_in_table(jet, place.gap, place.radius) for place in places)
+    near, far = (place.thrust_ratio * push_in_table(jet, place.gap, place.radius) for place in places)
     return near, far
 
 

@@ -4,7 +4,7 @@
 
 tau is what the motors do not explain (outer_torque), c w the torque against the rates (rate_load_term). n
 points horizontally from the vehicle to the jet's axis, so a positive torque tips the vehicle towards it; T is
-the strength of the source.
+the thrust ratio of the source.
 """
 
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ def edge_torque_term(
         return None
     place = wake_rows.jet_places(parts, travel_of(jet))
     ratio = place.radius[:, None] / RADII
-    profile = place.strength[:, None] * ratio * np.exp(0.5 * (1.0 - ratio**2))  # (m, R)
+    profile = place.thrust_ratio[:, None] * ratio * np.exp(0.5 * (1.0 - ratio**2))  # (m, R)
     power = usual_power(motor_curves(records))
     wake = np.concatenate([_wake_torque(part, vehicle, power, load) for part in parts])  # (m, 2)
     across = np.stack([-place.toward[:, 1], place.toward[:, 0]], axis=1)  # e_z x n

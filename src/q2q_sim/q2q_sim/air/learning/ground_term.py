@@ -69,7 +69,7 @@ def _away(record: AirRecord) -> Mask:
 
 
 def _flying(record: AirRecord) -> Mask:
-    return np.asarray(record.measured & (record.strength > FLYING) & rows_alone(record.motion.pos, ALONE))
+    return np.asarray(record.measured & (record.thrust_ratio > FLYING) & rows_alone(record.motion.pos, ALONE))
 
 
 def _ratio(record: AirRecord, i: int) -> Array:

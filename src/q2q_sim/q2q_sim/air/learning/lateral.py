@@ -51,6 +51,6 @@ def lateral_force(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
 def _lateral(part: WakeRows) -> Array:
     """Return the horizontal acceleration not due to thrust [m/s^2], world, (k, 2)."""
     record, i = part.record, part.one.vehicle
-    lift = GRAVITY * record.strength[:, i, None] * record.motion.axis[:, i, :2]
+    lift = GRAVITY * record.thrust_ratio[:, i, None] * record.motion.axis[:, i, :2]
     left = record.force[:, i, :2] - lift
     return np.asarray(left[part.rows] - np.median(left[record.clear[:, i]], axis=0))

@@ -10,7 +10,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, pair_eta, wake_delay, wake_reach
 from q2q_sim.plant.body.state_row import ETA, Four, X, Y, Z
 from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
-from q2q_sim.plant.push.past_states import SHARE
+from q2q_sim.plant.push.past_states import THRUST_RATIO
 
 
 @compiled(**BORROWING)
@@ -18,14 +18,14 @@ def _past_source(ring: Array, steps: int, vehicle: int, late: float) -> Four:
     """Return x, y, z, T / (m g) of a vehicle `late` steps ago."""
     slots = ring.shape[0]
     whole = math.floor(late)
-    share = late - whole
+    old = late - whole
+    new = 1.0 - old
     a, b = (steps - whole) % slots, (steps - whole - 1) % slots
-    keep = 1.0 - share
     return (
-        keep * ring[a, vehicle, X] + share * ring[b, vehicle, X],
-        keep * ring[a, vehicle, Y] + share * ring[b, vehicle, Y],
-        keep * ring[a, vehicle, Z] + share * ring[b, vehicle, Z],
-        keep * ring[a, vehicle, SHARE] + share * ring[b, vehicle, SHARE],
+        new * ring[a, vehicle, X] + old * ring[b, vehicle, X],
+        new * ring[a, vehicle, Y] + old * ring[b, vehicle, Y],
+        new * ring[a, vehicle, Z] + old * ring[b, vehicle, Z],
+        new * ring[a, vehicle, THRUST_RATIO] + old * ring[b, vehicle, THRUST_RATIO],
     )
 
 
@@ -34,9 +34,9 @@ def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int],
     """Return the measured downwash eta_z [m/s^2] of vehicle j on vehicle i, `pair` = (i, j)."""
     i, j = pair
     late = wake_delay(MEASURED, state[j, Z] - state[i, Z]) / step
-    x, y, z, share = _past_source(ring, steps, j, late)
+    x, y, z, thrust_ratio = _past_source(ring, steps, j, late)
     dx, dy = x - state[i, X], y - state[i, Y]
-    return float(share * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
+    return float(thrust_ratio * pair_eta(MEASURED, dx * dx + dy * dy, z - state[i, Z])[0])
 
 
 @compiled(**BORROWING)

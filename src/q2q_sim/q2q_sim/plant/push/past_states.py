@@ -14,7 +14,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.plant.body.state_row import F1, F2, F3, F4, QW, QX, QY, QZ, VX, VY, X, Y, Z
 from q2q_sim.plant.push.order_by_x import Rows
 
-SHARE = 3
+THRUST_RATIO = 3
 """Column of T / (m g) in a slot, after x, y, z [m]."""
 LAW_WIDTH = 4
 """Number of columns in the air of a wake law."""
@@ -60,7 +60,7 @@ def remember(state: Array, ring: Array, rows: Rows, weight: float) -> None:
     for i in range(n):
         ask_for(ring, following, i)
         ring[slot, i, X], ring[slot, i, Y], ring[slot, i, Z] = state[i, X], state[i, Y], state[i, Z]
-        ring[slot, i, SHARE] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
+        ring[slot, i, THRUST_RATIO] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
         if ring.shape[2] == ROOM_WIDTH:
             x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
             upright = max(1.0 - 2.0 * (x * x + y * y), 0.5)

@@ -46,7 +46,7 @@ from q2q_sim.plant.body.state_row import (
 from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
 from q2q_sim.plant.push.near_pairs import update
 from q2q_sim.plant.push.order_by_x import Rows
-from q2q_sim.plant.push.past_states import SHARE, SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, recall
+from q2q_sim.plant.push.past_states import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
 from q2q_sim.plant.push.room_law import (
     AT_ONCE,
     AWAY_X,
@@ -111,7 +111,7 @@ def write_jet_row(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
     under[kept, AWAY_X], under[kept, AWAY_Y] = away_x / max(radius, TOUCHING), away_y / max(radius, TOUCHING)
     under[kept, PUSH] = table_push(table, a, gap, radius / spread)
     under[kept, WEIGHT] = along * along * (3.0 - 2.0 * along) / (spread * spread)
-    under[kept, STRENGTH] = under[kept, WEIGHT] * under[k, PAST + SHARE]
+    under[kept, STRENGTH] = under[kept, WEIGHT] * under[k, PAST + THRUST_RATIO]
     room.met[kept], room.source[kept] = room.met[k], room.source[k]
     return True
 

@@ -40,7 +40,7 @@ class JetPlace:
     """[m]"""
     toward: Array
     """Horizontal unit vector from the vehicle to the jet's axis, world, (k, 2)."""
-    strength: Array
+    thrust_ratio: Array
     """Thrust of the source at departure over that in clear air [-]."""
 
 
@@ -59,7 +59,7 @@ def jet_place(record: AirRecord, pair: tuple[int, int], rows: Rows, travel: Trav
     across = apart[:, :2] + drift
     radius = np.hypot(*across.T)
     toward = across / np.maximum(radius, np.finfo(float).tiny)[:, None]
-    return JetPlace(apart[:, 2], radius, toward, np.interp(left, motion.t, record.strength[:, j]))
+    return JetPlace(apart[:, 2], radius, toward, np.interp(left, motion.t, record.thrust_ratio[:, j]))
 
 
 def _at(t: Array, values: Array, when: Array) -> Array:

@@ -87,7 +87,7 @@ class Normal:
 def normal_equations(place: JetPlace, y: Array, blocks: Blocks) -> Normal:
     """Return the normal equations of the push y (m,) at places (m,)."""
     order = np.argsort(blocks, kind="stable")
-    rows = (-place.strength[:, None] * spline_values(place.gap, place.radius))[order]
+    rows = (-place.thrust_ratio[:, None] * spline_values(place.gap, place.radius))[order]
     begins = np.flatnonzero(np.diff(blocks[order], prepend=-1))
     ends = np.append(begins[1:], order.size)
     parts = [(rows[a:b], y[order][a:b]) for a, b in zip(begins, ends, strict=True)]

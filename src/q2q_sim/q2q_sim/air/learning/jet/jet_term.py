@@ -179,13 +179,13 @@ class _Fit:
 
     def _push(self, travel: Travel) -> Array:
         place = wake_rows.jet_places(self._parts, travel)
-        return np.asarray(place.strength * (spline_values(place.gap, place.radius) @ self.beta))
+        return np.asarray(place.thrust_ratio * (spline_values(place.gap, place.radius) @ self.beta))
 
     def spread(self) -> Spread:
         """Return the push at REFERENCE on the axis, the travel speed, carried and slope, with intervals."""
         active = np.flatnonzero(self.beta > 0.0)
         place = wake_rows.jet_places(self._parts, self.travel)
-        along = -place.strength[:, None] * spline_values(place.gap, place.radius)[:, active]
+        along = -place.thrust_ratio[:, None] * spline_values(place.gap, place.radius)[:, active]
         moved = [self._derivative(int(k)) for k in np.flatnonzero(self.shown)]
         jacobian = np.column_stack([along, *moved])
         missed = self._y + self._push(self.travel)

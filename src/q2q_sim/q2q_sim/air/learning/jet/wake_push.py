@@ -38,7 +38,7 @@ def wake_push(
                 - absorption_factor(taken.radius, push_in_table(jet, taken.gap, taken.radius), absorption),
                 1.0,
             )
-        total[near] += left * place.strength * push_in_table(jet, place.gap, place.radius)
+        total[near] += left * place.thrust_ratio * push_in_table(jet, place.gap, place.radius)
     return total
 
 

@@ -85,7 +85,7 @@ def jet_places(parts: Sequence[WakeRows], travel: Travel, source: int = 0) -> Je
 
 
 def _columns(place: JetPlace) -> tuple[Array, Array, Array, Array]:
-    return place.gap, place.radius, place.toward, place.strength
+    return place.gap, place.radius, place.toward, place.thrust_ratio
 
 
 def row_blocks(parts: Sequence[WakeRows]) -> Blocks:

@@ -1,7 +1,8 @@
 """A recorded flight as the terms of an air need it: motion, measured force, thrust, motors and battery.
 
-The vertical downwash and its rows are those of q2q_model.identification.force.downwash_force. The strength of
-a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map enters.
+The vertical downwash and its rows are those of q2q_model.identification.force.downwash_force. The thrust
+ratio of a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map
+enters.
 """
 
 from collections.abc import Sequence
@@ -58,7 +59,7 @@ class AirRecord:
     """Commanded thrust after the thrust lag [N], (T, n)."""
     thrust: Array
     """Thrust of the rotors [N], (T, n)."""
-    strength: Array
+    thrust_ratio: Array
     """Thrust over the vehicle's own in clear air [-], (T, n)."""
     quat: Array
     """(T, n, 4)"""
@@ -127,7 +128,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
         force=rotate(flight.quat, flight.specific_force_body),
         command=command,
         thrust=thrust,
-        strength=_strength(thrust, clear, measured),
+        thrust_ratio=_thrust_ratio(thrust, clear, measured),
         quat=flight.quat,
         rate_body=flight.gyro_body,
         lag=lag,
@@ -147,7 +148,7 @@ def rows_alone(pos: Array, distance: float) -> Mask:
     return np.asarray((across > distance).all(axis=2))
 
 
-def _strength(thrust: Array, clear: Mask, measured: Mask) -> Array:
+def _thrust_ratio(thrust: Array, clear: Mask, measured: Mask) -> Array:
     """Return thrust over its median in clear air, or over all measured rows where too few are clear."""
     rows = np.where(clear.sum(axis=0) >= FEWEST_FREE, clear, measured)
     usual = [np.median(thrust[rows[:, i], i]) if rows[:, i].any() else 1.0 for i in range(thrust.shape[1])]

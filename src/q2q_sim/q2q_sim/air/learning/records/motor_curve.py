@@ -76,7 +76,7 @@ def _curves(record: AirRecord, motors: Motors) -> list[MotorCurve]:
     """Return the curves of the vehicles that fly long enough."""
     found = []
     for i in range(record.vehicles):
-        flying = (record.strength[:, i] > FLYING) & (record.motion.pos[:, i, 2] > FLOOR)
+        flying = (record.thrust_ratio[:, i] > FLYING) & (record.motion.pos[:, i, 2] > FLOOR)
         turning = (motors.duty[:, i] > 0.0).all(axis=1) & (motors.volts[:, i] > 0.0)
         rows = record.measured[:, i] & flying & turning
         if rows.sum() >= FEWEST:
@@ -85,12 +85,12 @@ def _curves(record: AirRecord, motors: Motors) -> list[MotorCurve]:
 
 
 def _curve(record: AirRecord, motors: Motors, i: int, rows: Rows) -> MotorCurve:
-    t, strength = record.motion.t, record.strength[rows, i]
+    t, thrust_ratio = record.motion.t, record.thrust_ratio[rows, i]
     each = np.maximum(motors.duty[:, i] * motors.volts[:, i, None], 0.0)  # d_m u, (T, 4)
     powers = np.stack([(each**power).mean(axis=1) for power in POWERS], axis=1)
     felt = first_order_lag(powers, t, record.lag)[rows]  # (k, K)
-    scale = (strength @ felt) / (felt**2).sum(axis=0)
-    misses = ((strength[:, None] - scale * felt) ** 2).sum(axis=0)
+    scale = (thrust_ratio @ felt) / (felt**2).sum(axis=0)
+    misses = ((thrust_ratio[:, None] - scale * felt) ** 2).sum(axis=0)
     best = int(np.argmin(misses))
     mean = np.stack([motors.duty[:, i].mean(axis=1), motors.volts[:, i]], axis=1)
     duty, volts = first_order_lag(mean, t, record.lag)[rows].T

@@ -36,6 +36,6 @@ def outer_torque(record: AirRecord, i: int, vehicle: Vehicle, power: float) -> A
 def _motor_torque(record: AirRecord, motors: Motors, i: int, vehicle: Vehicle, power: float) -> Array:
     duty = first_order_lag(motors.duty[:, i], record.motion.t, record.lag)  # (T, 4)
     mean = np.maximum(duty.mean(axis=1, keepdims=True), 1e-3)
-    quarter = 0.25 * vehicle.hover_thrust * record.strength[:, i, None]
+    quarter = 0.25 * vehicle.hover_thrust * record.thrust_ratio[:, i, None]
     thrust = quarter * (1.0 + power * (duty - mean) / mean)
     return wrench_of(thrust, rotor_frame(vehicle))[:, 1:3]
