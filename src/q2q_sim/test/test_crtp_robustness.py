@@ -14,7 +14,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.supervisor.rules import State
-from q2q_sim.plant.body.state_row import CEILING1
+from q2q_sim.plant.body.state_row import ROTOR_MAX1
 
 PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
 ANY = st.one_of(
@@ -47,7 +47,7 @@ def test_no_datagram_crashes_a_vehicle_or_makes_its_answers_too_long(datagrams: 
         for answer in pilot.fleet.vehicles[0].handle(datagram, client=number % 3):
             assert 1 <= len(answer) <= 1 + MAX_DATA
     pilot.fly(0.1)
-    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()
+    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
     assert all(1 <= len(one.datagram) <= 1 + MAX_DATA for one in pilot.out)
     # a sound client still gets its answer
     assert pilot.fleet.vehicles[0].handle(b"\xdd\x00") == [b"\xdd\x00" + struct.pack("<I", 12)]
@@ -193,7 +193,7 @@ def test_an_uploaded_trajectory_of_no_numbers_harms_its_own_vehicle_only(
     one.handle(b"\x8c" + struct.pack("<BBBBIB", 6, 1, 1, 0, 0, 1))
     one.handle(b"\x8c" + struct.pack(f"<{len(start)}Bf", *start, 1.0))
     pilot.fly(1.5)
-    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()
+    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
     assert pilot.swarm.state[1, 2] == pytest.approx(0.5, abs=0.05)
 
 
@@ -212,4 +212,4 @@ def test_senseless_gains_and_setpoints_never_make_the_room_no_number(
     pilot.fly(0.4)
     vehicle.handle(b"\x2e" + struct.pack("<Hf", parameter, gain))
     pilot.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[demanded] * 4)))
-    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()
+    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()

@@ -179,10 +179,10 @@ def test_the_ground_stops_a_fall_and_lets_a_vehicle_rise_again() -> None:
 
 
 def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
-    commanded, ceilings = (0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13)
-    lost = excess_share(commanded, ceilings)
+    commanded, rotor_max = (0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13)
+    lost = excess_share(commanded, rotor_max)
     given = np.array(commanded) - lost
-    assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum())  # cut one by one
+    assert given.sum() == pytest.approx(np.minimum(commanded, rotor_max).sum())  # cut one by one
     np.testing.assert_allclose(given - given.mean(), np.array(commanded) - np.mean(commanded))
     assert excess_share(commanded, (math.inf,) * 4) == 0.0
 
@@ -193,8 +193,8 @@ def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
 def test_rotors_that_cannot_lose_alike_give_together_what_each_gives_by_itself(
     commanded: tuple[float, float, float, float],
 ) -> None:
-    ceilings = (0.155, 0.15, 0.16, 0.155)
-    lost = excess_share(commanded, ceilings)
-    given = share_given(commanded, ceilings, lost) * np.maximum(np.array(commanded) - lost, 0.0)
-    assert given.sum() == pytest.approx(np.minimum(commanded, ceilings).sum(), rel=1e-12)
+    rotor_max = (0.155, 0.15, 0.16, 0.155)
+    lost = excess_share(commanded, rotor_max)
+    given = share_given(commanded, rotor_max, lost) * np.maximum(np.array(commanded) - lost, 0.0)
+    assert given.sum() == pytest.approx(np.minimum(commanded, rotor_max).sum(), rel=1e-12)
     assert share_given((0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13), 0.0075) == 1.0

@@ -16,7 +16,7 @@ from q2q_sim.air.room_air import (
     RotorDragTerm,
     VehicleTerm,
 )
-from q2q_sim.plant.body.state_row import CEILING1, QUAT, RATE, ROTORS, VEL
+from q2q_sim.plant.body.state_row import QUAT, RATE, ROTOR_MAX1, ROTORS, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 
 
@@ -29,7 +29,7 @@ def test_ground_effect_multiplies_the_thrust() -> None:
     assert on_ground == pytest.approx(0.5 * (0.023 / 0.05) ** 2 * GRAVITY, rel=1e-9)
 
 
-def test_the_ceiling_of_thrust_falls_with_the_battery() -> None:
+def test_the_largest_thrust_falls_with_the_battery() -> None:
     own = VehicleTerm(0.0, 0.0, thrust_lag_s=0.01, headroom=1.2, headroom_per_volt=0.5, discharge_v_per_s=0.2)
     swarm = swarm_in(RoomAir(vehicle=own), [(0.0, 0.0, 1.0)])
     drive = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]])
@@ -39,7 +39,7 @@ def test_the_ceiling_of_thrust_falls_with_the_battery() -> None:
     assert swarm.state[0, ROTORS].sum() / HOVER == pytest.approx(1.1 + 0.001, abs=3e-4)
 
 
-def test_a_vehicle_whose_attitude_is_asked_to_jump_gives_no_more_than_its_ceilings() -> None:
+def test_a_vehicle_whose_attitude_is_asked_to_jump_gives_no_more_than_its_largest_thrust() -> None:
     """Pitch is asked for 0.3 rad forth and back at 100 Hz, with hardly any thrust: it gave three weights."""
     own = VehicleTerm(0.0, 0.0, thrust_lag_s=0.1, headroom=1.9, headroom_per_volt=0.0, discharge_v_per_s=0.0)
     swarm = swarm_in(RoomAir(vehicle=own), [(0.0, 0.0, 5.0)])
@@ -72,7 +72,7 @@ def test_the_headroom_differs_between_vehicles_by_its_deviation() -> None:
     own = VehicleTerm(0.0, 0.0, 0.05, 1.8, 0.0, 0.0, headroom_std=0.1)
     swarm = swarm_in(RoomAir(vehicle=own), [(float(k), 0.0, 1.0) for k in range(1000)])
     swarm.downwash()
-    headroom = 4.0 * swarm.state[:, CEILING1] / HOVER
+    headroom = 4.0 * swarm.state[:, ROTOR_MAX1] / HOVER
     assert headroom.mean() == pytest.approx(1.8, abs=5.0 * 0.1 / np.sqrt(1000.0))
     assert headroom.std() == pytest.approx(0.1, rel=0.11)  # five deviations
 
@@ -81,7 +81,7 @@ def test_the_motors_of_a_vehicle_differ_by_their_deviation() -> None:
     own = VehicleTerm(0.0, 0.0, 0.05, 1.8, 0.0, 0.0, motor_std=0.08)
     swarm = swarm_in(RoomAir(vehicle=own), [(float(k), 0.0, 1.0) for k in range(1000)])
     swarm.downwash()
-    work = 1.8 * 0.25 * HOVER / swarm.state[:, CEILING1:]  # what each works at hover, over their mean
+    work = 1.8 * 0.25 * HOVER / swarm.state[:, ROTOR_MAX1:]  # what each works at hover, over their mean
     np.testing.assert_allclose(work.mean(axis=1), 1.0)
     assert np.sqrt(((work - 1.0) ** 2).sum() / 3000.0) == pytest.approx(0.08, rel=0.07)  # five deviations
 
@@ -95,9 +95,9 @@ def test_turning_takes_from_the_range_of_the_rotors_that_turn_the_vehicle() -> N
     lever = CRAZYFLIE_2_0.arm / math.sqrt(2.0)
     free, each = 0.25 * 1.8 * HOVER, 3e-3 / (4.0 * lever)
     roll, pitch = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, 1.0, -1.0])
-    np.testing.assert_allclose(swarm.state[0, CEILING1:], free - each * (0.5 * roll - 0.2 * pitch))
+    np.testing.assert_allclose(swarm.state[0, ROTOR_MAX1:], free - each * (0.5 * roll - 0.2 * pitch))
     ahead = 0.07 * lever * 0.04 / CRAZYFLIE_2_0.inertia[0]  # of the rate, after the lag of the thrust
-    np.testing.assert_allclose(swarm.state[1, CEILING1:], free - each * ahead * roll)
+    np.testing.assert_allclose(swarm.state[1, ROTOR_MAX1:], free - each * ahead * roll)
 
 
 def test_each_vehicle_feels_a_wake_by_its_own_gain() -> None:

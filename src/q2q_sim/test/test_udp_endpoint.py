@@ -12,7 +12,7 @@ from open_ports import addresses_of
 from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
-from q2q_sim.plant.body.state_row import CEILING1
+from q2q_sim.plant.body.state_row import ROTOR_MAX1
 
 VERSION = b"\xdd\x00"
 PATIENCE_S = 0.5
@@ -71,7 +71,7 @@ def test_ten_thousand_datagrams_of_garbage_starve_neither_the_room_nor_a_sound_c
             if number % 100 == 0:
                 endpoint.fly(pilot.drive)
         assert answer(sound, VERSION) == VERSION + struct.pack("<I", 12)
-    assert np.isfinite(pilot.swarm.state[:, :CEILING1]).all()
+    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
     assert pilot.fleet.vehicles[0].refusals.count > 0
     assert pilot.fleet.vehicles[1].refusals.count == 0
 

@@ -256,8 +256,8 @@ def test_a_draw_has_the_recorded_headroom_of_each_vehicle_and_no_second_drag(fli
     recorded_too = replace(flight, headroom=np.array([[1.5, 1.4, 1.6, 1.5], [1.8, 1.9, 1.7, 1.8]]))
     apart = np.array([[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 0.0]])
     swarm = draws_in(room, recorded_too, CRAZYFLIE_2_0)(3, apart).swarm
-    ceilings = 4.0 * swarm.air.room.ceilings / CRAZYFLIE_2_0.hover_thrust
-    np.testing.assert_allclose(ceilings, recorded_too.headroom)
+    headroom = 4.0 * swarm.air.room.rotor_max / CRAZYFLIE_2_0.hover_thrust
+    np.testing.assert_allclose(headroom, recorded_too.headroom)
     swarm.state[:, VEL] = [1.0, 0.0, 0.0]
     assert not swarm.downwash().any()  # redrawn_flight adds the drag that the flight shows
 

@@ -31,9 +31,9 @@ gap g the jet is self-similar, P(dz, r) = (g / dz)^2 P(g, r g / dz). Where two v
 A vehicle is in a jet where a node of the table outside of its radius has a push, or where it would absorb
 more than 0.1 % of the jet; others neither feel nor absorb it.
 
-A rotor gives no more than its ceiling, less its load; what rotors are asked for beyond that, all lose alike
-(q2q_sim.plant.body.rotors.excess_share), but together they give no more than each by itself (`share_given`).
-h: lever of the rotors, T: thrust lag.
+A rotor gives no more than its largest thrust, less its load; what rotors are asked for beyond that, all lose
+alike (q2q_sim.plant.body.rotors.excess_share), but together they give no more than each by itself
+(`share_given`). h: lever of the rotors, T: thrust lag.
 
 A term that is None is switched off; the residual and the edge torque act under a jet, and are zero without
 one. `intervals` holds the 95 % interval of each fitted value by its path, such as "residual.time_s".
@@ -212,7 +212,7 @@ class RotorDragTerm:
 class RateLoadTerm:
     """Work of the rotors in proportion to roll and pitch rate: it takes from their range and turns nothing.
 
-    Rotors reach their ceiling with it. It needs the vehicle's term, which has the ceiling.
+    Rotors reach their largest thrust with it. It needs the vehicle's term, which has their headroom.
     """
 
     nms: float

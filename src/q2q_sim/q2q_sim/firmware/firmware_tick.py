@@ -43,7 +43,7 @@ class Controllers(NamedTuple):
 def airframe_in(swarm: Swarm, vehicle: Vehicle) -> Airframe:
     """Return the airframe of a swarm's vehicles, whose rotors give what the swarm's air leaves them."""
     _, _, rotor_max = swarm.body.frame
-    return replace(airframe_of(vehicle), force_max=rotor_max)
+    return replace(airframe_of(vehicle), rotor_max=rotor_max)
 
 
 def fresh_controllers(airframe: Airframe, vehicles: int) -> Controllers:

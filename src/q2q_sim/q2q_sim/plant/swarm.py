@@ -246,7 +246,7 @@ def vehicle_of_room(air: FlownAir, vehicle: Vehicle) -> Vehicle:
 def body_of_room(air: FlownAir, vehicle: Vehicle, step: float) -> Body:
     """Return the constants of a vehicle in an air, for steps of `step` [s].
 
-    The ceilings of a room's vehicles limit their rotors, and nothing else does.
+    Each rotor of a room's vehicles is limited by its own largest thrust, and by nothing else.
     """
     body = body_of(vehicle_of_room(air, vehicle), attitude_loop_of_room(air), step)
     if not isinstance(air, RoomAir) or air.vehicle is None:

@@ -42,7 +42,7 @@ def draws_in(air: FlownAir, flight: TrackedFlight, vehicle: Vehicle) -> MakeDraw
         drawn = replace(air, rotor_drag=None) if isinstance(air, RoomAir) else air
         swarm = Swarm(names, vehicle, start, drawn, seed)
         if flight.headroom is not None and isinstance(drawn, RoomAir):
-            swarm.air.room.ceilings[:] = 0.25 * vehicle.hover_thrust * flight.headroom
+            swarm.air.room.rotor_max[:] = 0.25 * vehicle.hover_thrust * flight.headroom
         return Draw(swarm, Disturbance(_gusts(drawn), len(names), dt, seed))
 
     return make

@@ -78,7 +78,7 @@ POS_TARGET, VEL_TARGET = RATE_SETPOINT + 3, RATE_SETPOINT + 6
 """Setpoints of the position PIDs, in the frame rotated by the yaw [m], [m/s]."""
 MEMORY_WIDTH = VEL_TARGET + 3
 
-NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW, FORCE_MAX = range(4)
+NEWTON_PER_PWM, SHARE_TILT, SHARE_YAW, ROTOR_MAX = range(4)
 FRAME_WIDTH = 4
 
 
@@ -107,7 +107,7 @@ def setpoint_row(setpoint: Setpoint, power: Power) -> Array:
 def frame_row(airframe: Airframe) -> Array:
     """Return the row of an airframe, (FRAME_WIDTH,)."""
     one = airframe
-    return np.array([one.newton_per_pwm, one.share_tilt, one.share_yaw, one.force_max])
+    return np.array([one.newton_per_pwm, one.share_tilt, one.share_yaw, one.rotor_max])
 
 
 def fresh_memory(vehicles: int) -> Array:

@@ -17,12 +17,12 @@ from q2q_model.signals.values import Array
 from q2q_sim.firmware.controllers.columns import (
     BATTERY,
     CONTROL,
-    FORCE_MAX,
     IDLE,
     MOTOR,
     MOTOR_COMMAND,
     MOTORS_ON,
     NEWTON_PER_PWM,
+    ROTOR_MAX,
     SHARE_TILT,
     SHARE_YAW,
     SUPPLY,
@@ -62,4 +62,4 @@ def drive_motors(setpoint: Array, memory: Array, frame: Array, forces: Array) ->
             duties[k] = truncate(compensate(memory[MOTOR_COMMAND + k], setpoint[SUPPLY]), INT32_MAX)
         cap(duties, setpoint[IDLE])
     for k in range(4):
-        forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], setpoint[BATTERY]), frame[FORCE_MAX])
+        forces[k] = min(frame[NEWTON_PER_PWM] * thrust_pwm(duties[k], setpoint[BATTERY]), frame[ROTOR_MAX])

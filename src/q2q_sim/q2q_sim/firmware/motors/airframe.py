@@ -23,7 +23,7 @@ the rates compensates the rotor lag and scales with it: without lag it would des
 
 The scale holds from 7000 PWM, below which a compensated motor stops, to full duty (thrust_curve). A motor
 gives at most a quarter of thrust_max: a real battery sags under such a load. In an air with its own vehicles,
-their ceilings limit the rotors, and nothing else does (q2q_sim.plant.swarm.body_of_room).
+each rotor's own largest thrust limits it, and nothing else does (q2q_sim.plant.swarm.body_of_room).
 """
 
 import math
@@ -51,7 +51,7 @@ class Airframe:
     """[kg]"""
     pwm_per_newton: float
     """PWM of every motor per newton of collective thrust: `ctrlMel.massThrust` [1/N]."""
-    force_max: float
+    rotor_max: float
     """Largest force of one motor [N]."""
 
 

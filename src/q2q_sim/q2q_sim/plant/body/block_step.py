@@ -24,12 +24,12 @@ from q2q_sim.plant.body.rigid_body import (
 from q2q_sim.plant.body.rotors import excess_share, rotor_torque
 from q2q_sim.plant.body.state_row import (
     AX,
-    CEILING1,
     ETA,
     ETA_X,
     ETA_Y,
     F1,
     QX,
+    ROTOR_MAX1,
     STATE_WIDTH,
     TX,
     VX,
@@ -118,7 +118,7 @@ def _lagged(block: Array, lane: int, commanded: Four, decay: float) -> tuple[Fou
     """Return the rotor thrusts [N] of a lane after the step, and whether all of them lose alike."""
     f1, f2, f3, f4 = _four(block, F1, lane)
     gain = _four(block, DRIVE + GAIN1, lane)
-    lost = excess_share(commanded, _four(block, CEILING1, lane))
+    lost = excess_share(commanded, _four(block, ROTOR_MAX1, lane))
     t1, t2 = gain[0] * max(commanded[0] - lost, 0.0), gain[1] * max(commanded[1] - lost, 0.0)
     t3, t4 = gain[2] * max(commanded[2] - lost, 0.0), gain[3] * max(commanded[3] - lost, 0.0)
     alike = min(commanded[0], commanded[1], commanded[2], commanded[3]) >= lost

@@ -15,7 +15,7 @@ level, with its yaw kept. A commanded thrust of zero stops the motors, as in the
 | symbol | name | meaning [unit] |
 |---|---|---|
 | f | rotors | thrust of each rotor [N] |
-| f_max | ceiling | largest thrust of a rotor [N] |
+| f_max | rotor_max | largest thrust of a rotor [N] |
 | k | gain | thrust over commanded thrust of a rotor: battery, wear [-] |
 | T_lag | thrust_lag | [s]; decay = exp(-h / T_lag) |
 | eta + a_air | push | acceleration by the air (downwash, ground) and by wind [m/s^2], world |
@@ -52,10 +52,6 @@ from q2q_sim.plant.body.state_row import (
     AX,
     AY,
     AZ,
-    CEILING1,
-    CEILING2,
-    CEILING3,
-    CEILING4,
     ETA,
     ETA_X,
     ETA_Y,
@@ -67,6 +63,10 @@ from q2q_sim.plant.body.state_row import (
     QX,
     QY,
     QZ,
+    ROTOR_MAX1,
+    ROTOR_MAX2,
+    ROTOR_MAX3,
+    ROTOR_MAX4,
     TX,
     TY,
     TZ,
@@ -173,10 +173,10 @@ def _stand(row: Array, body: Body) -> None:
 @compiled(**BORROWING)
 def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     """Advance rotors and rigid body by one step under commanded rotor thrusts [N], (4,)."""
-    ceilings = (row[CEILING1], row[CEILING2], row[CEILING3], row[CEILING4])
+    rotor_max = (row[ROTOR_MAX1], row[ROTOR_MAX2], row[ROTOR_MAX3], row[ROTOR_MAX4])
     asked = (commanded[0], commanded[1], commanded[2], commanded[3])
-    lost = excess_share(asked, ceilings)
-    share = share_given(asked, ceilings, lost)
+    lost = excess_share(asked, rotor_max)
+    share = share_given(asked, rotor_max, lost)
     for k in range(4):
         target = drive[GAIN1 + k] * share * max(commanded[k] - lost, 0.0)
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay

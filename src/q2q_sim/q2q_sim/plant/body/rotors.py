@@ -12,18 +12,18 @@ def rotor_torque(rotors: Four, lever: float, drag: float) -> Three:
 
 
 @compiled(**BORROWING)
-def excess_share(commanded: Four, ceilings: Four) -> float:
-    """Return a quarter of what the rotors are asked for beyond their ceilings [N].
+def excess_share(commanded: Four, rotor_max: Four) -> float:
+    """Return a quarter of what the rotors are asked for beyond their largest thrusts [N].
 
     Every rotor that gives as much loses it: rotors at their limit cost the vehicle thrust, not attitude.
     """
-    one, two = max(commanded[0] - ceilings[0], 0.0), max(commanded[1] - ceilings[1], 0.0)
-    three, four = max(commanded[2] - ceilings[2], 0.0), max(commanded[3] - ceilings[3], 0.0)
+    one, two = max(commanded[0] - rotor_max[0], 0.0), max(commanded[1] - rotor_max[1], 0.0)
+    three, four = max(commanded[2] - rotor_max[2], 0.0), max(commanded[3] - rotor_max[3], 0.0)
     return 0.25 * (one + two + three + four)
 
 
 @compiled(**BORROWING)
-def share_given(commanded: Four, ceilings: Four, lost: float) -> float:
+def share_given(commanded: Four, rotor_max: Four, lost: float) -> float:
     """Return the share of its thrust, less what is `lost` [N], that every rotor gives.
 
     It is 1 unless a rotor is asked for less than is lost: then together they give what each could by itself.
@@ -31,7 +31,7 @@ def share_given(commanded: Four, ceilings: Four, lost: float) -> float:
     one, two, three, four = commanded
     if min(one, two, three, four) >= lost:
         return 1.0
-    able = max(min(one, ceilings[0]), 0.0) + max(min(two, ceilings[1]), 0.0)
-    able += max(min(three, ceilings[2]), 0.0) + max(min(four, ceilings[3]), 0.0)
+    able = max(min(one, rotor_max[0]), 0.0) + max(min(two, rotor_max[1]), 0.0)
+    able += max(min(three, rotor_max[2]), 0.0) + max(min(four, rotor_max[3]), 0.0)
     asked = max(one - lost, 0.0) + max(two - lost, 0.0) + max(three - lost, 0.0) + max(four - lost, 0.0)
     return able / asked if able < asked else 1.0

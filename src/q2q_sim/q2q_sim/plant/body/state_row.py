@@ -24,12 +24,12 @@ ETA_X, ETA_Y = 21, 22
 """Its horizontal push [m/s^2], world."""
 TX, TY, TZ = 23, 24, 25
 """Its torque [N m], body."""
-CEILING1, CEILING2, CEILING3, CEILING4 = 26, 27, 28, 29
+ROTOR_MAX1, ROTOR_MAX2, ROTOR_MAX3, ROTOR_MAX4 = 26, 27, 28, 29
 """Largest thrust of each rotor [N], less its load (room_air.RateLoadTerm)."""
 STATE_WIDTH = 30
 POS, VEL, QUAT = slice(X, VX), slice(VX, QX), slice(QX, P)
 RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA)
-TORQUE = slice(TX, CEILING1)
+TORQUE = slice(TX, ROTOR_MAX1)
 
 Two = tuple[float, float]
 Three = tuple[float, float, float]
@@ -46,5 +46,5 @@ def state_at_rest(start: Array, mass: float) -> Array:
     state[:, POS] = start[:, :3]
     state[:, QUAT] = quat_from_euler(level, level, start[:, 3])
     state[start[:, 2] > 0.0, ROTORS] = 0.25 * mass * GRAVITY
-    state[:, CEILING1:] = np.inf
+    state[:, ROTOR_MAX1:] = np.inf
     return state

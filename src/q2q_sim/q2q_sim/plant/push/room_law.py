@@ -108,7 +108,7 @@ class RoomLaw(NamedTuple):
     """Block of the unit processes, (KINDS, steps, n)."""
     extremes: Array
     """Largest slope and speed of the vehicles (q2q_sim.plant.push.jet_reach), (EXTREMES_WIDTH,)."""
-    ceilings: Array
+    rotor_max: Array
     """Largest thrust of each rotor at the start [N], (n, 4); infinite without a vehicle term."""
     gains: Array
     """Gain of each vehicle on the mean downwash [-], (n,)."""
@@ -140,7 +140,7 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
         bound=bound_of(jet, ends, lean),
         unit=np.zeros((KINDS, block_steps(body.step), count)),
         extremes=np.zeros(EXTREMES_WIDTH),
-        ceilings=ceilings(air, count, body.mass, seed),
+        rotor_max=rotor_max(air, count, body.mass, seed),
         gains=gains(air, count, seed),
         near=no_pairs(count),
         places=np.zeros((3, count)),
@@ -150,7 +150,7 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
     )
 
 
-def ceilings(air: RoomAir, count: int, mass: float, seed: int) -> Array:
+def rotor_max(air: RoomAir, count: int, mass: float, seed: int) -> Array:
     """Return the largest thrust of each rotor of the vehicles [N], (n, 4), drawn for a flight."""
     if air.vehicle is None:
         return np.full((count, 4), math.inf)

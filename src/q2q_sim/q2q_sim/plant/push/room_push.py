@@ -15,10 +15,6 @@ from q2q_sim.air.unit_processes import RESIDUAL, WANDER_X, WANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
 from q2q_sim.plant.body.rotors import rotor_torque
 from q2q_sim.plant.body.state_row import (
-    CEILING1,
-    CEILING2,
-    CEILING3,
-    CEILING4,
     ETA,
     ETA_X,
     ETA_Y,
@@ -30,6 +26,10 @@ from q2q_sim.plant.body.state_row import (
     QX,
     QY,
     QZ,
+    ROTOR_MAX1,
+    ROTOR_MAX2,
+    ROTOR_MAX3,
+    ROTOR_MAX4,
     TX,
     TY,
     TZ,
@@ -204,15 +204,15 @@ def drag(state: Array, i: int, per_s: float) -> None:
 
 @compiled(**HOT)
 def lag_rotor_load(state: Array, i: int, one: RoomNumbers) -> None:
-    """Take the load of a vehicle's rotors from their ceilings, ahead by the lag of thrust."""
+    """Take the load of a vehicle's rotors from their largest thrusts, ahead by the lag of thrust."""
     rotors = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
     tx, ty, _ = rotor_torque(rotors, one.lever, 0.0)
     roll = one.rate_load * (state[i, P] + one.roll_lead * (tx + state[i, TX]))
     pitch = one.rate_load * (state[i, Q] + one.pitch_lead * (ty + state[i, TY]))
-    state[i, CEILING1] += roll + pitch
-    state[i, CEILING2] += roll - pitch
-    state[i, CEILING3] -= roll + pitch
-    state[i, CEILING4] -= roll - pitch
+    state[i, ROTOR_MAX1] += roll + pitch
+    state[i, ROTOR_MAX2] += roll - pitch
+    state[i, ROTOR_MAX3] -= roll + pitch
+    state[i, ROTOR_MAX4] -= roll - pitch
 
 
 @compiled(**HOT)
@@ -233,13 +233,13 @@ def add_surroundings(state: Array, i: int, unit: float, one: RoomNumbers, mass: 
 
 
 @compiled(**HOT)
-def clear_push(state: Array, ceilings: Array, faded: float) -> None:
+def clear_push(state: Array, rotor_max: Array, faded: float) -> None:
     """Write no push, no torque and the largest thrust of each rotor, less what faded, into every state."""
     for i in range(state.shape[0]):
-        for column in range(ETA, CEILING1):
+        for column in range(ETA, ROTOR_MAX1):
             state[i, column] = 0.0
         for rotor in range(4):
-            state[i, CEILING1 + rotor] = max(ceilings[i, rotor] - faded, 0.0)
+            state[i, ROTOR_MAX1 + rotor] = max(rotor_max[i, rotor] - faded, 0.0)
 
 
 @compiled(**HOT)
@@ -269,7 +269,7 @@ def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
 def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
     """Write push, torque and largest rotor thrust of every vehicle; `mass` in [kg]."""
     n, one, unit = state.shape[0], room.numbers, room.unit
-    clear_push(state, room.ceilings, one.fading * one.step * float(rows[n]))
+    clear_push(state, room.rotor_max, one.fading * one.step * float(rows[n]))
     if n > 1 and room.bound.near > 0.0:
         add_jets(state, ring, rows, room)
     tick = rows[n] % unit.shape[1]
