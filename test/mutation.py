@@ -2,11 +2,11 @@
 
     python test/mutation.py [--jobs 2] [--share 0.5 [--after 0.5]] [--only q2q_control.failsafe.guard]
 
-Loops run uncompiled where they are mutated. The tests of a room are collected, and run once while it is noted
-which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A mutant
+Loops run uncompiled where they are mutated. The tests of some modules are collected, and run once while it is
+noted which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A mutant
 then is a fork of this warm process: the changed function gets its new code in place, and the tests that call
 it run, the quickest first, until one fails, which kills the mutant. So does more than PATIENCE times the
-processor time that these tests took before. `mutants` has the mutations, `mutated_rooms` what is mutated.
+processor time that these tests took before. `mutants` has the mutations, `mutated_modules` what is mutated.
 """
 
 import argparse
@@ -27,7 +27,7 @@ import pytest
 from _pytest.runner import runtestprotocol
 from hypothesis import Phase, settings
 from mutants import Mutant, mutants
-from mutated_rooms import ROOMS, Room
+from mutated_modules import MUTATED, MutatedModules
 
 ROOT = Path(__file__).parents[1]
 PATIENCE, LEAST_S = 5.0, 10
@@ -78,7 +78,7 @@ def forget_caches() -> None:
 
 @dataclass(slots=True)
 class Trial:
-    """The tests of a room as a pytest plugin, and what they do to mutants."""
+    """The tests of some modules as a pytest plugin, and what they do to mutants."""
 
     modules: Sequence[str]
     asked: argparse.Namespace
@@ -196,23 +196,23 @@ def main() -> int:
     )
     parser.add_argument("--only", default="", help="modules whose names begin so")
     asked = parser.parse_args()
-    failed = [room for room in ROOMS if not _in_a_process_of_its_own(room, asked)]
+    failed = [one for one in MUTATED if not _in_a_process_of_its_own(one, asked)]
     return int(bool(failed))
 
 
-def _in_a_process_of_its_own(room: Room, asked: argparse.Namespace) -> bool:
-    """Try a room's mutants and print its scores; return whether its tests pass without any."""
-    modules = [name for name in room.modules if name.startswith(asked.only)]
+def _in_a_process_of_its_own(mutated: MutatedModules, asked: argparse.Namespace) -> bool:
+    """Try the mutants of some modules and print their scores; return whether the tests pass without any."""
+    modules = [name for name in mutated.modules if name.startswith(asked.only)]
     if not modules:
         return True
     child = os.fork()
     if child:
         return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-    os.environ["NUMBA_DISABLE_JIT"] = "0" if room.compiled else "1"  # before numba is loaded
+    os.environ["NUMBA_DISABLE_JIT"] = "0" if mutated.compiled else "1"  # before numba is loaded
     trial = Trial(modules, asked)
-    tests = [str(ROOT / name) for name in room.tests]
+    tests = [str(ROOT / name) for name in mutated.tests]
     silent = ["-W", "ignore::RuntimeWarning"]  # of numbers that compiled loops divide without a word
-    words = ["-q", *silent, "-p", "no:cacheprovider", "-p", "no:xdist", "-k", room.left_out, *tests]
+    words = ["-q", *silent, "-p", "no:cacheprovider", "-p", "no:xdist", "-k", mutated.left_out, *tests]
     os._exit(int(pytest.main(words, plugins=[trial])))
 
 

@@ -48,7 +48,7 @@ class NearPairs(NamedTuple):
 
 
 def no_pairs(count: int) -> NearPairs:
-    """Return room for the pairs of `count` vehicles, with a list that does not hold."""
+    """Return space for the pairs of `count` vehicles, with a list that does not hold."""
     near = min(max(count - 1, 0), NEIGHBOURS)
     return NearPairs(
         begin=np.zeros(count, dtype=np.int64),

@@ -1,4 +1,4 @@
-"""Air of a room as compiled code takes it: table of the jet, numbers of all terms, room to work in."""
+"""Air of a room as compiled code takes it: table of the jet, numbers of all terms, workspace."""
 
 import math
 from typing import NamedTuple
@@ -115,13 +115,13 @@ class RoomLaw(NamedTuple):
     near: NearPairs
     """List of the vehicles near each source."""
     places: Array
-    """Room for x, y, z [m] of the vehicles, (3, n)."""
+    """Workspace for x, y, z [m] of the vehicles, (3, n)."""
     under: Array
-    """Room for pairs of a vehicle in a jet and its source, (n + AT_ONCE, UNDER_WIDTH)."""
+    """Workspace for pairs of a vehicle in a jet and its source, (n + AT_ONCE, UNDER_WIDTH)."""
     met: Rows
-    """Room for the vehicles' rows, (n + AT_ONCE,)."""
+    """Workspace for the vehicles' rows, (n + AT_ONCE,)."""
     source: Rows
-    """Room for the sources' rows, (n + AT_ONCE,)."""
+    """Workspace for the sources' rows, (n + AT_ONCE,)."""
 
 
 def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class MutatedModules:
     """Modules that are mutated, and the tests that must notice."""
 
     modules: tuple[str, ...]
@@ -15,8 +15,8 @@ class Room:
     """Loops of other modules run compiled; the mutated ones call them, and are not called by them."""
 
 
-ROOMS = (
-    Room(
+MUTATED = (
+    MutatedModules(
         tuple(
             f"q2q_control.failsafe.{name}"
             for name in (
@@ -52,7 +52,7 @@ ROOMS = (
         ),
         "not mpc",
     ),
-    Room(
+    MutatedModules(
         (
             "q2q_model.signals.clock_resets",
             *(
@@ -83,7 +83,7 @@ ROOMS = (
             )
         ),
     ),
-    Room(
+    MutatedModules(
         tuple(
             f"q2q_planner.online.{name}"
             for name in (
@@ -112,7 +112,7 @@ ROOMS = (
         ),
         compiled=True,
     ),
-    Room(
+    MutatedModules(
         ("q2q_planner.online.safe.stopping.jerk_limited",),
         ("src/q2q_planner/test/test_jerk_limited.py",),
         "not compiled_and_plain",
