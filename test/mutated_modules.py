@@ -62,9 +62,10 @@ MUTATED = (
                     "association.reacquisition",
                     "association.suspected_swaps",
                     "association.marker_swaps",
-                    "position_gates",
-                    "attitudes",
-                    "positions",
+                    "position.position_gates",
+                    "attitude.attitude_steps",
+                    "attitude.attitude_tracks",
+                    "position.position_tracks",
                 )
             ),
         ),

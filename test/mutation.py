@@ -3,10 +3,11 @@
     python test/mutation.py [--jobs 2] [--share 0.5 [--after 0.5]] [--only q2q_control.failsafe.guard]
 
 Loops run uncompiled where they are mutated. The tests of some modules are collected, and run once while it is
-noted which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A mutant
-then is a fork of this warm process: the changed function gets its new code in place, and the tests that call
-it run, the quickest first, until one fails, which kills the mutant. So does more than PATIENCE times the
-processor time that these tests took before. `mutants` has the mutations, `mutated_modules` what is mutated.
+noted which functions each calls; what runs compiled is not seen, so that all tests are taken to call it. A
+mutant then is a fork of this warm process: the changed function gets its new code in place, and the tests
+that call it run, the quickest first, until one fails, which kills the mutant. So does more than PATIENCE
+times the processor time that these tests took before. `mutants` has the mutations, `mutated_modules` what is
+mutated.
 """
 
 import argparse

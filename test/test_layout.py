@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from fresh_checkout import ROOT
+from mutated_modules import MUTATED
 
 PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/*/__init__.py"))
 MODULES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
@@ -125,6 +126,13 @@ def test_no_two_modules_share_a_name():
 
 def test_no_two_public_classes_share_a_name():
     assert repeated([name for path in MODULES for name in public_classes(path)]) == []
+
+
+def test_modules_that_are_mutated_and_their_tests_are_where_they_are_said_to_be():
+    modules = {name for one in MUTATED for name in one.modules}
+    found = {".".join(path.relative_to(ROOT / "src").with_suffix("").parts[1:]) for path in MODULES}
+    assert modules - found == set()
+    assert [name for one in MUTATED for name in one.tests if not (ROOT / name).is_file()] == []
 
 
 def test_no_function_is_longer_than_a_screen():
