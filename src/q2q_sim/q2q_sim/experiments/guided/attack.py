@@ -66,14 +66,14 @@ class Attack:
 
 def attack(seed: int, length: int, judge: Judge, air: str = "") -> Attack:
     """Return the outcome of an attack of at most `length` runs."""
-    runs = weak = untold = 0
+    runs = overpowered = unforeseen = 0
     for attempt in attack_runs(seed, length, judge, air):
         runs += 1
-        weak += attempt.flight.overpowered
-        untold += attempt.flight.unforeseen
+        overpowered += attempt.flight.overpowered
+        unforeseen += attempt.flight.unforeseen
         if attempt.flight.violations:
-            return Attack(runs, attempt.run, attempt.flight.policies, weak, untold)
-    return Attack(runs, None, frozenset(), weak, untold)
+            return Attack(runs, attempt.run, attempt.flight.policies, overpowered, unforeseen)
+    return Attack(runs, None, frozenset(), overpowered, unforeseen)
 
 
 def attack_runs(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[AttackRun]:

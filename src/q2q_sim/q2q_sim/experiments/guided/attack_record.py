@@ -56,8 +56,10 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
         write_case_page(small, outcome.violations, path.with_suffix(".html"))
         case = str(path)
     seconds = perf_counter() - began
-    weak, untold = found.overpowered, found.unforeseen
-    return AttackRecord(seed, length, found.runs, policies, case, seconds, air, weak, untold, SEARCH)
+    overpowered, unforeseen = found.overpowered, found.unforeseen
+    return AttackRecord(
+        seed, length, found.runs, policies, case, seconds, air, overpowered, unforeseen, SEARCH
+    )
 
 
 def write_case_page(run: Run, violations: Sequence[Violation], file: Path) -> None:
