@@ -31,6 +31,12 @@ FEWEST = 5
 """Fewest rows of overlap for a mean: 50 ms at 100 Hz."""
 FEWEST_FLIGHTS = 3
 """Fewest flights for an interval: the two parameters fit two flights exactly, whatever these measured."""
+RATES = np.linspace(-2.0, 10.0, 601)
+"""Grid of beta [1/m], much finer than any confidence interval."""
+FARTHEST = 10.0
+"""d of a deviation that does not decay [m]: above the height of any flight room."""
+_UNBOUNDED = np.array([[0.0, RATES[0], 0.0], [UNKNOWN, RATES[-1], FARTHEST]])
+"""Ends of the intervals of alpha, beta and d that nothing is known of, (2, 3)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,13 +127,7 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
         )
     gaps, devs = np.array([o.gap for o in overlaps]), np.array([o.dev for o in overlaps])
     best = _decay(gaps, devs, given.allowed)
-    rng = np.random.default_rng(given.seed)
-    drawn = rng.integers(0, gaps.size, (DRAWS, gaps.size))
-    apart = np.ptp(gaps[drawn], axis=1) > 0.1 * np.ptp(gaps)
-    draws = [_decay(gaps[rows], devs[rows], given.allowed) for rows in drawn[apart]] or [best]
-    low, high = np.percentile(np.array(draws), [2.5, 97.5], axis=0)
-    if gaps.size < FEWEST_FLIGHTS:
-        low, high = np.array([[0.0, RATES[0], 0.0], [UNKNOWN, RATES[-1], FARTHEST]])
+    low, high = _bootstrap(gaps, devs, given) if gaps.size >= FEWEST_FLIGHTS else _UNBOUNDED
     alpha, beta, d = (
         Interval(float(v), float(min(a, v)), float(max(b, v)))
         for v, a, b in zip(best, low, high, strict=True)
@@ -135,10 +135,17 @@ def fit_decay(records: Sequence[AltitudeRecord], params: DeviationParams | None 
     return DecayFit(overlaps, alpha, beta, d, extrapolated=bool(d.value > gaps.max()))
 
 
-RATES = np.linspace(-2.0, 10.0, 601)
-"""Grid of beta [1/m], much finer than any confidence interval."""
-FARTHEST = 10.0
-"""d of a deviation that does not decay [m]: above the height of any flight room."""
+def _bootstrap(gaps: Array, devs: Array, params: DeviationParams) -> Array:
+    """Return the ends of the intervals of alpha, beta and d by a bootstrap over flights, (2, 3).
+
+    Draws whose gaps lie too close to each other for a decay are left out.
+    """
+    rng = np.random.default_rng(params.seed)
+    drawn = rng.integers(0, gaps.size, (DRAWS, gaps.size))
+    apart = np.ptp(gaps[drawn], axis=1) > 0.1 * np.ptp(gaps)
+    taken = drawn[apart] if apart.any() else np.arange(gaps.size)[None]
+    draws = [_decay(gaps[rows], devs[rows], params.allowed) for rows in taken]
+    return np.asarray(np.percentile(np.array(draws), [2.5, 97.5], axis=0))
 
 
 def _decay(gaps: Array, devs: Array, allowed: float) -> tuple[float, float, float]:
