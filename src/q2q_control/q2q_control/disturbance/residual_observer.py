@@ -144,23 +144,31 @@ def advance(belief: Belief, known: Mask, rows: Rows, step: float, share: float) 
     for i in range(rows.height.size):
         x, P = belief.state[i], belief.cov[i]
         if not known[i]:
-            x[0], x[1], x[2], x[3] = rows.height[i], rows.climb[i], 0.0, 0.0
-            P[:] = 0.0
-            P[0, 0], P[1, 1], P[2, 2], P[3, 3] = (
-                HEIGHT_STD**2,
-                CLIMB_STD**2,
-                rows.sigma[i] ** 2,
-                OFFSET_STD**2,
-            )
+            _start(x, P, rows, i)
             continue
-        x[:] = F @ x
-        x[0] += half * rows.acc[i]
-        x[1] += step * rows.acc[i]
-        P[:] = F @ P @ F.T
-        P[2, 2] += (1.0 - share**2) * rows.sigma[i] ** 2
-        P[3, 3] += 2.0 * step / OFFSET_S * OFFSET_STD**2
+        _propagate(x, P, F, rows.acc[i], rows.sigma[i])
         if rows.fresh[i]:
             _correct(x, P, see, rows.height[i], HEIGHT_STD**2)
+
+
+@compiled
+def _start(x: Array, P: Array, rows: Rows, i: int) -> None:
+    """Write x (4,) and P (4, 4) of a vehicle that was not known: its measurement, no residual, no offset."""
+    x[0], x[1], x[2], x[3] = rows.height[i], rows.climb[i], 0.0, 0.0
+    P[:] = 0.0
+    P[0, 0], P[1, 1], P[2, 2], P[3, 3] = HEIGHT_STD**2, CLIMB_STD**2, rows.sigma[i] ** 2, OFFSET_STD**2
+
+
+@compiled
+def _propagate(x: Array, P: Array, F: Array, acc: float, sigma: float) -> None:
+    """Move x (4,) and P (4, 4) on by a step, whose transition is F (4, 4), under `acc` [m/s^2]."""
+    step, half, share = F[0, 1], F[0, 2], F[2, 2]
+    x[:] = F @ x
+    x[0] += half * acc
+    x[1] += step * acc
+    P[:] = F @ P @ F.T
+    P[2, 2] += (1.0 - share**2) * sigma**2
+    P[3, 3] += 2.0 * step / OFFSET_S * OFFSET_STD**2
 
 
 @compiled
