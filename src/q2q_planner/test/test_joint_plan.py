@@ -12,10 +12,10 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
 from q2q_planner.offline import certificate
 from q2q_planner.offline.avoidance.deviation_space import bend, deviation_space
-from q2q_planner.offline.avoidance.half_spaces import watch_pairs
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
+from q2q_planner.offline.avoidance.least_deformation import least_bends, nonnegative_qp
 from q2q_planner.offline.avoidance.near_samples import LOOK
-from q2q_planner.offline.avoidance.separating_planes import Planes, least_bends, nonnegative_qp
+from q2q_planner.offline.avoidance.separating_planes import Planes, watch_pairs
 from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.certificate import certify

@@ -1,10 +1,11 @@
 """Successive convexification: deform a swarm's trajectories out of a zone step by step, then certify them.
 
-Each step linearises the zone around the current curves (`half_spaces`) and deforms the minimum snap curves as
-little as the planes allow (`separating_planes`). In a large swarm the planes of the first steps are soft, so
-that pairs can change sides. When the cost has converged and no plane is violated, the curves are certified
-(`certificate`); if a pair is in the zone between two planes, the samples are made denser, and the deepest one
-of each pass through the zone gets a plane, too (`near_samples.cut_corners`). Walls are planes from the start.
+Each step linearises the zone around the current curves (`separating_planes`) and deforms the minimum snap
+curves as little as the planes allow (`least_deformation`). In a large swarm the planes of the first steps are
+soft, so that pairs can change sides. When the cost has converged and no plane is violated, the curves are
+certified (`certificate`); if a pair is in the zone between two planes, the samples are made denser, and the
+deepest one of each pass through the zone gets a plane, too (`near_samples.cut_corners`). Walls are planes
+from the start.
 """
 
 from dataclasses import dataclass
@@ -15,8 +16,8 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.deviation_space import bend
-from q2q_planner.offline.avoidance.half_spaces import SPACING
-from q2q_planner.offline.avoidance.separating_planes import HARD, least_bends
+from q2q_planner.offline.avoidance.least_deformation import HARD, least_bends
+from q2q_planner.offline.avoidance.separating_planes import SPACING
 from q2q_planner.offline.avoidance.step_planes import watched_samples
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
 from q2q_planner.offline.certificate import Certificate, certify

@@ -1,30 +1,27 @@
-"""Least deformation of a swarm under separating planes at samples.
+"""Separating planes for every pair near a zone: the linearisation of eq. (18).
 
-A plane (i, j, s, n, level) requires n.(r_i(t_s) - r_j(t_s)) >= level. In the deviations y of
-`deviation_space` all planes together read A y >= b, and the least deviation is y = A'x, where the dual x >= 0
-minimises 1/2 x'AA'x - b'x. It is approached from a guess x_0 by proximal steps, with delta/2 ||x - x_0||^2
-added, so that contradictory planes do no harm. Two planes are coupled in AA' only if they share a vehicle, so
-AA' is sparse for a large swarm. PIQP solves it (Schwan, Jiang, Kuhn, Jones, PIQP: A proximal interior-point
-quadratic programming solver, 2023).
+Outside or slightly inside, a sample's plane touches the zone at its nearest point. A pass deeper than DEEP
+gets one plane for all its samples inside, normal to the relative velocity at its deepest point: nearest
+points would push one half of the pass backwards and the other half forwards.
+
+Between planes a curve may cut the corner; if the pair moves by ds from one plane to the next, the planes are
+offset by the sagitta ds^2 / (8 eps) of a chord of the zone's radius.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-import piqp
-from scipy import sparse
 
-from q2q_model.signals.values import Array, Rows
-from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples
+from q2q_model.signals.values import Array, Mask, Rows
+from q2q_planner.offline.avoidance.near_samples import is_near, pairs_near_zone
+from q2q_planner.offline.convex_zone import Lathe
 
-HARD = 1e-4
-"""Least delta, over the mean of AA' 's diagonal."""
-MOST_DENSE = 400
-"""Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
-ACCURACY = 1e-10
-"""Absolute and relative tolerance of the QP."""
-LOOSE = 1e-6
-"""Share of the largest dual below which a plane is loose: an interior point comes near zero but not to it."""
+SPACING = 0.25
+"""Distance between the planes of a pair, in radii."""
+DEEP = 0.25
+"""Depth of a pass, in radii, beyond which it gets one common plane."""
+HEAD_ON = 1e-6
+"""Miss distance below which a pass is head on [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,58 +40,96 @@ class Planes:
     """[m], (m,)."""
 
 
-def least_bends(
-    samples: SwarmSamples, planes: Planes, warm: Array, softness: float = HARD
-) -> tuple[Array, Array]:
-    """Return the deviations y (n, m, 3) of least cost that satisfy the planes, and their dual x (planes,).
+@dataclass(frozen=True, slots=True, eq=False)
+class Watch:
+    """Samples of pairs that have come near the zone, sorted by pair, then sample."""
 
-    The dual is zero for planes that are not touched. `warm` is the guess x_0; `softness` is delta over the
-    mean of AA' 's diagonal, HARD for few planes.
+    pair: Rows
+    """(w,)"""
+    sample: Rows
+    """(w,)"""
+    rel: Array
+    """r_i - r_j [m], (w, 3)."""
+    passing: Rows
+    """Index of a pair's pass by the zone, (w,)."""
+    chord: Array
+    """Change of r_i - r_j from the previous to the next sample [m], (w, 3)."""
+    normal: Array
+    """Outward normal at the zone's nearest point, (w, 3)."""
+    distance: Array
+    """Signed distance to the zone [m], (w,)."""
+
+
+def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watched: Mask) -> Watch:
+    """Return the samples near the zone, thinned to SPACING, and those `watched` already.
+
+    Args:
+        positions: of all vehicles at all samples [m], (S, n, 3).
+        pairs: vehicles i and j of each pair.
+        lathe: the zone.
+        watched: samples to include in any case, (pairs, S).
     """
-    n, _, dimension = samples.rows.shape
-    if not len(planes.sample):  # the violation lies between samples
-        return np.zeros((n, dimension, 3)), np.zeros(0)
-    pushes = _push_matrix(samples, planes)
-    rel = samples.base[planes.sample, planes.first] - samples.base[planes.sample, planes.second]
-    required = planes.level - (planes.normal * rel).sum(-1)
-    dual = _dual(pushes, required, warm, softness)
-    bends = (pushes.T @ dual).reshape(n, 3, dimension).swapaxes(1, 2)
-    return bends, np.where(dual > LOOSE * dual.max(initial=0.0), dual, 0.0)
+    first, second = pairs
+    seen = [np.empty((3, 0), dtype=np.intp)]  # pair, sample, passing
+    for pair in np.flatnonzero(pairs_near_zone(positions, pairs, lathe) | watched.any(axis=1)):
+        rel = positions[:, first[pair]] - positions[:, second[pair]]
+        near = is_near(rel.T, lathe)
+        sample = np.flatnonzero(watched[pair] | near & _thinned(rel, SPACING * lathe.eps))
+        passing = np.cumsum(near & np.diff(near, prepend=False), dtype=np.intp)[sample]
+        seen.append(np.stack([np.full_like(sample, pair), sample, passing]))
+    return _watch(positions, pairs, lathe, np.concatenate(seen, axis=1))
 
 
-def _push_matrix(samples: SwarmSamples, planes: Planes) -> sparse.csr_array:
-    """Return A, (planes, n * 3 * m)."""
-    n, _, dimension = samples.rows.shape
-    count = len(planes.sample)
-    column = np.arange(3 * dimension)
-    data, columns = [], []
-    for vehicle, sign in ((planes.first, 1.0), (planes.second, -1.0)):
-        phi = samples.rows[vehicle, planes.sample]  # (planes, m)
-        data.append((sign * planes.normal[:, :, None] * phi[:, None, :]).reshape(count, -1))
-        columns.append(vehicle[:, None] * (3 * dimension) + column)
-    pointer = np.arange(count + 1) * (6 * dimension)
-    flat = np.concatenate(data, axis=1).ravel(), np.concatenate(columns, axis=1).ravel(), pointer
-    return sparse.csr_array(flat, shape=(count, n * 3 * dimension))
+def _watch(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: Rows) -> Watch:
+    """Return the samples `seen` (pair, sample, passing), (3, w)."""
+    pair_of, sample, passing = seen
+    i, j, last = pairs[0][pair_of], pairs[1][pair_of], len(positions) - 1
+    rel = positions[sample, i] - positions[sample, j]
+    before, after = np.maximum(sample - 1, 0), np.minimum(sample + 1, last)
+    chord = positions[after, i] - positions[after, j] - positions[before, i] + positions[before, j]
+    normal, distance = lathe.nearest(rel)
+    return Watch(pair_of, sample, rel, passing, chord, normal, distance)
 
 
-def _dual(pushes: sparse.csr_array, required: Array, warm: Array, softness: float) -> Array:
-    """Return the planes' dual, (planes,), from A and b."""
-    few, gram = len(required) <= MOST_DENSE, (pushes @ pushes.T).tocsr()
-    give = (HARD if few else softness) * gram.diagonal().mean()
-    if give == 0.0:  # no vehicle can move
-        return np.zeros_like(required)
-    gram = gram + give * sparse.eye_array(len(required))
-    return nonnegative_qp(gram.toarray() if few else gram, required + give * warm)
+def _thinned(rel: Array, spacing: float) -> Mask:
+    """Return the samples at which a pair has moved by another `spacing` [m], (S,)."""
+    path = np.concatenate([[0.0], np.cumsum(np.sqrt((np.diff(rel, axis=0) ** 2).sum(-1)))])
+    count = np.floor(path / spacing)
+    return np.concatenate([[True], count[1:] > count[:-1]])
 
 
-def nonnegative_qp(gram: Array | sparse.csr_array, required: Array) -> Array:
-    """Return argmin 1/2 x'Gx - b'x over x >= 0, (m,), for a positive definite G (m, m)."""
-    if not (required > 0.0).any():
-        return np.zeros_like(required)
-    dense = isinstance(gram, np.ndarray)
-    solver = piqp.DenseSolver() if dense else piqp.SparseSolver()
-    solver.settings.eps_abs = solver.settings.eps_rel = ACCURACY
-    matrix = gram if dense else sparse.csc_matrix(gram)
-    solver.setup(matrix, -required, x_l=np.zeros_like(required))
-    solver.solve()
-    return np.asarray(np.maximum(solver.result.x, 0.0), dtype=np.float64)
+def planes_of(watch: Watch, pairs: tuple[Rows, Rows], lathe: Lathe, margin: float, side: Array) -> Planes:
+    """Return one plane a watched sample; `side` (pairs,) is -1 where a deep pass changes sides."""
+    normal = _with_common_normals(watch, lathe, side)
+    apart = np.maximum(SPACING * lathe.eps, 0.5 * np.sqrt((watch.chord**2).sum(-1)))
+    level = lathe.support(normal) + margin + apart**2 / (8.0 * lathe.eps)
+    return Planes(pairs[0][watch.pair], pairs[1][watch.pair], watch.sample, normal, level)
+
+
+def _with_common_normals(watch: Watch, lathe: Lathe, side: Array) -> Array:
+    """Return the normals with those of each deep pass replaced by one across the relative velocity."""
+    inside = np.flatnonzero(watch.distance < 0.0)
+    if not len(inside):
+        return watch.normal
+    apart = (np.diff(watch.pair[inside]) != 0) | (np.diff(watch.passing[inside]) != 0)
+    run = np.concatenate([[0], np.cumsum(apart)])
+    by_depth = np.lexsort((watch.distance[inside], run))
+    deepest = inside[by_depth[np.unique(run[by_depth], return_index=True)[1]]]  # one a run
+    across = _across(watch.rel[deepest], watch.chord[deepest]) * side[watch.pair[deepest]][:, None]
+    deep = watch.distance[deepest] < -DEEP * lathe.eps
+    normal = watch.normal.copy()
+    normal[inside[deep[run]]] = across[run[deep[run]]]
+    return normal
+
+
+def _across(rel: Array, chord: Array) -> Array:
+    """Return horizontal units (k, 3) normal to the motion, towards rel; to the right if head on."""
+    speed = np.hypot(chord[:, 0], chord[:, 1])
+    moving = speed > 0.0
+    along = np.where(moving[:, None], chord[:, :2] / np.where(moving, speed, 1.0)[:, None], 0.0)
+    miss = rel[:, :2] - (rel[:, :2] * along).sum(-1, keepdims=True) * along
+    size = np.hypot(miss[:, 0], miss[:, 1])
+    right = np.where(moving[:, None], np.stack([along[:, 1], -along[:, 0]], -1), [[1.0, 0.0]])
+    clear = (size > HEAD_ON)[:, None]
+    flat = np.where(clear, miss / np.where(clear, size[:, None], 1.0), right)
+    return np.concatenate([flat, np.zeros((len(flat), 1))], axis=1)

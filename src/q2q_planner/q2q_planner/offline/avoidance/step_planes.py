@@ -9,9 +9,8 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
-from q2q_planner.offline.avoidance.half_spaces import Watch, planes_of, watch_pairs
 from q2q_planner.offline.avoidance.near_samples import cut_corners
-from q2q_planner.offline.avoidance.separating_planes import Planes
+from q2q_planner.offline.avoidance.separating_planes import Planes, Watch, planes_of, watch_pairs
 from q2q_planner.offline.avoidance.wall_planes import WallWatch, join_planes, wall_planes, watch_walls
 
 
