@@ -93,8 +93,8 @@ MUTATED = (
                 "safe.committed_motion",
                 "safe.decision",
                 "safe.tracking_uncertainty",
-                "safe.found_again",
-                "safe.finite_setpoints",
+                "safe.lost_vehicles",
+                "safe.nonfinite_setpoints",
                 "safe.traffic",
                 "safe.wanted_motion",
             )
@@ -106,7 +106,7 @@ MUTATED = (
                 "traffic",
                 "safe_tick",
                 "safe_replanner",
-                "finite_setpoints",
+                "nonfinite_setpoints",
                 "steady_replanner",
                 "encounters",
             )

@@ -11,7 +11,7 @@ whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_ma
 
 **Conditions.** The promise is broken, and reported at the same tick, if
 1. at the first tick, or when a vehicle appears, is measured again or far from its modified trajectory
-   (`found_again`), two can no longer brake outside their zone;
+   (`lost_vehicles`), two can no longer brake outside their zone;
 2. a vehicle is measured further from its modified trajectory than `tracking`, plus `drift` times the age of
    the measurement and the change of course possible since: the vehicle, not the trajectory, breaks it. Or
    it was not measured for `forget`, from its first tick on if it never was;
@@ -22,7 +22,7 @@ whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_ma
    is heard of again;
 4. with `jerk_max`: a modified trajectory is faster than `speed_max`, for which no tube is known, or a vehicle
    comes near an external one, whose acceleration nobody sends;
-5. a setpoint of the reference is not finite (`finite_setpoints`).
+5. a setpoint of the reference is not finite (`nonfinite_setpoints`).
 Otherwise the reference is arbitrary; it is followed as far as the promise allows, and bit for bit where
 nothing is near.
 
@@ -68,15 +68,15 @@ from q2q_planner.online.safe.committed_motion import (
     reference_rows,
 )
 from q2q_planner.online.safe.decision import decide
-from q2q_planner.online.safe.finite_setpoints import (
+from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion, restart_motion, tracked_now
+from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
+from q2q_planner.online.safe.nonfinite_setpoints import (
     answer_for_all,
     flyable_inputs,
     is_finite,
     moves_finitely,
     off_reference,
 )
-from q2q_planner.online.safe.found_again import LostVehicles, far_from_motion, restart_motion, tracked_now
-from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
