@@ -11,9 +11,9 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
 from q2q_planner.offline import certificate
-from q2q_planner.offline.avoidance.deviation_space import bend, deviation_space
+from q2q_planner.offline.avoidance.deviation_space import deform, deviation_space
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
-from q2q_planner.offline.avoidance.least_deformation import least_bends, nonnegative_qp
+from q2q_planner.offline.avoidance.least_deformation import least_deviations, nonnegative_qp
 from q2q_planner.offline.avoidance.near_samples import LOOK
 from q2q_planner.offline.avoidance.separating_planes import Planes, watch_pairs
 from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
@@ -157,7 +157,7 @@ def test_cost_is_length_in_the_space_of_deviations(seed: int) -> None:
         space = deviation_space(SECTION_4_1[0], reading, 4)
         y = np.random.default_rng(seed).normal(size=(space.dimension, 3)) * 0.01
         base = minimum_snap(SECTION_4_1[0], reading)
-        curve = bend(base, space, y)
+        curve = deform(base, space, y)
         assert snap_cost(curve) - snap_cost(base) == pytest.approx(float((y**2).sum()), rel=1e-6)
         t = np.linspace(0.0, 50.0, 23)
         assert curve.at(t)[:, :3] - base.at(t)[:, :3] == pytest.approx(space.rows(t) @ y, abs=1e-9)
@@ -211,10 +211,10 @@ def test_a_plane_that_is_not_touched_has_no_dual() -> None:
     i, j, x = np.array([0, 0]), np.array([1, 1]), np.tile([1.0, 0.0, 0.0], (2, 1))
     rel_x = samples.base[10, 0, 0] - samples.base[10, 1, 0]
     planes = Planes(i, j, np.array([10, 10]), x, rel_x + np.array([0.05, 0.04]))
-    bends, dual = least_bends(samples, planes, np.zeros(2))
+    deviations, dual = least_deviations(samples, planes, np.zeros(2))
     assert dual[0] > 0.0
     assert dual[1] == 0.0
-    moved = samples.positions(bends)[10, :, 0]
+    moved = samples.positions(deviations)[10, :, 0]
     assert moved[0] - moved[1] == pytest.approx(rel_x + 0.05, abs=1e-5)  # as soft as HARD
 
 

@@ -59,7 +59,7 @@ def test_the_proven_distance_is_that_of_the_extrema(seed: int) -> None:
     assert least - 2.0 * TOLERANCE <= proof.clearance <= least
 
 
-def test_a_plan_is_bent_away_from_a_wall_that_it_would_cross() -> None:
+def test_a_plan_is_deformed_away_from_a_wall_that_it_would_cross() -> None:
     """Without the wall both give way by 0.1 m, with it one by 4 cm at most, for every t and by samples."""
     free = avoid_zones(HEAD_ON, ZONE).plan
     assert sampled(free)[..., 1].min() == pytest.approx(-0.1, abs=5e-3)

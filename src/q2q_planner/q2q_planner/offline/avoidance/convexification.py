@@ -15,8 +15,8 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
-from q2q_planner.offline.avoidance.deviation_space import bend
-from q2q_planner.offline.avoidance.least_deformation import HARD, least_bends
+from q2q_planner.offline.avoidance.deviation_space import deform
+from q2q_planner.offline.avoidance.least_deformation import HARD, least_deviations
 from q2q_planner.offline.avoidance.separating_planes import SPACING
 from q2q_planner.offline.avoidance.step_planes import watched_samples
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
@@ -72,9 +72,9 @@ def search(problem: Problem, start: Start) -> Attempt:
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
         samples = sample_swarm(curves, problem.spaces, times)
         samples = samples.with_room() if problem.walls else samples
-        bends, taken = _iterate(problem, samples, Start(side, plan), softness, corners=denser > 0)
+        deviations, taken = _iterate(problem, samples, Start(side, plan), softness, corners=denser > 0)
         steps += taken
-        plan = _bent_plan(problem, bends)
+        plan = _deformed_plan(problem, deviations)
         proof = certify(plan, problem.lathe)
         within = prove_within(plan, problem.walls) if problem.walls else None
         attempt = Attempt(plan, proof, within, plan_cost(plan), steps)
@@ -84,28 +84,28 @@ def search(problem: Problem, start: Start) -> Attempt:
     return attempt
 
 
-def _bent_plan(problem: Problem, bends: Array) -> SwarmPlan:
-    rows = zip(problem.free.trajectories, problem.spaces, bends[: len(problem.spaces)], strict=True)
+def _deformed_plan(problem: Problem, deviations: Array) -> SwarmPlan:
+    rows = zip(problem.free.trajectories, problem.spaces, deviations[: len(problem.spaces)], strict=True)
     return SwarmPlan(
-        problem.free.names, tuple(bend(curve, space, y[: space.dimension]) for curve, space, y in rows)
+        problem.free.names, tuple(deform(curve, space, y[: space.dimension]) for curve, space, y in rows)
     )
 
 
 def _iterate(
     problem: Problem, samples: SwarmSamples, start: Start, softness: float, *, corners: bool
 ) -> tuple[Array, int]:
-    """Return the converged bends (n, m, 3) and the number of steps; corners that are cut may get planes."""
+    """Return the converged deviations (n, m, 3) and the number of steps; cut corners may get planes."""
     side, dual = start.side, np.zeros((problem.rows, len(samples.t)))
     positions = np.stack([curve.at(samples.t)[:, :3] for curve in start.plan.trajectories], axis=1)
-    bends, cost = np.zeros((len(samples.rows), samples.rows.shape[2], 3)), np.inf
+    deviations, cost = np.zeros((len(samples.rows), samples.rows.shape[2], 3)), np.inf
     for step in range(problem.most_steps):
         watched = watched_samples(problem, positions, dual > 0.0, corners=corners)
-        before, cost = cost, problem.infimum + float((bends**2).sum())
+        before, cost = cost, problem.infimum + float((deviations**2).sum())
         if abs(before - cost) < STILL * cost and watched.distance >= 0.0:
-            return bends, step
+            return deviations, step
         at, planes = watched.planes(problem, side)
-        bends, found = least_bends(samples, planes, dual[at], softness)
+        deviations, found = least_deviations(samples, planes, dual[at], softness)
         dual[at] = found
-        positions, side = samples.positions(bends)[:, : len(problem.spaces)], np.ones_like(side)
+        positions, side = samples.positions(deviations)[:, : len(problem.spaces)], np.ones_like(side)
         softness = max(HARD, HARDEN * softness)
-    return bends, problem.most_steps
+    return deviations, problem.most_steps

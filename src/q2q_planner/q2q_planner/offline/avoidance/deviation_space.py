@@ -72,8 +72,8 @@ def _space(times: tuple[float, ...], reading: Reading, pieces: int) -> Deviation
     return DeviationSpace(knots, nodes.reshape(len(knots), POSITION_HALF, -1))
 
 
-def bend(trajectory: Trajectory, space: DeviationSpace, y: Array) -> Trajectory:
-    """Return the trajectory bent by y (m, 3)."""
+def deform(trajectory: Trajectory, space: DeviationSpace, y: Array) -> Trajectory:
+    """Return the trajectory deformed by y (m, 3)."""
     whole = split_at(trajectory, space.knots)
     nodes = np.einsum("kpm,ma->kap", space.nodes, y)
     coefficients = whole.coefficients.copy()

@@ -26,7 +26,7 @@ LOOSE = 1e-6
 """Share of the largest dual below which a plane is loose: an interior point comes near zero but not to it."""
 
 
-def least_bends(
+def least_deviations(
     samples: SwarmSamples, planes: Planes, warm: Array, softness: float = HARD
 ) -> tuple[Array, Array]:
     """Return the deviations y (n, m, 3) of least cost that satisfy the planes, and their dual x (planes,).
@@ -41,8 +41,8 @@ def least_bends(
     rel = samples.base[planes.sample, planes.first] - samples.base[planes.sample, planes.second]
     required = planes.level - (planes.normal * rel).sum(-1)
     dual = _dual(pushes, required, warm, softness)
-    bends = (pushes.T @ dual).reshape(n, 3, dimension).swapaxes(1, 2)
-    return bends, np.where(dual > LOOSE * dual.max(initial=0.0), dual, 0.0)
+    deviations = (pushes.T @ dual).reshape(n, 3, dimension).swapaxes(1, 2)
+    return deviations, np.where(dual > LOOSE * dual.max(initial=0.0), dual, 0.0)
 
 
 def _push_matrix(samples: SwarmSamples, planes: Planes) -> sparse.csr_array:

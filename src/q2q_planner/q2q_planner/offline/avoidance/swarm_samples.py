@@ -20,13 +20,13 @@ class SwarmSamples:
     t: Array
     """[s], rising, (S,)."""
     base: Array
-    """Positions of the unbent curves [m], (S, n, 3)."""
+    """Positions of the undeformed curves [m], (S, n, 3)."""
     rows: Array
     """phi of each vehicle, zero-padded to the largest dimension, (n, S, m)."""
 
-    def positions(self, bends: Array) -> Array:
-        """Return the positions [m], (S, n, 3), under bends y (n, m, 3)."""
-        return np.asarray(self.base + np.matmul(self.rows, bends).swapaxes(0, 1))
+    def positions(self, deviations: Array) -> Array:
+        """Return the positions [m], (S, n, 3), under deviations y (n, m, 3)."""
+        return np.asarray(self.base + np.matmul(self.rows, deviations).swapaxes(0, 1))
 
     def with_room(self) -> "SwarmSamples":
         """Return the samples with one vehicle more, that stands for the room: at rest at the origin."""
