@@ -14,7 +14,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline import certificate
 from q2q_planner.offline.branch_and_bound import TOLERANCE
 from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.convex_zone import Lathe, lathe_around
+from q2q_planner.offline.convex_zone import ConvexZone, zone_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.shared_pieces import shared_pieces, split_at
@@ -42,8 +42,8 @@ def sampled_clearance(plan: SwarmPlan, zone: Zone) -> float:
 @settings(deadline=None, max_examples=15)
 @given(st.integers(0, 10**6), st.sampled_from(ZONES))
 def test_the_clearance_is_below_every_sample_and_near_the_least(seed: int, zone: Zone) -> None:
-    plan, lathe = random_plan(seed), lathe_around(zone)
-    proven, seen = certify(plan, zone).clearance, sampled_clearance(plan, lathe)
+    plan, hull = random_plan(seed), zone_around(zone)
+    proven, seen = certify(plan, zone).clearance, sampled_clearance(plan, hull)
     assert proven <= seen
     # 5 001 samples of up to 12 s, at up to some 10 m/s: 12 mm between a sample and the true least
     assert proven >= seen - TOLERANCE - 2.4e-2
@@ -155,23 +155,23 @@ def test_cutting_a_trajectory_changes_no_value(seed: int) -> None:
     st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda n: np.linalg.norm(n) > 0.1),
 )
 def test_no_plane_promises_more_than_the_true_distance(zone: Zone, rel_pos: tuple, normal: tuple) -> None:
-    lathe, unit = lathe_around(zone), np.array(normal) / np.linalg.norm(normal)
+    hull, unit = zone_around(zone), np.array(normal) / np.linalg.norm(normal)
     rel = np.array(rel_pos)
-    if lathe.signed_distance(rel) > 0.0:
-        assert rel @ unit - lathe.support(unit) <= zone.signed_distance(rel) + 1e-9
-        best, distance = lathe.nearest(rel)
-        assert rel @ best - lathe.support(best) == pytest.approx(distance, abs=1e-9)
+    if hull.signed_distance(rel) > 0.0:
+        assert rel @ unit - hull.support(unit) <= zone.signed_distance(rel) + 1e-9
+        best, distance = hull.nearest(rel)
+        assert rel @ best - hull.support(best) == pytest.approx(distance, abs=1e-9)
 
 
 @given(st.tuples(*[st.floats(-2.0, 2.0)] * 3))
-def test_a_lathe_around_a_cylinder_is_the_cylinder(rel_pos: tuple) -> None:
+def test_a_convex_zone_around_a_cylinder_is_the_cylinder(rel_pos: tuple) -> None:
     rel, cylinder = np.array(rel_pos), Cylinder(0.3, 0.9)
-    assert lathe_around(cylinder).signed_distance(rel) == pytest.approx(
+    assert zone_around(cylinder).signed_distance(rel) == pytest.approx(
         cylinder.signed_distance(rel), abs=1e-12
     )
 
 
-def test_a_lathe_around_any_shape_holds_it_closely() -> None:
+def test_a_convex_zone_around_any_shape_holds_it_closely() -> None:
     class Pear:
         """A zone that is not convex: radius 0.2 + 0.1 cos(4 z) up to 0.8 m."""
 
@@ -179,12 +179,12 @@ def test_a_lathe_around_any_shape_holds_it_closely() -> None:
             across, height = np.hypot(rel_pos[..., 0], rel_pos[..., 1]), np.abs(rel_pos[..., 2])
             return np.maximum(across - 0.2 - 0.1 * np.cos(4.0 * height), height - 0.8)
 
-    lathe = lathe_around(Pear())
+    hull = zone_around(Pear())
     heights = np.linspace(-0.8, 0.8, 401)
     rim = np.stack([0.2 + 0.1 * np.cos(4.0 * heights), np.zeros(401), heights], -1)
-    assert (lathe.signed_distance(rim) <= 1e-9).all()
-    assert lathe.eps == pytest.approx(0.3, abs=2e-3)
-    assert lathe.d == pytest.approx(0.8, abs=1.1e-2)  # one slice
+    assert (hull.signed_distance(rim) <= 1e-9).all()
+    assert hull.eps == pytest.approx(0.3, abs=2e-3)
+    assert hull.d == pytest.approx(0.8, abs=1.1e-2)  # one slice
 
 
 def test_an_empty_or_endless_zone_is_refused() -> None:
@@ -196,7 +196,7 @@ def test_an_empty_or_endless_zone_is_refused() -> None:
             return np.full(rel_pos.shape[:-1], self.value)
 
     with pytest.raises(ValueError, match="the zone is empty"):
-        lathe_around(Level(1.0))
+        zone_around(Level(1.0))
     with pytest.raises(ValueError, match="reaches beyond"):
-        lathe_around(Level(-1.0))
-    assert isinstance(lathe_around(Cylinder()), Lathe)
+        zone_around(Level(-1.0))
+    assert isinstance(zone_around(Cylinder()), ConvexZone)

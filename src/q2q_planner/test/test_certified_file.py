@@ -15,7 +15,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.certificate import certify
 from q2q_planner.offline.certified_file import load_plan
-from q2q_planner.offline.convex_zone import lathe_around, lathe_of_profile
+from q2q_planner.offline.convex_zone import zone_around, zone_of_profile
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 ZONE = Cylinder(0.1, 1.1)
@@ -46,7 +46,7 @@ def written(plan: SwarmPlan, file: Path, edit: Callable[[Document], object] | No
 def nearer(made: AvoidancePlan, by: float) -> SwarmPlan:
     """Return the plan with the second vehicle moved [m] towards the first, where they are nearest."""
     pos = setpoint_at(made.plan, made.certificate.t).pos
-    normal, _ = lathe_around(ZONE).nearest(pos[1] - pos[0])
+    normal, _ = zone_around(ZONE).nearest(pos[1] - pos[0])
     first, second = made.plan.trajectories
     coefficients = second.coefficients.copy()
     coefficients[:, :3, 0] -= by * normal
@@ -112,6 +112,6 @@ def test_what_cannot_be_proven_is_taken_as_not_certified(made: AvoidancePlan, tm
 
 @pytest.mark.parametrize("zone", [ZONE, Ellipsoid(0.4, 0.7), Ellipsoid.around(ZONE)])
 def test_the_profile_of_a_zone_is_read_as_it_is(zone: Zone) -> None:
-    lathe = lathe_around(zone)
-    corners = [(float(radius), float(height)) for radius, height in lathe.profile]
-    np.testing.assert_array_equal(lathe_of_profile(corners).profile, lathe.profile)
+    hull = zone_around(zone)
+    corners = [(float(radius), float(height)) for radius, height in hull.profile]
+    np.testing.assert_array_equal(zone_of_profile(corners).profile, hull.profile)

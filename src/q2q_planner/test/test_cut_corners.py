@@ -7,7 +7,7 @@ from q2q_model.geometry.zone import Ellipsoid
 from q2q_planner.experiments.crowded_room import RoomSize, random_swap
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.avoidance.near_samples import cut_corners
-from q2q_planner.offline.convex_zone import lathe_around
+from q2q_planner.offline.convex_zone import zone_around
 
 FLAT = Ellipsoid(0.38, 0.24)
 """Bends with a radius of 0.15 m at its rim."""
@@ -22,7 +22,7 @@ def test_the_deepest_sample_of_each_pass_is_found() -> None:
     first = np.stack([np.abs(np.abs(t) - 0.5) * 4.0, still, height], axis=-1)
     away = first + np.array([0.0, 5.0, 0.0])
     positions = np.stack([first, np.zeros_like(first), away], axis=1)  # (S, 3, 3)
-    found = cut_corners(positions, np.triu_indices(3, 1), lathe_around(FLAT))
+    found = cut_corners(positions, np.triu_indices(3, 1), zone_around(FLAT))
     pair, sample = np.nonzero(found)
     assert pair.tolist() == [0, 0]
     assert t[sample] == pytest.approx([-0.5, 0.5], abs=1e-9)
@@ -31,7 +31,7 @@ def test_the_deepest_sample_of_each_pass_is_found() -> None:
 def test_a_pair_outside_of_the_zone_cuts_no_corner() -> None:
     positions = np.zeros((50, 2, 3))
     positions[:, 1, 2] = 0.241
-    assert not cut_corners(positions, np.triu_indices(2, 1), lathe_around(FLAT)).any()
+    assert not cut_corners(positions, np.triu_indices(2, 1), zone_around(FLAT)).any()
 
 
 @pytest.mark.parametrize("seed", range(6))

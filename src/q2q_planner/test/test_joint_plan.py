@@ -19,7 +19,7 @@ from q2q_planner.offline.avoidance.separating_planes import Planes, watch_pairs
 from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.convex_zone import lathe_around
+from q2q_planner.offline.convex_zone import zone_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, plan_cost, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
@@ -188,9 +188,9 @@ def test_every_pair_near_the_zone_is_watched_and_no_other(seed: int, samples: in
     generator = np.random.default_rng(seed)
     positions = np.cumsum(generator.normal(scale=0.05, size=(samples, 7, 3)), axis=0)
     positions += generator.uniform(-1.0, 1.0, (7, 3))
-    pairs, lathe = np.triu_indices(7, 1), lathe_around(PAPER)
+    pairs, hull = np.triu_indices(7, 1), zone_around(PAPER)
     before = generator.uniform(size=(21, samples)) < 0.02
-    watch = watch_pairs(positions, pairs, lathe, before)
+    watch = watch_pairs(positions, pairs, hull, before)
     rel = positions[:, pairs[0]] - positions[:, pairs[1]]  # (S, 21, 3)
     wide, tall = PAPER.eps * (1.0 + LOOK), PAPER.d + LOOK * PAPER.eps
     near = ((np.hypot(rel[..., 0], rel[..., 1]) < wide) & (np.abs(rel[..., 2]) < tall)).T

@@ -82,7 +82,7 @@ class SwarmPlan:
     certified: bool = False
     """Whether every pair provably stays out of the interference zone."""
     zone_profile: tuple[tuple[float, float], ...] = ()
-    """Corners (radius, height) of that zone's profile [m], of a Lathe; empty if unknown."""
+    """Corners (radius, height) of that zone's profile [m], of a ConvexZone; empty if unknown."""
     _table: _Table = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -21,7 +21,7 @@ from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, StretchBounds, least_on_stretches
-from q2q_planner.offline.convex_zone import Lathe, lathe_around
+from q2q_planner.offline.convex_zone import ConvexZone, zone_around
 from q2q_planner.offline.rounding_bound import MOST_ROUNDING, NOT_BOUNDED, ROUNDING, rounding_slack
 from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
 
@@ -59,13 +59,13 @@ def certify(plan: SwarmPlan, zone: Zone, enough: float = -np.inf) -> Certificate
     rounding = rounding_slack(plan.trajectories)
     if not rounding < MOST_ROUNDING:
         return _without_clearance(plan, NOT_BOUNDED)
-    lathe, shared = lathe_around(zone), shared_pieces(plan.trajectories)
+    hull, shared = zone_around(zone), shared_pieces(plan.trajectories)
     count = len(shared.durations) * len(plan.names) * (len(plan.names) - 1) // 2
     if count > MOST_STRETCHES:
         words = f"{len(shared.durations)} pieces of {len(plan.names)} vehicles are {count} stretches of pairs"
         return _without_clearance(plan, f"{words}, more than {MOST_STRETCHES}")
-    stretches = _stretches(shared, lathe, rounding)
-    found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, lathe), enough=enough)
+    stretches = _stretches(shared, hull, rounding)
+    found = least_on_stretches(stretches.points, lambda points: _stretch_bounds(points, hull), enough=enough)
     pair = plan.names[stretches.first[found.row]], plan.names[stretches.second[found.row]]
     piece = stretches.piece[found.row]
     t = shared.starts[piece] + found.share * shared.durations[piece]
@@ -76,9 +76,9 @@ def _without_clearance(plan: SwarmPlan, why: str) -> Certificate:
     return Certificate(-np.inf, (plan.names[0], plan.names[1]), 0.0, why)
 
 
-def as_certified(plan: SwarmPlan, lathe: Lathe) -> SwarmPlan:
+def as_certified(plan: SwarmPlan, zone: ConvexZone) -> SwarmPlan:
     """Return a plan marked as certified for a zone, of which its certificate was found to hold."""
-    profile = tuple((float(radius), float(height)) for radius, height in lathe.profile)
+    profile = tuple((float(radius), float(height)) for radius, height in zone.profile)
     return replace(plan, certified=True, zone_profile=profile)
 
 
@@ -93,27 +93,27 @@ class _Stretches:
     """Control points of the relative position [m], (stretches, 3, order)."""
 
 
-def _stretches(shared: SharedPieces, lathe: Lathe, rounding: float) -> _Stretches:
+def _stretches(shared: SharedPieces, zone: ConvexZone, rounding: float) -> _Stretches:
     """Return the stretches that may contain the least distance: their boxes are nearer than some midpoint.
 
     Box and midpoint of vehicles at rest are one distance, computed twice: `rounding` [m] covers both errors.
     """
     points = control_points(shared.coefficients, shared.durations[:, None, None])  # (pieces, n, 3, order)
     first, second = np.triu_indices(points.shape[1], 1)
-    apart = _box_gaps(points, first, second, lathe)  # (pieces, pairs)
+    apart = _box_gaps(points, first, second, zone)  # (pieces, pairs)
     likely = np.unravel_index(np.argsort(apart, axis=None)[:LIKELY], apart.shape)
-    least = lathe.nearest(_midpoints(_relative(points, likely, first, second)))[1].min()
+    least = zone.nearest(_midpoints(_relative(points, likely, first, second)))[1].min()
     piece, pair = near = np.nonzero(apart <= least + rounding)
     return _Stretches(first[pair], second[pair], piece, _relative(points, near, first, second))
 
 
-def _box_gaps(points: Array, first: Rows, second: Rows, lathe: Lathe) -> Array:
+def _box_gaps(points: Array, first: Rows, second: Rows, zone: ConvexZone) -> Array:
     """Return a bound below the signed distance from the boxes of control points, (pieces, pairs)."""
     low, high = points.min(-1), points.max(-1)  # (pieces, n, 3)
     gap = np.maximum(low[:, first] - high[:, second], low[:, second] - high[:, first])  # (pieces, pairs, 3)
     clear = np.maximum(gap, 0.0)
-    sideways = np.hypot(clear[..., 0], clear[..., 1]) - lathe.eps
-    apart = np.maximum(sideways, clear[..., 2] - lathe.d)
+    sideways = np.hypot(clear[..., 0], clear[..., 1]) - zone.eps
+    apart = np.maximum(sideways, clear[..., 2] - zone.d)
     return np.where(apart > 0.0, apart, -np.inf)
 
 
@@ -126,15 +126,15 @@ def _midpoints(points: Array) -> Array:
     return np.asarray(split_in_half(points)[0][..., -1])
 
 
-def _stretch_bounds(points: Array, lathe: Lathe) -> StretchBounds:
+def _stretch_bounds(points: Array, zone: ConvexZone) -> StretchBounds:
     """Return the distance to the zone in the middle of each stretch, and its lower bound on all of it.
 
     A separating plane where the middle is outside; everywhere, the distance less the radius of the control
     points, because a signed distance is 1-Lipschitz.
     """
     middle = _midpoints(points)
-    normal, distance = lathe.nearest(middle)
-    plane = np.einsum("sak,sa->sk", points, normal).min(-1) - lathe.support(normal)
+    normal, distance = zone.nearest(middle)
+    plane = np.einsum("sak,sa->sk", points, normal).min(-1) - zone.support(normal)
     sphere = distance - np.sqrt(((points - middle[..., None]) ** 2).sum(1)).max(-1)
     lower = np.where(distance > 0.0, np.maximum(plane, sphere), sphere)
     return StretchBounds(distance, np.full(len(points), 0.5), lower)

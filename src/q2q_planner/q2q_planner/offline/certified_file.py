@@ -11,7 +11,7 @@ from pathlib import Path
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.convex_zone import lathe_of_profile
+from q2q_planner.offline.convex_zone import zone_of_profile
 
 
 def load_plan(path: Path) -> SwarmPlan:
@@ -29,7 +29,7 @@ def load_plan(path: Path) -> SwarmPlan:
         warnings.warn(f"{path} does not have its zone: it is taken as not certified", stacklevel=2)
         return replace(plan, certified=False)
     try:
-        proof = certify(plan, lathe_of_profile(plan.zone_profile))
+        proof = certify(plan, zone_of_profile(plan.zone_profile))
     except ValueError as wrong:
         raise ValueError(f"{path} is not a certified plan: {wrong}; {plan_file.REMEDY}") from wrong
     if not proof.holds:

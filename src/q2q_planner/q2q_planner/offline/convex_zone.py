@@ -1,13 +1,13 @@
 """Convex solid of revolution that contains an interference zone; separation is proven for the solid.
 
-A `Lathe` is the convex hull, revolved about the vertical and mirrored at dz = 0, of a few profile points
+A `ConvexZone` is the convex hull, revolved about the vertical and mirrored at dz = 0, of a few profile points
 (radius, height). Its support function is exact, so any direction n gives a true statement:
 
-    sup_{x in Lathe} n.x = max_k (|n_xy| radius_k + |n_z| height_k) = support(n)
-    distance(x, Lathe) >= n.x - support(n)  for every unit n, with equality at the best n.
+    sup_{x in zone} n.x = max_k (|n_xy| radius_k + |n_z| height_k) = support(n)
+    distance(x, zone) >= n.x - support(n)  for every unit n, with equality at the best n.
 
-Every zone lies in its Lathe: a cylinder is one with a single profile point; any other shape is sampled by
-height, and each piece of its profile gets a corner that contains it.
+Every zone lies in its convex zone: a cylinder is one with a single profile point; any other shape is sampled
+by height, and each piece of its profile gets a corner that contains it.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +35,7 @@ BENT = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lathe:
+class ConvexZone:
     """Convex solid of revolution; a Zone."""
 
     profile: Array
@@ -98,16 +98,16 @@ class Lathe:
         )
 
 
-def lathe_around(zone: Zone) -> Lathe:
-    """Return a Lathe that contains a zone symmetric about the vertical: exact for a cylinder.
+def zone_around(zone: Zone) -> ConvexZone:
+    """Return a ConvexZone that contains a zone symmetric about the vertical: exact for a cylinder.
 
     Raises:
         ValueError: the zone is empty, or larger than LARGEST.
     """
-    if isinstance(zone, Lathe):
+    if isinstance(zone, ConvexZone):
         return zone
     if isinstance(zone, Cylinder):
-        return Lathe(np.array([[zone.eps, zone.d]]))
+        return ConvexZone(np.array([[zone.eps, zone.d]]))
     if isinstance(zone, Ellipsoid):
         axes = np.array([zone.eps, zone.d])
         normal = _directions(axes)
@@ -127,13 +127,13 @@ def lathe_around(zone: Zone) -> Lathe:
     return _wrapped(normal, (normal @ corners.T).max(axis=1))
 
 
-def lathe_of_profile(corners: Sequence[tuple[float, float]]) -> Lathe:
-    """Return the Lathe of a profile from elsewhere.
+def zone_of_profile(corners: Sequence[tuple[float, float]]) -> ConvexZone:
+    """Return the ConvexZone of a profile from elsewhere.
 
     Raises:
         ValueError: no corner, or corners (radius, height) not in the order of a convex first quadrant.
     """
-    made = Lathe(np.array(corners, dtype=np.float64).reshape(-1, 2))
+    made = ConvexZone(np.array(corners, dtype=np.float64).reshape(-1, 2))
     if not made.profile.any():
         raise ValueError("the profile of the zone has no corner away from its centre")
     _, step, _ = made._edges()  # noqa: SLF001
@@ -144,8 +144,8 @@ def lathe_of_profile(corners: Sequence[tuple[float, float]]) -> Lathe:
     return made
 
 
-def lathe_by_support(support: Callable[[Array], Array], size: Array) -> Lathe:
-    """Return a Lathe around the convex solid of a support function of unit directions (k, 2) of its profile.
+def zone_by_support(support: Callable[[Array], Array], size: Array) -> ConvexZone:
+    """Return a ConvexZone around the solid of a support function of unit directions (k, 2) of its profile.
 
     `size` is about its radius and half height [m], (2,): directions are spread evenly on such a profile.
     """
@@ -180,11 +180,11 @@ def _directions(size: Array) -> Array:
     return normal
 
 
-def _wrapped(normal: Array, reach: Array) -> Lathe:
+def _wrapped(normal: Array, reach: Array) -> ConvexZone:
     """Return the solid between the tangents normal.x = reach; neighbours meet in its corners."""
     pairs = np.stack([normal[:-1], normal[1:]], axis=1)
     corners = np.linalg.solve(pairs, np.stack([reach[:-1], reach[1:]], axis=1)[..., None])[..., 0]
-    return Lathe(np.asarray(corners, dtype=np.float64))
+    return ConvexZone(np.asarray(corners, dtype=np.float64))
 
 
 def _revolved(rel_pos: Array, across: Array, normal_2d: Array) -> Array:

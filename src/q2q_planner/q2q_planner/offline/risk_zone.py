@@ -35,7 +35,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CONTACT
-from q2q_planner.offline.convex_zone import Lathe, lathe_around, lathe_by_support
+from q2q_planner.offline.convex_zone import ConvexZone, zone_around, zone_by_support
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,16 +99,18 @@ def largest_push(terms: RiskTerms, residual: ResidualProcess) -> float:
     return push
 
 
-def risk_zone(model: InteractionModel, terms: RiskTerms, residual: ResidualProcess = REAL_FLIGHTS) -> Lathe:
+def risk_zone(
+    model: InteractionModel, terms: RiskTerms, residual: ResidualProcess = REAL_FLIGHTS
+) -> ConvexZone:
     """Return Z; raise as `largest_push`."""
     push = largest_push(terms, residual)
     grown = 2.0 * np.array([terms.tube.horizontal, terms.tube.vertical])
     strong = np.zeros((1, 2))  # (radius, height) of corners
     if push < level_set.peak_downwash(model):
-        strong = lathe_around(level_set.level_set(model, push)).profile + 0.5 * level_set.STEP
+        strong = zone_around(level_set.level_set(model, push)).profile + 0.5 * level_set.STEP
 
     def support(normal: Array) -> Array:
         core = np.maximum(terms.touch, (normal @ strong.T).max(axis=-1))
         return np.asarray(core + normal @ grown)
 
-    return lathe_by_support(support, np.maximum(terms.touch, strong.max(axis=0)) + grown)
+    return zone_by_support(support, np.maximum(terms.touch, strong.max(axis=0)) + grown)

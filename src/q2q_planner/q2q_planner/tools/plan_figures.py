@@ -20,7 +20,7 @@ from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.altitude_response import altitude_errors
-from q2q_planner.offline.convex_zone import lathe_around
+from q2q_planner.offline.convex_zone import zone_around
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
@@ -65,7 +65,7 @@ def sample_positions(plan: SwarmPlan, t: Array) -> Array:
 
 def replan_samples(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
     """Return the plan after the safe replanner, (T, n, 3), with the zone's radius and half height."""
-    hull = lathe_around(zone)
+    hull = zone_around(zone)
     replanner = SafeReplanner(SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0))
     return np.stack([replanner.update(setpoint_at(plan, float(at)), None).pos for at in t])
 
@@ -160,7 +160,7 @@ def _paths(space: Axes3D, names: Names, pos: Array) -> None:
 
 def _surface(zone: Zone) -> Array:
     """Return the zone's hull as a mesh, (3, heights, angles)."""
-    profile = lathe_around(zone).profile
+    profile = zone_around(zone).profile
     upper = np.concatenate([[[profile[0, 0], 0.0]], profile, [[0.0, profile[-1, 1]]]])
     outline = np.concatenate([upper[::-1] * [1.0, -1.0], upper])
     angle = np.linspace(0.0, 2.0 * np.pi, 49)

@@ -15,7 +15,7 @@ from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import lathe_around
+from q2q_planner.offline.convex_zone import zone_around
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -56,10 +56,10 @@ def make_plan(
         proofs = found.certificate, found.within
         return Planned(found.plan, *proofs, found.cost, found.infimum, _ms_since(before))
     plan = minimum_snap_plan(swarm, asked.reading)
-    lathe = lathe_around(zone)
-    cost, proof = plan_cost(plan), certify(plan, lathe)
+    hull = zone_around(zone)
+    cost, proof = plan_cost(plan), certify(plan, hull)
     within = prove_within(plan, params.walls) if params.walls else None
-    shown = as_certified(plan, lathe) if proof.holds else plan
+    shown = as_certified(plan, hull) if proof.holds else plan
     return Planned(shown, proof, within, cost, cost, _ms_since(before))
 
 

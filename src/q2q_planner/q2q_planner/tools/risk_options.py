@@ -7,7 +7,7 @@ from q2q_model.downwash.level_set import push_at_range
 from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.vehicle.constants import CONTACT, GRAVITY, Vehicle
-from q2q_planner.offline.convex_zone import Lathe
+from q2q_planner.offline.convex_zone import ConvexZone
 from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
 
 MODEL = "measured_law"
@@ -34,7 +34,7 @@ def terms_of(asked: Namespace) -> RiskTerms:
     return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), touch)
 
 
-def zone_by_risk(asked: Namespace) -> tuple[Lathe, str]:
+def zone_by_risk(asked: Namespace) -> tuple[ConvexZone, str]:
     """Return the zone of the command line, and its description."""
     terms, file = terms_of(asked), find_model(asked.model or MODEL)
     residual = file.residual or REAL_FLIGHTS

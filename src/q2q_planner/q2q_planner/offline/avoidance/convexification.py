@@ -66,7 +66,7 @@ class Attempt:
 
 def search(problem: Problem, start: Start) -> Attempt:
     """Return the result of the convex steps from one start, with its certificate."""
-    spacing, steps, softness = SPACING * problem.lathe.eps, 0, SOFTEST
+    spacing, steps, softness = SPACING * problem.zone.eps, 0, SOFTEST
     plan, side, curves = start.plan, start.side, problem.free.trajectories
     for denser in range(DENSER):
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
@@ -75,10 +75,10 @@ def search(problem: Problem, start: Start) -> Attempt:
         deviations, taken = _iterate(problem, samples, Start(side, plan), softness, corners=denser > 0)
         steps += taken
         plan = _deformed_plan(problem, deviations)
-        proof = certify(plan, problem.lathe)
+        proof = certify(plan, problem.zone)
         within = prove_within(plan, problem.walls) if problem.walls else None
         attempt = Attempt(plan, proof, within, plan_cost(plan), steps)
-        if attempt.holds or proof.clearance < -DEEPEST * problem.lathe.eps:
+        if attempt.holds or proof.clearance < -DEEPEST * problem.zone.eps:
             break
         spacing, side, softness = 0.5 * spacing, np.ones_like(side), HARD
     return attempt

@@ -29,7 +29,7 @@ from q2q_planner.offline.avoidance.convexification import Attempt, Start, search
 from q2q_planner.offline.avoidance.deviation_space import deviation_space
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError, check_apart, check_inside
 from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import lathe_around
+from q2q_planner.offline.convex_zone import zone_around
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, Walls, prove_within
@@ -102,24 +102,24 @@ def avoid_zones(
         ValueError: the waypoints cannot be flown.
     """
     numbers = params or AvoidanceParams()
-    lathe = lathe_around(zone)
+    hull = zone_around(zone)
     free = minimum_snap_plan(swarm, reading)
-    infimum, proof, walls = plan_cost(free), certify(free, lathe), numbers.walls
+    infimum, proof, walls = plan_cost(free), certify(free, hull), numbers.walls
     within = prove_within(free, walls) if walls else None
     if proof.holds and (within is None or within.holds):
-        return AvoidancePlan(as_certified(free, lathe), proof, within, infimum, infimum, 0)
-    check_apart(swarm, lathe)
+        return AvoidancePlan(as_certified(free, hull), proof, within, infimum, infimum, 0)
+    check_apart(swarm, hull)
     if walls:
         check_inside(swarm, walls)
     spaces = tuple(deviation_space(vehicle, reading, numbers.pieces) for vehicle in swarm)
-    problem = Problem(free, infimum, spaces, lathe, numbers.margin, numbers.steps, walls)
+    problem = Problem(free, infimum, spaces, hull, numbers.margin, numbers.steps, walls)
     found = [search(problem, start) for start in _starts(problem, numbers, warm)]
     certified = [attempt for attempt in found if attempt.holds]
     if not certified:
         raise InfeasibleError(_explanation(found))
     best = min(certified, key=lambda attempt: attempt.cost)
     steps = sum(attempt.steps for attempt in found)
-    return AvoidancePlan(as_certified(best.plan, lathe), best.proof, best.within, best.cost, infimum, steps)
+    return AvoidancePlan(as_certified(best.plan, hull), best.proof, best.within, best.cost, infimum, steps)
 
 
 def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -> Iterator[Start]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.offline.avoidance.near_samples import is_near, pairs_near_zone
-from q2q_planner.offline.convex_zone import Lathe
+from q2q_planner.offline.convex_zone import ConvexZone
 
 SPACING = 0.25
 """Distance between the planes of a pair, in radii."""
@@ -60,34 +60,34 @@ class Watch:
     """Signed distance to the zone [m], (w,)."""
 
 
-def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, watched: Mask) -> Watch:
+def watch_pairs(positions: Array, pairs: tuple[Rows, Rows], zone: ConvexZone, watched: Mask) -> Watch:
     """Return the samples near the zone, thinned to SPACING, and those `watched` already.
 
     Args:
         positions: of all vehicles at all samples [m], (S, n, 3).
         pairs: vehicles i and j of each pair.
-        lathe: the zone.
+        zone: that every pair keeps out of.
         watched: samples to include in any case, (pairs, S).
     """
     first, second = pairs
     seen = [np.empty((3, 0), dtype=np.intp)]  # pair, sample, passing
-    for pair in np.flatnonzero(pairs_near_zone(positions, pairs, lathe) | watched.any(axis=1)):
+    for pair in np.flatnonzero(pairs_near_zone(positions, pairs, zone) | watched.any(axis=1)):
         rel = positions[:, first[pair]] - positions[:, second[pair]]
-        near = is_near(rel.T, lathe)
-        sample = np.flatnonzero(watched[pair] | near & _thinned(rel, SPACING * lathe.eps))
+        near = is_near(rel.T, zone)
+        sample = np.flatnonzero(watched[pair] | near & _thinned(rel, SPACING * zone.eps))
         passing = np.cumsum(near & np.diff(near, prepend=False), dtype=np.intp)[sample]
         seen.append(np.stack([np.full_like(sample, pair), sample, passing]))
-    return _watch(positions, pairs, lathe, np.concatenate(seen, axis=1))
+    return _watch(positions, pairs, zone, np.concatenate(seen, axis=1))
 
 
-def _watch(positions: Array, pairs: tuple[Rows, Rows], lathe: Lathe, seen: Rows) -> Watch:
+def _watch(positions: Array, pairs: tuple[Rows, Rows], zone: ConvexZone, seen: Rows) -> Watch:
     """Return the samples `seen` (pair, sample, passing), (3, w)."""
     pair_of, sample, passing = seen
     i, j, last = pairs[0][pair_of], pairs[1][pair_of], len(positions) - 1
     rel = positions[sample, i] - positions[sample, j]
     before, after = np.maximum(sample - 1, 0), np.minimum(sample + 1, last)
     chord = positions[after, i] - positions[after, j] - positions[before, i] + positions[before, j]
-    normal, distance = lathe.nearest(rel)
+    normal, distance = zone.nearest(rel)
     return Watch(pair_of, sample, rel, passing, chord, normal, distance)
 
 
@@ -98,15 +98,15 @@ def _thinned(rel: Array, spacing: float) -> Mask:
     return np.concatenate([[True], count[1:] > count[:-1]])
 
 
-def planes_of(watch: Watch, pairs: tuple[Rows, Rows], lathe: Lathe, margin: float, side: Array) -> Planes:
+def planes_of(watch: Watch, pairs: tuple[Rows, Rows], zone: ConvexZone, margin: float, side: Array) -> Planes:
     """Return one plane a watched sample; `side` (pairs,) is -1 where a deep pass changes sides."""
-    normal = _with_common_normals(watch, lathe, side)
-    apart = np.maximum(SPACING * lathe.eps, 0.5 * np.sqrt((watch.chord**2).sum(-1)))
-    level = lathe.support(normal) + margin + apart**2 / (8.0 * lathe.eps)
+    normal = _with_common_normals(watch, zone, side)
+    apart = np.maximum(SPACING * zone.eps, 0.5 * np.sqrt((watch.chord**2).sum(-1)))
+    level = zone.support(normal) + margin + apart**2 / (8.0 * zone.eps)
     return Planes(pairs[0][watch.pair], pairs[1][watch.pair], watch.sample, normal, level)
 
 
-def _with_common_normals(watch: Watch, lathe: Lathe, side: Array) -> Array:
+def _with_common_normals(watch: Watch, zone: ConvexZone, side: Array) -> Array:
     """Return the normals with those of each deep pass replaced by one across the relative velocity."""
     inside = np.flatnonzero(watch.distance < 0.0)
     if not len(inside):
@@ -116,7 +116,7 @@ def _with_common_normals(watch: Watch, lathe: Lathe, side: Array) -> Array:
     by_depth = np.lexsort((watch.distance[inside], run))
     deepest = inside[by_depth[np.unique(run[by_depth], return_index=True)[1]]]  # one a run
     across = _across(watch.rel[deepest], watch.chord[deepest]) * side[watch.pair[deepest]][:, None]
-    deep = watch.distance[deepest] < -DEEP * lathe.eps
+    deep = watch.distance[deepest] < -DEEP * zone.eps
     normal = watch.normal.copy()
     normal[inside[deep[run]]] = across[run[deep[run]]]
     return normal

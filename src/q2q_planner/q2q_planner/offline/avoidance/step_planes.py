@@ -31,7 +31,7 @@ class WatchedSamples:
     def planes(self, problem: Problem, side: Array) -> tuple[tuple[Rows, Rows], Planes]:
         """Return (row, sample) of each plane, and the planes; `side` as that of `planes_of`."""
         seen = self.pairs
-        made = planes_of(seen, problem.pairs, problem.lathe, problem.margin, side)
+        made = planes_of(seen, problem.pairs, problem.zone, problem.margin, side)
         if self.walls is None or problem.walls is None:
             return (seen.pair, seen.sample), made
         row = np.concatenate([seen.pair, len(problem.pairs[0]) + self.walls.row])
@@ -52,8 +52,8 @@ def watched_samples(problem: Problem, positions: Array, touched: Mask, *, corner
     count = len(problem.pairs[0])
     watched = touched[:count]
     if corners:
-        watched = watched | cut_corners(positions, problem.pairs, problem.lathe)
-    pairs = watch_pairs(positions, problem.pairs, problem.lathe, watched)
+        watched = watched | cut_corners(positions, problem.pairs, problem.zone)
+    pairs = watch_pairs(positions, problem.pairs, problem.zone, watched)
     if problem.walls is None:
         return WatchedSamples(pairs, None)
     alone = not len(pairs.sample)

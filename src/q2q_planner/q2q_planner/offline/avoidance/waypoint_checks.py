@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_planner.offline.convex_zone import Lathe
+from q2q_planner.offline.convex_zone import ConvexZone
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import Walls
 
@@ -17,7 +17,7 @@ class InfeasibleError(ValueError):
     """Error when no certified plan was found, naming the pair in conflict, or vehicle and wall."""
 
 
-def check_apart(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
+def check_apart(swarm: Sequence[VehicleWaypoints], zone: ConvexZone) -> None:
     """Raise if waypoints at the same time, or a rest after the last one, lie in each other's zone."""
     held = list(_held_together(swarm))
     if not held:
@@ -25,7 +25,7 @@ def check_apart(swarm: Sequence[VehicleWaypoints], lathe: Lathe) -> None:
     rel = [
         np.subtract(swarm[i].waypoints[at].pos, swarm[j].waypoints[other].pos) for (i, at), (j, other) in held
     ]
-    clearance = lathe.signed_distance(np.array(rel))
+    clearance = zone.signed_distance(np.array(rel))
     inside = np.flatnonzero(clearance <= 0.0)
     if inside.size:
         (i, at), (j, other) = held[inside[0]]
