@@ -15,6 +15,8 @@ from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
 BRAKE_S = 1.0
 """T [s]: adds an acceleration of v / T to the plan's own, 1 m/s^2 at 1 m/s."""
+SHORTEST_PIECE_S = 1e-6
+"""Shortest piece of plan time that is kept [s]: 1 um at 1 m/s. A trajectory at rest takes as long."""
 
 
 def brake_plan(plan: SwarmPlan, s: float) -> SwarmPlan:
@@ -29,25 +31,23 @@ def brake_plan(plan: SwarmPlan, s: float) -> SwarmPlan:
 def _braked(curve: Trajectory, s: float) -> Trajectory:
     ends = np.cumsum(curve.durations)
     begin, last = float(np.clip(s, 0.0, ends[-1])), min(s + 0.5 * BRAKE_S, float(ends[-1]))
-    knots = np.array([begin, *ends[(ends > begin + _LEAST) & (ends < last - _LEAST)], last])
-    if s <= 0.0 or last - begin <= _LEAST:  # at rest before its start or after its end
+    between = (ends > begin + SHORTEST_PIECE_S) & (ends < last - SHORTEST_PIECE_S)
+    knots = np.array([begin, *ends[between], last])
+    if s <= 0.0 or last - begin <= SHORTEST_PIECE_S:  # at rest before its start or after its end
         point = curve.at(np.array(begin))
-        return Trajectory(np.array([_LEAST]), point.reshape(1, AXES, 1))
+        return Trajectory(np.array([SHORTEST_PIECE_S]), point.reshape(1, AXES, 1))
     tau = BRAKE_S - np.sqrt(np.maximum(BRAKE_S**2 - 2.0 * BRAKE_S * (knots - s), 0.0))
     order = 2 * curve.coefficients.shape[-1] - 1
     pieces = np.zeros((len(knots) - 1, AXES, order))
     for k in range(len(knots) - 1):
-        piece = min(int(np.searchsorted(ends, knots[k] + 0.5 * _LEAST, side="right")), len(ends) - 1)
+        after = knots[k] + 0.5 * SHORTEST_PIECE_S
+        piece = min(int(np.searchsorted(ends, after, side="right")), len(ends) - 1)
         start = ends[piece] - curve.durations[piece]
         inner = np.array([knots[k] - start, 1.0 - tau[k] / BRAKE_S, -0.5 / BRAKE_S])
         for axis in range(AXES):
             composed = _composed(curve.coefficients[piece, axis], inner)
             pieces[k, axis, : len(composed)] = composed
     return Trajectory(np.diff(tau), pieces)
-
-
-_LEAST = 1e-6
-"""Shortest piece of plan time that is kept [s]: 1 um at 1 m/s. A trajectory at rest takes as long."""
 
 
 def _composed(outer: Array, inner: Array) -> Array:

@@ -61,6 +61,10 @@ def cut_corners(positions: Array, pairs: tuple[Rows, Rows], zone: ConvexZone) ->
 
 def deepest_of_runs(sample: Rows, depth: Array) -> Rows:
     """Return the sample of largest depth of every run of consecutive samples, which rise; (k,) each."""
-    begins = np.flatnonzero(np.diff(sample, prepend=-2) > 1).tolist()
-    runs = pairwise([*begins, len(sample)])
-    return np.array([sample[start + int(depth[start:end].argmax())] for start, end in runs], dtype=np.intp)
+    return sample[deepest_rows(np.flatnonzero(np.diff(sample, prepend=-2) > 1), depth)]
+
+
+def deepest_rows(begins: Rows, depth: Array) -> Rows:
+    """Return the first row of largest depth of every run of rows, from its begin to the next; (k,)."""
+    runs = pairwise([*begins.tolist(), len(depth)])
+    return np.array([start + int(depth[start:end].argmax()) for start, end in runs], dtype=np.intp)

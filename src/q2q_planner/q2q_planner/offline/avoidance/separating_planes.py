@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
-from q2q_planner.offline.avoidance.near_samples import is_near, pairs_near_zone
+from q2q_planner.offline.avoidance.near_samples import deepest_rows, is_near, pairs_near_zone
 from q2q_planner.offline.convex_zone import ConvexZone
 
 SPACING = 0.25
@@ -111,10 +111,10 @@ def _with_common_normals(watch: Watch, zone: ConvexZone, side: Array) -> Array:
     inside = np.flatnonzero(watch.distance < 0.0)
     if not len(inside):
         return watch.normal
-    apart = (np.diff(watch.pair[inside]) != 0) | (np.diff(watch.passing[inside]) != 0)
-    run = np.concatenate([[0], np.cumsum(apart)])
-    by_depth = np.lexsort((watch.distance[inside], run))
-    deepest = inside[by_depth[np.unique(run[by_depth], return_index=True)[1]]]  # one a run
+    pair, passing = watch.pair[inside], watch.passing[inside]
+    begins = (np.diff(pair, prepend=-1) != 0) | (np.diff(passing, prepend=-1) != 0)
+    deepest = inside[deepest_rows(np.flatnonzero(begins), -watch.distance[inside])]
+    run = np.cumsum(begins) - 1
     across = _across(watch.rel[deepest], watch.chord[deepest]) * side[watch.pair[deepest]][:, None]
     deep = watch.distance[deepest] < -DEEP * zone.eps
     normal = watch.normal.copy()
