@@ -18,14 +18,14 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, residual_of
 from q2q_model.identification.force.jet_fit import Z95, JetForm, fit_to_pushes, with_held_out_deviation
 from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.force.residual import predicted_residual
 from q2q_model.identification.selection.candidates import MARGIN
+from q2q_model.recordings.bag_recordings import recordings_of_bags
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
-from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.tools.import_table import flight_table, read_columns, write_bag
 from row import Row
@@ -90,7 +90,7 @@ def _flights(tables: Sequence[Path]) -> list[_Flight]:
         bags = [Path(scratch) / table.stem for table in tables]
         for table, bag in zip(tables, bags, strict=True):
             write_bag(flight_table(read_columns(table)), bag)
-        recordings, _ = read_recordings(bags)
+        recordings, _ = recordings_of_bags(bags)
     return [_flight(one) for one in recordings]
 
 

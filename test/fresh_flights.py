@@ -31,11 +31,11 @@ from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.node.rehearsal import rehearse
+from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.signals.cdr import SignalReader, encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
-from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
@@ -63,7 +63,7 @@ def main() -> None:
     """Fly and identify; print what was compiled, what is idle, and what is there for several types."""
     import_kernels()
     flights()
-    recordings, _ = read_recordings([ROOT / "bags" / "table2_1"])
+    recordings, _ = recordings_of_bags([ROOT / "bags" / "table2_1"])
     identify(recordings, ProcedureParams(), lambda _: None)
     print(json.dumps({"compiled": COMPILED, "idle": uncalled_kernels(), "twice": twice_compiled()}))
 

@@ -8,10 +8,10 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from q2q_model.commands import identify as identify_command
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.identification import ProcedureParams, identify, recorded_altitudes
-from q2q_model.tools.recordings import read_recordings
+from q2q_model.recordings.bag_recordings import recordings_of_bags
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands import bag_import
 
@@ -34,7 +34,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module")
 def recordings(bags: dict[str, Path]) -> dict[str, Recording]:
     """Return every flight, read."""
-    found, _ = read_recordings(list(bags.values()))
+    found, _ = recordings_of_bags(list(bags.values()))
     return {one.flight.name: one for one in found}
 
 

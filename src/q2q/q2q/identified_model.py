@@ -16,8 +16,8 @@ from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import MODELS, ModelFile
 from q2q_model.identification.identification import Identification, ProcedureParams
 from q2q_model.identification.identification import identify as identify_recordings
+from q2q_model.recordings.bag_recordings import recordings_of_bags, topic_map
 from q2q_model.tools.bag_vehicle import common_vehicle
-from q2q_model.tools.recordings import read_recordings, topic_map
 
 ModelChoice = str | Path | InteractionModel | ModelFile | Identification
 """Interaction model, with or without zone and gains, its name or file, or an identification."""
@@ -54,7 +54,7 @@ def identify(
     if not paths:
         raise ValueError("no bags: give the folder of a recorded flight, or several")
     flown = common_vehicle(paths, vehicle)
-    recordings, repairs = read_recordings(paths, topic_map(Path(topics) if topics else None))
+    recordings, repairs = recordings_of_bags(paths, topic_map(Path(topics) if topics else None))
     for note in filter(None, (flown.note, *repairs)):
         warnings.warn(note, stacklevel=2)
     params = ProcedureParams(model_type, threshold, flown.vehicle)

@@ -17,7 +17,7 @@ import pytest
 from q2q_control.onboard.app_folder import CORE, write_app
 from q2q_control.onboard.model_header import STALE_S, AppRates, UnsupportedModelError, model_header
 from q2q_control.onboard.native_app import FLAGS, NativeApp, StepInput, compile_app
-from q2q_model.bag.recorded_flight import read_flight
+from q2q_model.bag.flight_in_bag import read_flight
 from q2q_model.downwash.corrected_predictor import ResidualCorrector
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction

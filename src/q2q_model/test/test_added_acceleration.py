@@ -9,7 +9,6 @@ from made_flights import Pass, made_flight
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes
@@ -23,6 +22,7 @@ from q2q_model.identification.identification import (
     recorded_altitudes,
 )
 from q2q_model.identification.selection.cross_validation import score_on
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

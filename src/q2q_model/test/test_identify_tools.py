@@ -15,7 +15,7 @@ from q2q_model.commands import evaluate, identify
 from q2q_model.files.model_file import load, save
 from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.force.recorded_force import motion_of
-from q2q_model.tools.recordings import bags_among, read_recordings
+from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"
@@ -61,7 +61,7 @@ def test_the_learned_downwash_is_that_of_the_simulators_air(found: Path):
     law = load(found / "model.q2q").interaction
     missed = total = 0.0
     for bag in FLIGHTS:
-        flight = read_recordings([bag])[0][0].flight
+        flight = recordings_of_bags([bag])[0][0].flight
         true, learned = flight.true_eta[..., 2], eta_along(law, motion_of(flight))[..., 2]
         visited = np.abs(true).max(axis=1) > 1e-3
         missed += float(((learned - true)[visited] ** 2).sum())
@@ -112,7 +112,7 @@ def test_flights_keep_names_of_their_own_however_their_folders_are_called(tmp_pa
     places = ("gap_0.2", "gap_0.4", "monday/room/swap", "tuesday/room/swap")
     for number, place in enumerate(places, 1):
         shutil.copytree(BAGS / f"table2_{number}", tmp_path / place)
-    recordings, _ = read_recordings([tmp_path / place for place in places])
+    recordings, _ = recordings_of_bags([tmp_path / place for place in places])
     assert [one.flight.name for one in recordings] == list(places)
     out = tmp_path / "scores.json"
     words = ["--model", "paper_law", *(str(tmp_path / place) for place in places), "--json", str(out)]
@@ -127,7 +127,7 @@ def test_a_flight_that_is_given_again_as_a_copy_or_by_its_file_is_refused(tmp_pa
     shutil.copytree(FLIGHTS[0], tmp_path / "copy")
     for again in (tmp_path / "copy", next(FLIGHTS[0].glob("*.mcap"))):
         with pytest.raises(BagError, match=f"{FLIGHTS[0].name} and .*{again.name} hold the same flight"):
-            read_recordings([FLIGHTS[0], FLIGHTS[1], again])
+            recordings_of_bags([FLIGHTS[0], FLIGHTS[1], again])
 
 
 @needs_bags

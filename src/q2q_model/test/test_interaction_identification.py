@@ -10,7 +10,6 @@ from made_flights import LOOP, Pass, made_flight
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification import identification as identification_module
 from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.along_flight import eta_along
@@ -38,6 +37,7 @@ from q2q_model.identification.selection.candidates import (
     fit_jet,
     score_candidates,
 )
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
 
 

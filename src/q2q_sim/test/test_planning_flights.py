@@ -16,8 +16,8 @@ from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.signals.values import Array
-from q2q_model.tools.recordings import read_recordings
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -42,7 +42,7 @@ def original() -> Flight:
 
 @pytest.fixture(scope="module")
 def learned() -> ModelFile:
-    recordings, _ = read_recordings(sorted(BAGS.glob("table2_*")))
+    recordings, _ = recordings_of_bags(sorted(BAGS.glob("table2_*")))
     return identify(recordings, ProcedureParams(model_type="jet"), lambda _: None).file
 
 

@@ -12,9 +12,9 @@ import pytest
 
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceRecord
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
 from q2q_sim.commands.replay_page import main

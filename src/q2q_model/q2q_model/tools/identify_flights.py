@@ -17,9 +17,9 @@ from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import save
 from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
+from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags, topic_map
 from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.identify_report import report, summary
-from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 
 STEPS = 14
@@ -104,7 +104,7 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         steps.begin("read")
         kept, left_out = bags_among(args.bags)
         flown = common_vehicle(kept, args.vehicle)
-        recordings, repairs = read_recordings(kept, topic_map(args.topics))
+        recordings, repairs = recordings_of_bags(kept, topic_map(args.topics))
         for flight in (one.flight for one in recordings):
             if doubt := y_up_reason(flight.mocap_pos):
                 progress.console.print(f"identify: flight {flight.name}: {doubt}", highlight=False)

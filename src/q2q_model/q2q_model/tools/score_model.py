@@ -7,7 +7,6 @@ from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.force.downwash_force import (
     FEWEST_FREE,
@@ -20,8 +19,9 @@ from q2q_model.identification.force.downwash_force import (
 )
 from q2q_model.identification.force.recorded_force import force_record, lag_note
 from q2q_model.identification.force.sensor_check import sensor_notes
+from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags, topic_map
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.tools.bag_vehicle import common_vehicle
-from q2q_model.tools.recordings import bags_among, read_recordings, topic_map
 from q2q_model.vehicle.constants import Vehicle
 
 
@@ -30,7 +30,7 @@ def run(args: Namespace) -> int:
     model = find_model(args.model)
     law = model.interaction
     bags, left_out = bags_among(args.bags)
-    recordings, repairs = read_recordings(bags, topic_map(args.topics))
+    recordings, repairs = recordings_of_bags(bags, topic_map(args.topics))
     flown = common_vehicle(bags, args.vehicle)
     samples = _samples(recordings, flown.vehicle)
     scores = {name: score(law, found) for name, found in samples.items()}

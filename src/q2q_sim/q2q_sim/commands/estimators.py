@@ -32,10 +32,10 @@ def _prepare(args: Namespace) -> Work:
 
 
 def _run(args: Namespace) -> int:
+    from q2q_model.recordings.recordings_of_paths import recordings_of_paths
     from q2q_sim.experiments.estimators.replay_flights import replay_flights
-    from q2q_sim.tools.recorded_flights import read_flights
 
-    recordings, notes = read_flights(args.flights)
+    recordings, notes = recordings_of_paths(args.flights)
     for note in notes:
         print(f"estimators: {note}", file=sys.stderr)
     return replay_flights(recordings, args)

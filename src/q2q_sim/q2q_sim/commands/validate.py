@@ -39,14 +39,15 @@ def _prepare(args: Namespace) -> Work:
 
 
 def _run(args: Namespace) -> int:
-    from q2q_model.tools.recordings import topic_map
+    from q2q_model.recordings.bag_recordings import topic_map
+    from q2q_model.recordings.recordings_of_paths import recordings_of_paths
+    from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
     from q2q_sim.air.find_air import find_air
     from q2q_sim.experiments.validation.validate_flights import validate
-    from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
     air = find_air(args.air)
-    recordings, notes = read_flights(args.flights, topic_map(args.topics))
-    flown = vehicle_of(args.flights, args.vehicle)
+    recordings, notes = recordings_of_paths(args.flights, topic_map(args.topics))
+    flown = vehicle_of_flights(args.flights, args.vehicle)
     for note in [*notes, *filter(None, [flown.note])]:
         print(f"validate: {note}", file=sys.stderr)
     return validate(recordings, flown.vehicle, air, args)

@@ -17,6 +17,8 @@ from q2q_model.files.model_file import Fit, ModelFile, save
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, ForceSamples, force_samples
 from q2q_model.identification.force.held_out_flights import HeldOutScores, held_out_scores
 from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.recordings.recordings_of_paths import recordings_of_paths
+from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path, flights_folder
@@ -26,7 +28,6 @@ from q2q_sim.tools.demo_flights import fly_requests, print_numbers
 from q2q_sim.tools.demo_real_page import write_real_page
 from q2q_sim.tools.fly_scenario import print_flights as print_runs
 from q2q_sim.tools.fly_scenario import print_verdict
-from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 PASSAGE = "table6_room"
 MODES = ("ignoring", "aware")
@@ -99,7 +100,7 @@ def _family(flight: str) -> str:
 
 def score_flights(flights: DemoFlights) -> HeldOutScores:
     """Return the model of the taught flights, and the scores of all flights without it."""
-    vehicle = vehicle_of(flights.taught).vehicle
+    vehicle = vehicle_of_flights(flights.taught).vehicle
     _print_note(f"a force that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
     taught = _samples(flights.taught, vehicle)
     further = _samples(flights.further, vehicle) if flights.further else {}
@@ -112,7 +113,7 @@ def score_flights(flights: DemoFlights) -> HeldOutScores:
 
 def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
     """Return the samples of every flight with a measured force."""
-    recordings, notes = read_flights(paths)
+    recordings, notes = recordings_of_paths(paths)
     records = {one.flight.name: force_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
     unmeasured = [f"{name} has no measured force: left out" for name, one in records.items() if one is None]
     for note in (*notes, *unmeasured):

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import BagReader, BagRepairWarning
-from q2q_model.bag.recorded_flight import topics_by_name
+from q2q_model.bag.flight_in_bag import topics_by_name
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import TrackStatus
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle

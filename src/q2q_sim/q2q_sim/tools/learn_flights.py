@@ -9,18 +9,19 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
-from q2q_model.tools.recordings import topic_map
+from q2q_model.recordings.bag_recordings import topic_map
+from q2q_model.recordings.recordings_of_paths import recordings_of_paths
+from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
 from q2q_sim.air.air_file import save
 from q2q_sim.air.learning.learned_air import LearnedAir, learn_air
 from q2q_sim.air.learning.statistics.fitted import Fitted
-from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 
 def run(args: Namespace) -> int:
     """Learn an air, write and print it, and return the exit status."""
     began = time.process_time()
-    recordings, notes = read_flights(args.flights, topic_map(args.topics))
-    flown = vehicle_of(args.flights, args.vehicle)
+    recordings, notes = recordings_of_paths(args.flights, topic_map(args.topics))
+    flown = vehicle_of_flights(args.flights, args.vehicle)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found = learn_air(recordings, flown.vehicle, _print_step)
     save(args.out, found.air)

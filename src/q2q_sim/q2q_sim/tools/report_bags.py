@@ -11,11 +11,11 @@ import numpy as np
 from q2q_model.bag import TopicMap
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.filtered_states import with_filtered_states
-from q2q_model.identification.recording_files import flight_of_bag
+from q2q_model.recordings.bag_recordings import topic_map
+from q2q_model.recordings.filtered_states import with_filtered_states
+from q2q_model.recordings.recording_files import flight_of_bag
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
-from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line

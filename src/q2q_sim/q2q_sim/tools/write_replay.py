@@ -9,13 +9,13 @@ import numpy as np
 
 from q2q_model.bag import TopicMap
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.table_file import TABLES
 from q2q_model.identification.force.downwash_force import ForceRecord
 from q2q_model.identification.force.recorded_force import force_record
-from q2q_model.identification.recording_files import recording_of_bag, recording_of_table
+from q2q_model.recordings.bag_recordings import topic_map
+from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.recordings.recording_files import recording_of_bag, recording_of_table
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
-from q2q_model.tools.recordings import topic_map
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_verdict import verdict_of

@@ -24,7 +24,7 @@ from q2q_model.identification.force.downwash_force import ForceSamples, force_sa
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.force.residual_fit import fit_residual
-from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.recordings.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.air.air_names import FLIGHTS
 from q2q_sim.experiments.ablation.ablation_cases import LAW

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import (
     ang_vel_between,
     normalised,
@@ -28,6 +27,7 @@ from q2q_model.geometry.rotations import (
 )
 from q2q_model.identification.force.downwash_force import FLOOR
 from q2q_model.identification.gains.altitude_record import resample
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import DT

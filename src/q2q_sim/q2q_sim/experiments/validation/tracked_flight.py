@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.force.recorded_force import force_record
 from q2q_model.identification.gains.altitude_record import UP, resample
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.records.air_record import air_records

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import (
@@ -22,6 +21,7 @@ from q2q_model.identification.force.downwash_force import (
     known_rows,
 )
 from q2q_model.identification.force.recorded_force import MOTORS, first_order_lag, force_record, motor_duty
+from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 

@@ -1,4 +1,4 @@
-"""Recorded flights for the tools, with the repairs that reading took."""
+"""Recordings of many bags, each flight once, with the repairs that reading took."""
 
 import warnings
 from collections.abc import Sequence
@@ -16,12 +16,12 @@ from q2q_model.bag import (
     load_topic_map,
 )
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_and_log import Recording
 from q2q_model.forked import forked
-from q2q_model.identification.recording_files import recording_of_bag
+from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.recordings.recording_files import recording_of_bag
 
 
-def read_recordings(
+def recordings_of_bags(
     bags: Sequence[Path], topics: TopicMap | None = None
 ) -> tuple[list[Recording], list[str]]:
     """Return the flights in bags, and the repairs that reading took.

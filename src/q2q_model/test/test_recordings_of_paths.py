@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from q2q_model.identification.recording_files import flights_among
+from q2q_model.recordings.recording_files import flights_among
+from q2q_model.recordings.recordings_of_paths import recordings_of_paths
+from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
-from q2q_sim.tools.recorded_flights import read_flights, vehicle_of
 
 HEAD = "t,x,y,z\n"
 ROWS = "".join(f"{0.01 * k},0,0,1\n" for k in range(3))
@@ -20,7 +21,7 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
     found, notes = flights_among([tmp_path])
     assert [path.name for path in found] == ["one.csv", "two.csv"]
     assert notes == [f"skipped: {tmp_path / 'manifest.csv'} has no column t: it is no flight"]
-    recordings, notes = read_flights([tmp_path])
+    recordings, notes = recordings_of_paths([tmp_path])
     assert [one.flight.name for one in recordings] == ["one", "two"]
     assert len(notes) == 1
     (tmp_path / "lists").mkdir()
@@ -32,9 +33,9 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
 def test_the_vehicle_of_tables_is_assumed_with_a_note(tmp_path: Path):
     for name in ("one", "two"):
         (tmp_path / f"{name}.csv").write_text(HEAD + ROWS)
-    flown = vehicle_of([tmp_path])
+    flown = vehicle_of_flights([tmp_path])
     assert flown.vehicle == CRAZYFLIE_2_0
     assert flown.note.endswith("one.csv and 1 more: crazyflie_2_0 is assumed; name it with --vehicle")
-    named = vehicle_of([tmp_path], "crazyflie_2_1")
+    named = vehicle_of_flights([tmp_path], "crazyflie_2_1")
     assert named.vehicle == CRAZYFLIE_2_1
     assert named.note == ""

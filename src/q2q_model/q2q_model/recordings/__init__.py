@@ -1,0 +1,1 @@
+"""Recorded flights with their logs, read from bags and tables."""

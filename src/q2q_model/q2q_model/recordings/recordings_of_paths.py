@@ -1,0 +1,29 @@
+"""Recordings of many files: bags, tables (Parquet, CSV) and folders of them, each flight once."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from q2q_model.bag import TopicMap
+from q2q_model.flights.table_file import TABLES
+from q2q_model.recordings.bag_recordings import recordings_of_bags
+from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.recordings.recording_files import flights_among, recording_of_table
+
+
+def recordings_of_paths(
+    paths: Sequence[Path], topics: TopicMap | None = None
+) -> tuple[list[Recording], list[str]]:
+    """Return the flights, bags first, and notes on repairs and on files left out.
+
+    Raises:
+        ValueError: a flight cannot be read, is given twice, or a folder has none.
+    """
+    found, notes = flights_among(paths)
+    tables = [path for path in found if path.suffix in TABLES and path.is_file()]
+    recordings, repairs = recordings_of_bags([path for path in found if path not in tables], topics)
+    recordings += [recording_of_table(path) for path in tables]
+    names = [one.flight.name for one in recordings]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"flight {', '.join(twice)} is given twice; give each flight once")
+    return recordings, [*notes, *(f"repaired: {repair}" for repair in repairs)]
