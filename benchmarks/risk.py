@@ -17,7 +17,7 @@ from typing import get_args
 import numpy as np
 
 from q2q_model.commands.command_line import CommandLine
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Ellipsoid, Zone
 from q2q_model.signals.values import Array

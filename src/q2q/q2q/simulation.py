@@ -13,7 +13,7 @@ from q2q.scenario_choice import AirName, ScenarioChoice, scenario
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.controller import Controller
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.trajectory.polynomials import SwarmPlan

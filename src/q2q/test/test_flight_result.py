@@ -9,7 +9,7 @@ import yaml
 
 import q2q
 from q2q_model.bag import BagError, FlightFacts
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.recorded_case import SAME, recorded_case
 from q2q_sim.faults.faults import Fault

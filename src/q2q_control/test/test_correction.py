@@ -9,9 +9,9 @@ from q2q_control.mpc.chain import ChainWeights, chain, transition
 from q2q_control.mpc.correction import CROSSING, DELAY_MARGIN, faded_residual, thrust_reserve, tighten
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 

@@ -18,11 +18,11 @@ from q2q_control.onboard.app_folder import CORE, write_app
 from q2q_control.onboard.model_header import STALE_S, AppRates, UnsupportedModelError, model_header
 from q2q_control.onboard.native_app import FLAGS, NativeApp, StepInput, compile_app
 from q2q_model.bag.flight_in_bag import read_flight
-from q2q_model.downwash.corrected_predictor import ResidualCorrector
+from q2q_model.downwash.correction.corrected_predictor import ResidualCorrector
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.table_file import read_columns
 from q2q_model.geometry.rotations import quat_from_euler, rotate

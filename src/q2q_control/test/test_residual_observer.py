@@ -17,8 +17,8 @@ from q2q_control.disturbance.residual_observer import (
     ResidualObserver,
     steady_gain,
 )
-from q2q_model.downwash.corrected_predictor import OFFSET_S
-from q2q_model.downwash.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
+from q2q_model.downwash.correction.corrected_predictor import OFFSET_S
+from q2q_model.downwash.correction.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array, SwarmImu
 from q2q_model.vehicle.constants import GRAVITY

@@ -17,9 +17,9 @@ from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.signals.values import Array, SwarmImu, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from q2q_model.downwash.corrected_predictor import CorrectedPredictor, ResidualCorrector
+from q2q_model.downwash.correction.corrected_predictor import CorrectedPredictor, ResidualCorrector
+from q2q_model.downwash.correction.measured_push import LONGEST_STEP, MeasuredPush
+from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
-from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples

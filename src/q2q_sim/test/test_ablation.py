@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from ablation_numbers import DATA, PASSAGE, SHORT, STRONG, WEAK, shipped
 
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import PAPER_LAW
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.signals.values import Array

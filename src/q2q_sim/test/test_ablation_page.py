@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from ablation_numbers import PASSAGE, ROOT, STACK, shipped
 
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import Jet
-from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_sim.air.air_names import ROOM
 from q2q_sim.commands.ablation import main
 from q2q_sim.experiments.ablation.ablation_cases import (

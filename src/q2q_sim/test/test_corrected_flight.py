@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import Jet
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.vehicle.constants import GRAVITY

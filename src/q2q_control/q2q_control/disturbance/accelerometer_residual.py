@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.downwash.residual_process import OLDEST
+from q2q_model.downwash.correction.residual_process import OLDEST
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.recent_ticks import RecentTicks
 from q2q_model.signals.values import Array, Names, SwarmImu, rows_by_name

@@ -33,8 +33,8 @@ import numpy as np
 
 from q2q_control.disturbance.observer import GAP_MAX, Measurement
 from q2q_model.compiled import compiled
-from q2q_model.downwash.corrected_predictor import OFFSET_S
-from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
+from q2q_model.downwash.correction.corrected_predictor import OFFSET_S
+from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProcess
 from q2q_model.signals.values import Array, Mask, Names, rows_by_name
 
 HEIGHT_STD = 1e-3

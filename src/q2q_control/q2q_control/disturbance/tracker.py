@@ -17,7 +17,7 @@ from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
 from q2q_control.inputs.command_limits import LATENCY_S
 from q2q_model.compiled import compiled
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import (
     Array,
     Mask,

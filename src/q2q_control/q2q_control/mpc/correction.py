@@ -42,7 +42,7 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import Array
 
 CROSSING = math.sqrt(1.0 + math.sqrt(2.0))

@@ -47,8 +47,8 @@ from q2q_control.mpc.prediction.vehicle_tracks import Neighbours, at_constant_ve
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.mpc.solver.horizon_solver import InTime, Solver, coupled_axes, horizon_solver
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
     Array,

@@ -25,7 +25,7 @@ from q2q_control.mpc.prediction.time_slots import RATE_HZ
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_control.ros.prediction_exchange import PredictionExchange
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import STAND_IN
 from q2q_model.ros.node.input_warnings import AbsentNames

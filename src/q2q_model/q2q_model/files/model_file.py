@@ -18,12 +18,12 @@ from typing import TypeVar
 
 from q2q_model.documents.plain_values import Plain, PlainValueError, from_plain, to_plain
 from q2q_model.documents.sealed_json import FileFormat, seal, unseal
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.files.model_bounds import check_model
 from q2q_model.files.model_names import ModelFileError
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone

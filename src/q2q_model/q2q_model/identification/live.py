@@ -22,11 +22,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.downwash.correction.measured_push import LONGEST_STEP, MeasuredPush
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.estimation.measured_push import LONGEST_STEP, MeasuredPush
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Array, Names, SwarmCommand, SwarmImu, SwarmState, rows_by_name
 from q2q_model.tunable import check_bounds, tunable

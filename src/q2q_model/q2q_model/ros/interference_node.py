@@ -7,9 +7,9 @@ from time import monotonic
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.downwash.corrected_predictor import CorrectedPredictor
+from q2q_model.downwash.correction.corrected_predictor import CorrectedPredictor
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import ModelFile, decode
 from q2q_model.files.model_names import ModelFileError

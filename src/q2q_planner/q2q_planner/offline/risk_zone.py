@@ -31,8 +31,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash import level_set
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CONTACT
 from q2q_planner.offline.convex_zone import ConvexZone, zone_around, zone_by_support

@@ -9,9 +9,9 @@ Order, inputs and stamps are those of the nodes in lockstep; a test checks that 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_NS, TICK_S

@@ -16,10 +16,10 @@ from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid, PidParams
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.files.model_file import ModelFile

@@ -13,7 +13,7 @@ from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
 from q2q_control.mpc.chain import axis_lags, lagged_step
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.compiled import compiled
-from q2q_model.downwash.residual_process import ResidualProcess
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import Array, SwarmCommand, SwarmImu
 from q2q_model.vehicle.constants import Vehicle
 

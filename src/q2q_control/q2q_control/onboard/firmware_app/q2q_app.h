@@ -29,7 +29,7 @@ struct q2q_track {
   uint8_t id;
 };
 
-/* Residual of the model at this vehicle: symbols of q2q_model.downwash.corrected_predictor. */
+/* Residual of the model at this vehicle: symbols of q2q_model.downwash.correction.corrected_predictor. */
 struct q2q_correction {
   float residual; /* r^ [m/s^2] */
   float variance; /* P [m^2/s^4] */

@@ -1,4 +1,5 @@
-/* Residual of the model, estimated from measured pushes: q2q_model.downwash.corrected_predictor, along z.
+/* Residual of the model along z, estimated from measured pushes as in
+   q2q_model.downwash.correction.corrected_predictor.
 
      y = eta + b + r + noise,   r an Ornstein-Uhlenbeck process:   E r^2 = (floor + slope |eta|)^2,  time T */
 #include <math.h>

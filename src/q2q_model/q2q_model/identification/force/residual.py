@@ -6,13 +6,14 @@ prediction for t:
     y^(t) = eta(t) + rho r(t - h),    rho = (P rho_0 + sum r(s) r(s - h)) / (P + sum r(s - h)^2),  s <= t - h
 
 rho, between 0 and 1, is estimated from the flight itself up to t - h. It begins at rho_0, that of the
-residual of real flights (q2q_model.downwash.residual_process), with the weight of some 100 rows. eta(t)
-is that of the positions at t: positions extrapolated over 20 ms differ from them by less than a millimetre.
+residual of real flights (q2q_model.downwash.correction.residual_process), with the weight of some 100 rows.
+eta(t) is that of the positions at t: positions extrapolated over 20 ms differ from them by less than a
+millimetre.
 """
 
 import numpy as np
 
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.signals.values import Array, Mask
 
 HORIZON_S = 0.02

@@ -1,4 +1,4 @@
-"""Fit of the residual process (q2q_model.downwash.residual_process) to residuals y - eta under wakes.
+"""Fit of the residual process (`downwash.correction.residual_process`) to residuals y - eta under wakes.
 
 The deviation s = floor_0 + slope_0 |eta| is of maximum likelihood for residuals of variance s^2 + noise^2.
 The normalised residual z = r / s has the autocovariance c exp(-h / T). c and T are a least-squares fit over
@@ -22,8 +22,8 @@ import numpy as np
 from scipy.optimize import curve_fit
 from scipy.special import stdtrit
 
+from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.residual_process import ResidualProcess
 from q2q_model.identification.force.along_flight import eta_on_vehicle
 from q2q_model.identification.force.downwash_force import ForceSamples
 from q2q_model.identification.force.jet_fit import deviation_of

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.offline.shared_pieces import split_at
 from q2q_planner.playing.plan_waypoints import waypoints_of

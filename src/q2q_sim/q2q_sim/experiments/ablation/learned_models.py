@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.downwash.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.identification.force.recorded_force import force_record

@@ -33,8 +33,8 @@ DELAY = 2
 """Ticks from camera to the vehicle's estimate."""
 VIBRATING = ImuParams(acc_noise=0.2, acc_bias=0.1, gyro_noise=0.02, gyro_bias=0.005)
 """Errors of the sensors in flight, means over 10 ms. Accelerometer: noise as measured in flight
-(q2q_model.downwash.residual_process), bias between the 0.03 of z and the 0.14 of x and y in logs of
-Neural-Swarm2 (T-RO 2021). Gyroscope: the bias of the `real` room, and ten times its noise for vibration,
+(q2q_model.downwash.correction.residual_process), bias between the 0.03 of z and the 0.14 of x and y in logs
+of Neural-Swarm2 (T-RO 2021). Gyroscope: the bias of the `real` room, and ten times its noise for vibration,
 which is assumed."""
 FED = ExtendedKalmanParams(pos_std=POSE_STD["locSrv.extPosStdDev"], quat_std=POSE_STD["locSrv.extQuatStdDev"])
 """As `radio` sets them."""

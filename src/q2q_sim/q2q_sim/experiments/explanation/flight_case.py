@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from q2q_model.downwash.residual_process import REAL_FLIGHTS
+from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.trajectory.polynomials import SwarmPlan

@@ -2,8 +2,8 @@
 
     eta^(t) = eta(t) + exp(-h / T) r^(t - h)
 
-r^ is the Kalman estimate of the residual process (q2q_model.downwash.residual_process) from measured pushes
-y = eta + b + r + noise at t - h; h is the age of the last one. Between measurements,
+r^ is the Kalman estimate of the residual process (q2q_model.downwash.correction.residual_process) from
+measured pushes y = eta + b + r + noise at t - h; h is the age of the last one. Between measurements,
 
     r^ <- a r^,   P <- a^2 P + (1 - a^2) sigma^2,   a = exp(-dt / T)
 
@@ -24,9 +24,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from q2q_model.downwash.correction.measured_push import MeasuredPush
+from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProcess
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.downwash.residual_process import OLDEST, ResidualProcess
-from q2q_model.estimation.measured_push import MeasuredPush
 from q2q_model.signals.recent_ticks import SAME_STAMP, RecentTicks
 from q2q_model.signals.values import (
     Array,
