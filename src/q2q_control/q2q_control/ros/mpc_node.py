@@ -37,6 +37,7 @@ from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
+from q2q_model.signals.topic_names import PLAN
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import vehicle_by_name
@@ -118,7 +119,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
 def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> None:
     """Let the block follow the plans on `plan`; an invalid one is refused, the last one kept."""
-    unplanned = AbsentNames(node, "plan", "{}: flown without looking ahead", wiring.health)
+    unplanned = AbsentNames(node, PLAN, "{}: flown without looking ahead", wiring.health)
     mismatch = PlanMismatchMonitor()
 
     def take(message: Plan) -> None:
@@ -139,10 +140,10 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
             if is_new:
                 node.get_logger().warning(f"{wiring.health.doubts[MISMATCH]} flown without looking ahead")
 
-    came = expect_latched(node, node.create_subscription(Plan, "plan", take, LATCHED))
+    came = expect_latched(node, node.create_subscription(Plan, PLAN, take, LATCHED))
     wiring.listen("reference_safe", unplanned.look)
     wiring.listen("reference_safe", compare)
-    wiring.expect_one_writer("plan")
+    wiring.expect_one_writer(PLAN)
 
 
 def _rehearse(

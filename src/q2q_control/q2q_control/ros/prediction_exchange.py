@@ -18,9 +18,8 @@ from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.qos import MANY_WRITERS, TICK_WRITER
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts
+from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.signals.values import Names, SwarmCommand, SwarmState
-
-TOPIC = "predictions"
 
 
 class PredictionExchange:
@@ -37,7 +36,7 @@ class PredictionExchange:
         self._silent: Names = ()
         self._own = OwnPredictions()
         self._warned: set[Names] = set()
-        self._publisher = node.create_publisher(PredictionMessage, TOPIC, TICK_WRITER)
+        self._publisher = node.create_publisher(PredictionMessage, PREDICTIONS, TICK_WRITER)
         self._node = node
 
     def wire(self, wiring: TickWiring[SwarmCommand], *, live: bool) -> None:
@@ -50,7 +49,7 @@ class PredictionExchange:
             wiring.hold_until(self._may_begin)
         wiring.check_each_second(self._look_for_neighbours)
         wiring.add_diagnostic_values(lambda: {"silent_neighbours": ", ".join(self._silent)})
-        self._node.create_subscription(PredictionMessage, TOPIC, self._hear, MANY_WRITERS)
+        self._node.create_subscription(PredictionMessage, PREDICTIONS, self._hear, MANY_WRITERS)
 
     def begin(self, state: SwarmState) -> None:
         """Take the state of a tick that begins."""
@@ -76,26 +75,26 @@ class PredictionExchange:
             self._mpc.hear(decode_prediction(message))
             self._wiring.resume()
         except ValueError as refusal:
-            self._wiring.health.refuse(f"{TOPIC}: {refusal}")
+            self._wiring.health.refuse(f"{PREDICTIONS}: {refusal}")
 
     def _look_for_neighbours(self) -> None:
         """Report which neighbours are silent, and that others fly own vehicles."""
-        self._wiring.health.doubts[f"{TOPIC} doubled"] = self._doubled()
+        self._wiring.health.doubts[f"{PREDICTIONS} doubled"] = self._doubled()
         silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
         names = ", ".join(silent)
-        report = f"{TOPIC}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
+        report = f"{PREDICTIONS}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
         if silent and silent != self._silent:
             self._node.get_logger().warning(report)
         self._silent = silent
-        self._wiring.health.doubts[TOPIC] = report if silent else ""
+        self._wiring.health.doubts[PREDICTIONS] = report if silent else ""
 
     def _doubled(self) -> str:
         """Return which own vehicles another node predicts, empty for none; warn of it the first time."""
         doubled = self._own.take_doubled()
         if not doubled:
             return ""
-        writers = ", ".join(writers_of(self._node, TOPIC))
-        report = f"{TOPIC}: another node flies {', '.join(doubled)}, too; stop one ({writers} write it)"
+        writers = ", ".join(writers_of(self._node, PREDICTIONS))
+        report = f"{PREDICTIONS}: another node flies {', '.join(doubled)}, too; stop one ({writers} write it)"
         if doubled not in self._warned:
             self._warned.add(doubled)
             self._node.get_logger().warning(report)

@@ -23,6 +23,7 @@ from q2q_model.ros.node.late_reply import LateReplyService
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.topic_names import NEXT_PLAN
 from q2q_model.signals.values import Names, SwarmCommand, SwarmSetpoint, SwarmState
 
 PERIOD_S = 0.02
@@ -46,7 +47,7 @@ class ProcedureServices:
         self._services: dict[Call | Act, LateReplyService] = {
             call: LateReplyService(node, f"~/{call.value}", partial(self._call, call)) for call in Call
         }
-        node.create_subscription(Plan, "next_plan", self._take_plan, LATCHED)
+        node.create_subscription(Plan, NEXT_PLAN, self._take_plan, LATCHED)
         steady_timer(node, PERIOD_S, self._update)
 
     def refuse_flights(self, refusal: Callable[[], str]) -> None:

@@ -20,6 +20,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.topic_names import MODEL
 from q2q_model.signals.values import Interference, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
@@ -51,8 +52,8 @@ def build(node: Node) -> TickWiring[Interference]:
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
     wiring.add_diagnostic_values(lambda: {"model_age_s": f"{age.seconds():.0f}"})
-    wiring.expect_one_writer("model")
-    node.create_subscription(String, "model", model_receiver(node, predictor, age, wiring.health), LATCHED)
+    wiring.expect_one_writer(MODEL)
+    node.create_subscription(String, MODEL, model_receiver(node, predictor, age, wiring.health), LATCHED)
     block = predictor if params.correct_vehicle == "none" else corrected_predictor(predictor, params, found)
     if isinstance(block, CorrectedPredictor):
         receive_measured_ticks(node, block.sense, wiring.health.refuse)

@@ -13,6 +13,7 @@ from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.topic_names import MODEL
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
@@ -28,7 +29,7 @@ class LiveIdentification:
         params = declare(node, LiveParams())
         self._refinement = LiveRefinement(base.interaction, vehicle, params)
         self._carried = CarriedWeight(vehicle)
-        self._publisher = node.create_publisher(String, "model", LATCHED)
+        self._publisher = node.create_publisher(String, MODEL, LATCHED)
         self._published = PublishedGain(params)
         self._ticks = 0
         self._join = receive_measured_ticks(node, self._take, self._refuse)

@@ -1,4 +1,4 @@
-"""Layout of each signal in its message, field and numbers per vehicle, and the signal of each topic.
+"""Layout of each signal in its message: field and numbers per vehicle.
 
 Nodes (rclpy messages) and bags (rosbags messages) share this table, so a signal has the same layout on a
 topic and in a file.
@@ -67,16 +67,3 @@ LAYOUTS: dict[type, Layout] = {
     signal: _layout(signal)
     for signal in (MocapFrame, SwarmState, SwarmSetpoint, Interference, SwarmCommand, SwarmImu)
 }
-
-TICK_TOPICS: dict[str, type[Signal]] = {
-    "mocap": MocapFrame,
-    "truth": SwarmState,
-    "truth_interference": Interference,
-    "imu": SwarmImu,
-    "state": SwarmState,
-    "reference": SwarmSetpoint,
-    "reference_safe": SwarmSetpoint,
-    "interference": Interference,
-    "command": SwarmCommand,
-}
-"""Topic to signal, in the order of the data flow."""

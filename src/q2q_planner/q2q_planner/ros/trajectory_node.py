@@ -23,6 +23,7 @@ from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.ros.topics.qos import LATCHED
+from q2q_model.signals.topic_names import NEXT_PLAN, PLAN
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.tunable import check_bounds, tunable
@@ -62,12 +63,12 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         )
     plan = load_plan(Path(params.plan))
     player = PlanPlayer(plan, params.start, declare(node, GlideParams()), wait=params.wait)
-    played = _PlayedPlan(player, node.create_publisher(Plan, "plan", LATCHED))
+    played = _PlayedPlan(player, node.create_publisher(Plan, PLAN, LATCHED))
     if player.played is not None:  # known before the first tick, in time for previews
         note_latched(node, played.publisher)
     played.publish()
     if params.wait:
-        waiting = node.create_publisher(Plan, "next_plan", LATCHED)
+        waiting = node.create_publisher(Plan, NEXT_PLAN, LATCHED)
         waiting.publish(encode_plan(plan, 0))
         note_latched(node, waiting)
     calls = {"wait": player.wait, "glide": player.glide, "start": player.start, "hold": player.hold}
@@ -80,7 +81,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         return setpoint
 
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
-    wiring.expect_one_writer("plan")
+    wiring.expect_one_writer(PLAN)
     wiring.rehearse(lambda frame: setpoint_at(plan, frame.t), lambda: None)
     wiring.start(update)
     return wiring

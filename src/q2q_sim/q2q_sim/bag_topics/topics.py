@@ -1,6 +1,7 @@
 """Topics of a flight and their types: the contents of a bag."""
 
-from q2q_model.signals.layout import LAYOUTS, TICK_TOPICS
+from q2q_model.signals.layout import LAYOUTS
+from q2q_model.signals.topic_names import FLIGHT_SUMMARY, MODEL, NEXT_PLAN, PLAN, PLAYBACK_OVER, TICK_TOPICS
 
 TYPE_NAMES: dict[str, str] = {
     topic: f"q2q_msgs/msg/{LAYOUTS[kind].message}" for topic, kind in TICK_TOPICS.items()
@@ -8,11 +9,11 @@ TYPE_NAMES: dict[str, str] = {
 """Topic to message type."""
 
 LATCHED_TYPES: dict[str, str] = {
-    "plan": "q2q_msgs/msg/Plan",
-    "next_plan": "q2q_msgs/msg/Plan",
-    "model": "std_msgs/msg/String",
-    "flight_summary": "std_msgs/msg/String",
-    "playback_over": "std_msgs/msg/String",
+    PLAN: "q2q_msgs/msg/Plan",
+    NEXT_PLAN: "q2q_msgs/msg/Plan",
+    MODEL: "std_msgs/msg/String",
+    FLIGHT_SUMMARY: "std_msgs/msg/String",
+    PLAYBACK_OVER: "std_msgs/msg/String",
     "status": "diagnostic_msgs/msg/DiagnosticStatus",
 }
 """Last part of a latched topic's name to its message type."""
@@ -25,8 +26,8 @@ def is_latched(topic: str, kind: str) -> bool:
 
 def has_one_writer(topic: str) -> bool:
     """Return whether one node writes a topic of a flight, in any namespace."""
-    return topic.rpartition("/")[2] in {*TYPE_NAMES, "plan", "next_plan", "model"}
+    return topic.rpartition("/")[2] in {*TYPE_NAMES, PLAN, NEXT_PLAN, MODEL}
 
 
-PREDICTIONS, PREDICTION_TYPE = "predictions", "q2q_msgs/msg/Prediction"
-"""Topic of a distributed MPC's predictions, one message of each vehicle a slot, and its message type."""
+PREDICTION_TYPE = "q2q_msgs/msg/Prediction"
+"""Message type of PREDICTIONS."""

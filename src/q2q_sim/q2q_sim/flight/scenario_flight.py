@@ -12,10 +12,11 @@ from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.stamps import TICK_S
+from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
-from q2q_sim.bag_topics.topics import PREDICTION_TYPE, PREDICTIONS
+from q2q_sim.bag_topics.topics import PREDICTION_TYPE
 from q2q_sim.flight.running_nodes import RECORDER, running_nodes
 from q2q_sim.flight.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.loop import flight_blocks

@@ -27,6 +27,7 @@ from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.bag_topics.playback import PAUSE_S, Playback, answer_type, check_answer, check_start, is_tick
 from q2q_sim.bag_topics.topics import has_one_writer, is_latched
@@ -87,7 +88,7 @@ class Player:
         self._latched = {one for one, kind in wanted.items() if one in recorded or is_latched(one, kind)}
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
         self._clock = node.create_publisher(Clock, CLOCK, TICK) if self._params.clock else None
-        self._over = node.create_publisher(String, "playback_over", LATCHED)
+        self._over = node.create_publisher(String, PLAYBACK_OVER, LATCHED)
         self._messages: Iterator[RawMessage] = iter(())
         self._next: RawMessage | None = None
         self._damage: BagError | None = None

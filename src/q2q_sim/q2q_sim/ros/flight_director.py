@@ -28,6 +28,7 @@ from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.stamps import TICK_NS, BadStampError, stamp_from_parts
+from q2q_model.signals.topic_names import FLIGHT_SUMMARY, PLAYBACK_OVER
 from q2q_sim.loop.flight_clock import FlightTiming, timing_from_text
 
 POLL_S = 0.05
@@ -42,7 +43,7 @@ STILL_S = 60.0
 """Time without a tick after which a flight has failed [s]."""
 SOURCES = ("/simulator", "/bag_play")
 """Nodes that publish ticks."""
-SUMMARY = "/flight_summary"
+SUMMARY = f"/{FLIGHT_SUMMARY}"
 
 
 class FlightDirector:
@@ -71,7 +72,7 @@ class FlightDirector:
         self._drains: dict[str, Client] = {}
         """Created before the flight, so that they have discovered their services when it ends."""
         self._node.create_subscription(String, SUMMARY, self._on_summary, LATCHED)
-        self._node.create_subscription(String, "playback_over", self._on_playback_over, LATCHED)
+        self._node.create_subscription(String, PLAYBACK_OVER, self._on_playback_over, LATCHED)
         self._node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 10)
 
     def __enter__(self) -> Self:

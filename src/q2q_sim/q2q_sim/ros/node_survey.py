@@ -20,7 +20,7 @@ from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode
-from q2q_model.signals.layout import TICK_TOPICS
+from q2q_model.signals.topic_names import TICK_TOPICS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.bag_topics.topics import TYPE_NAMES

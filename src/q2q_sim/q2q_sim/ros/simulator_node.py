@@ -34,6 +34,7 @@ from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
 from q2q_model.signals.cdr import encode_stamp
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import timing_as_text
 from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearse_room
@@ -78,7 +79,7 @@ class Simulator:
         self._clock = node.create_publisher(Clock, CLOCK, TICK)
         self._clocks = SeveralWriters(node, CLOCK)
         self._clock_audience = Audience((self._clock,))
-        self._summary = node.create_publisher(String, "flight_summary", LATCHED)
+        self._summary = node.create_publisher(String, FLIGHT_SUMMARY, LATCHED)
         if not params.crtp:
             self._listen()
         node.create_service(Trigger, "~/start", self._on_start)

@@ -21,6 +21,7 @@ from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.plan_message import decode_plan
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.topic_names import PLAN
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.ros.scene_markers import marker_array
@@ -75,7 +76,7 @@ class View:
             node.get_logger().info(f"Foxglove: ws://localhost:{self.foxglove.port}")
         for topic, signal in INPUTS.items():
             self._listen(node, topic, signal)
-        node.create_subscription(Plan, "plan", self._on_plan, LATCHED)
+        node.create_subscription(Plan, PLAN, self._on_plan, LATCHED)
         publish_health(node, self._health)
 
     def close(self) -> None:

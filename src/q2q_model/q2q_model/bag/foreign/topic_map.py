@@ -22,7 +22,7 @@ from q2q_model.bag.storage.fault import BagError
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.nearest_name import name_hint
-from q2q_model.signals.layout import TICK_TOPICS
+from q2q_model.signals.topic_names import TICK_TOPICS
 
 TOLERANCE_S = 0.005
 """Half a period of VICON at 100 Hz [s]."""

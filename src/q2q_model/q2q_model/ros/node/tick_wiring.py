@@ -10,6 +10,7 @@ from typing import Generic, TypeVar
 from rclpy.node import Node
 
 from q2q_model.compiled import COMPILED
+from q2q_model.node.diagnostic_values import diagnostic_values
 from q2q_model.node.health import Health
 from q2q_model.node.rehearsal import rehearse
 from q2q_model.node.stopwatch import Stopwatch
@@ -20,7 +21,6 @@ from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK, TICK_WRITER
-from q2q_model.signals.diagnostic_values import diagnostic_values
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Names
