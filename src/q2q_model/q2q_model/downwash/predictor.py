@@ -27,14 +27,13 @@ from q2q_model.downwash.interaction_model import (
     retarded_pairs,
 )
 from q2q_model.downwash.jet import Jet, jet_law
-from q2q_model.downwash.pairs import (
+from q2q_model.downwash.predictor_kernel import (
     InteractionSums,
     PairInteractions,
     find_pairs,
     sum_over_sources,
     write_present,
 )
-from q2q_model.downwash.pairs_in_reach import Pairs
 from q2q_model.downwash.source_strength import (
     HALF_SPAN_S,
     PAIRS_ALONE,
@@ -44,6 +43,7 @@ from q2q_model.downwash.source_strength import (
     thrust_ratio,
 )
 from q2q_model.downwash.state_history import StateHistory
+from q2q_model.downwash.sweep_and_prune import Pairs
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 

@@ -32,7 +32,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from q2q_model.downwash.interaction_model import Reach
-from q2q_model.downwash.pairs_in_reach import pairs_in_reach
+from q2q_model.downwash.sweep_and_prune import pairs_in_reach
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable

@@ -45,9 +45,9 @@ from q2q_model.downwash.interaction_model import (
     retarded_pairs,
 )
 from q2q_model.downwash.jet import Jet, jet_law
-from q2q_model.downwash.pairs_in_reach import Pairs, pairs_in_reach
 from q2q_model.downwash.source_strength import SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
+from q2q_model.downwash.sweep_and_prune import Pairs, pairs_in_reach
 from q2q_model.signals.values import Array, Rows
 
 ALL_PAIRS = 64

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.downwash.pairs_in_reach import Pairs
+from q2q_model.downwash.sweep_and_prune import Pairs
 from q2q_model.signals.values import Array, Mask, Rows
 
 DELTA = 1e-3

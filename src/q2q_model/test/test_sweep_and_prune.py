@@ -8,7 +8,7 @@ from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
 from q2q_model.downwash.interaction_model import Reach
-from q2q_model.downwash.pairs_in_reach import pairs_in_reach
+from q2q_model.downwash.sweep_and_prune import pairs_in_reach
 from q2q_model.signals.values import Array
 
 coordinate = st.one_of(st.floats(-2.0, 2.0), st.just(np.nan), st.sampled_from([0.0, 0.5]))

@@ -1,4 +1,4 @@
-"""Compiled loops of the predictor: pairs in reach, and the sum over sources.
+"""Kernels of the predictor: the search for pairs in reach, and the sum over sources.
 
 | name | meaning [unit] |
 |---|---|
@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.jet import JetPairs, evaluate_pairs, law_of_numbers
-from q2q_model.downwash.pairs_in_reach import Pairs, sweep
+from q2q_model.downwash.sweep_and_prune import Pairs, sweep
 from q2q_model.signals.values import Array, InterferenceStatus, Mask, Status, TrackStatus
 
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
