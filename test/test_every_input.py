@@ -27,8 +27,8 @@ from std_msgs.msg import String
 
 from q2q_model.files.find_model import find_model
 from q2q_model.node.rehearsal import rehearsal
-from q2q_model.ros.live_identification import LiveIdentification
 from q2q_model.ros.node.diagnostics import PERIOD_S
+from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
@@ -278,11 +278,11 @@ def test_nothing_that_comes_in_ends_a_node_and_invalid_bytes_are_reported(
 
 def identification() -> Open:
     node = Open("identify", {})
-    LiveIdentification(node, find_model("paper_law"), vehicle_by_name("crazyflie_2_0"))
+    OnlineIdentification(node, find_model("paper_law"), vehicle_by_name("crazyflie_2_0"))
     return node
 
 
-def test_nothing_that_comes_in_ends_a_live_identification() -> None:
+def test_nothing_that_comes_in_ends_an_online_identification() -> None:
     with np.errstate(all="ignore"):
         give_everything(identification())
 

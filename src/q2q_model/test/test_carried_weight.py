@@ -1,4 +1,4 @@
-"""A live refinement reports a vehicle that cannot be the one that flies."""
+"""An online refinement reports a vehicle that cannot be the one that flies."""
 
 from dataclasses import replace
 

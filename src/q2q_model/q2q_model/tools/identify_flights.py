@@ -29,7 +29,7 @@ STEPS = 14
 def run(args: Namespace) -> int:
     """Identify a model, write and print the results, and return the exit status."""
     if args.live:
-        return _refine_live(args.model, args.vehicle, args.out)
+        return _refine_online(args.model, args.vehicle, args.out)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
         found, seconds = _run(args, Console(stderr=True))
     report_file = args.json or args.out.with_suffix(".json")
@@ -43,17 +43,17 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _refine_live(model: str, vehicle: str, out: Path) -> int:
+def _refine_online(model: str, vehicle: str, out: Path) -> int:
     base, flown = find_model(model), vehicle_by_name(vehicle or DEFAULT_VEHICLE)
     if base.interaction == NoInteraction():
         raise ValueError(f"--model {model} has no downwash that --live could scale: give another model")
     if not vehicle:
         print(f"identify: {flown.name} is assumed to fly; name the vehicle with --vehicle", file=sys.stderr)
-    from q2q_model.ros.live_identification import (
-        refine_live,
+    from q2q_model.ros.online_identification import (
+        refine_online,
     )  # needs a sourced ROS, which reading bags does not
 
-    if reason := refine_live(base, flown, out):
+    if reason := refine_online(base, flown, out):
         print(f"identify: {out} is not written: {reason}", file=sys.stderr)
         return 1
     print(f"model: {out}")

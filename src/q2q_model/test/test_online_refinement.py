@@ -11,19 +11,19 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.live import (
-    LiveEstimate,
-    LiveParams,
-    LiveRefinement,
+from q2q_model.identification.networks.gradient import unpack
+from q2q_model.identification.online_refinement import (
+    OnlineEstimate,
+    OnlineRefinement,
+    OnlineRefinementParams,
     PublishedGain,
     scale_downwash,
 )
-from q2q_model.identification.networks.gradient import unpack
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FLOWN = Pass(noise=1e-4, speed=0.3)
-EAGER = LiveParams(prior=0.1)
+EAGER = OnlineRefinementParams(prior=0.1)
 VEHICLE = replace(CRAZYFLIE_2_0, thrust_lag=LOOP.lag)
 Tick = tuple[SwarmState, SwarmCommand, SwarmImu]
 
@@ -41,46 +41,46 @@ def ticks(flight: Flight) -> Iterator[Tick]:
 
 
 def test_a_model_that_is_a_third_too_weak_is_put_right():
-    live = LiveRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, EAGER)
+    online = OnlineRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, EAGER)
     for tick in ticks(made_flight(FLOWN)):
-        estimate = live.update(*tick)
+        estimate = online.update(*tick)
     assert estimate.gain == pytest.approx(1.0 / 0.75, rel=0.03)
     rel_pos = np.array([0.0, 0.0, 0.5])
     true, refined = (
-        law.acceleration(rel_pos, pairs_at_rest(rel_pos))[2] for law in (PAPER_LAW, live.refined())
+        law.acceleration(rel_pos, pairs_at_rest(rel_pos))[2] for law in (PAPER_LAW, online.refined())
     )
     assert refined == pytest.approx(true, rel=0.03)
 
 
 def test_a_right_model_stays_as_it_is():
-    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
-    gains = [live.update(*tick).gain for tick in ticks(made_flight(FLOWN))]
+    online = OnlineRefinement(PAPER_LAW, VEHICLE, EAGER)
+    gains = [online.update(*tick).gain for tick in ticks(made_flight(FLOWN))]
     assert max(abs(gain - 1.0) for gain in gains) < 0.05
 
 
 def test_a_constant_of_one_vehicle_is_an_offset_and_no_downwash():
-    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    online = OnlineRefinement(PAPER_LAW, VEHICLE, EAGER)
     for state, command, imu in ticks(made_flight(FLOWN)):
         biased = imu.specific_force_body + np.array([[0.0, 0.0, 0.3], [0.0, 0.0, 0.0]])
-        estimate = live.update(state, command, SwarmImu(imu.t, imu.names, biased, imu.ang_vel_body))
+        estimate = online.update(state, command, SwarmImu(imu.t, imu.names, biased, imu.ang_vel_body))
     np.testing.assert_allclose(estimate.offset, [0.3, 0.0], atol=0.01)
     assert estimate.gain == pytest.approx(1.0, abs=0.05)
 
 
 def test_a_broken_sensor_cannot_turn_the_model_around():
-    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    online = OnlineRefinement(PAPER_LAW, VEHICLE, EAGER)
     for state, command, imu in ticks(made_flight(FLOWN)):
         wrong = 50.0 - 5.0 * imu.specific_force_body
-        estimate = live.update(state, command, SwarmImu(imu.t, imu.names, wrong, imu.ang_vel_body))
+        estimate = online.update(state, command, SwarmImu(imu.t, imu.names, wrong, imu.ang_vel_body))
     assert EAGER.gain_min <= estimate.gain <= EAGER.gain_max
     assert (np.abs(estimate.offset) <= EAGER.offset_max).all()
 
 
 def test_before_any_downwash_the_gain_is_one_and_repeated_stamps_change_nothing():
-    live = LiveRefinement(PAPER_LAW, VEHICLE)
+    online = OnlineRefinement(PAPER_LAW, VEHICLE)
     first = next(ticks(made_flight(FLOWN)))
-    once = live.update(*first)
-    again = live.update(*first)
+    once = online.update(*first)
+    again = online.update(*first)
     assert once.gain == again.gain == 1.0
     np.testing.assert_array_equal(once.offset, again.offset)
 
@@ -96,7 +96,9 @@ def test_a_clock_that_restarts_continues_the_refinement_as_if_flown_on():
     law = scale_downwash(replace(PAPER_LAW, travel_speed=3.0), 0.75)
     flown = list(ticks(made_flight(FLOWN)))
     duration = flown[-1][0].t - flown[0][0].t
-    onward, restarted = (LiveRefinement(law, VEHICLE, LiveParams(prior=100.0)) for _ in range(2))
+    onward, restarted = (
+        OnlineRefinement(law, VEHICLE, OnlineRefinementParams(prior=100.0)) for _ in range(2)
+    )
     for tick in flown:
         onward.update(*tick)
         half = restarted.update(*tick)
@@ -110,18 +112,18 @@ def test_a_clock_that_restarts_continues_the_refinement_as_if_flown_on():
 
 
 def test_a_late_tick_is_no_clock_that_was_set_back():
-    live = LiveRefinement(PAPER_LAW, VEHICLE, EAGER)
+    online = OnlineRefinement(PAPER_LAW, VEHICLE, EAGER)
     flown = list(ticks(made_flight(FLOWN)))
     for tick in flown[:200]:
-        before = live.update(*tick)
-    assert live.update(*flown[101]).t == before.t  # 0.98 s late
-    assert live.update(*flown[98]).t == flown[98][0].t
+        before = online.update(*tick)
+    assert online.update(*flown[101]).t == before.t  # 0.98 s late
+    assert online.update(*flown[98]).t == flown[98][0].t
 
 
 def test_a_model_is_published_once_it_has_changed_and_at_once_after_the_clock_was_set_back():
-    published = PublishedGain(LiveParams(publish_every=1.0, change_min=0.01))
+    published = PublishedGain(OnlineRefinementParams(publish_every=1.0, change_min=0.01))
     due = [
-        published.update(LiveEstimate(t, gain, ("a",), np.zeros(1), 1.0))
+        published.update(OnlineEstimate(t, gain, ("a",), np.zeros(1), 1.0))
         for t, gain in (
             (0.0, 1.005),
             (0.1, 1.02),
@@ -136,17 +138,17 @@ def test_a_model_is_published_once_it_has_changed_and_at_once_after_the_clock_wa
 
 
 def test_missing_sensors_and_nan_leave_a_vehicle_out():
-    live = LiveRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, EAGER)
+    online = OnlineRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, EAGER)
     for state, command, imu in ticks(made_flight(FLOWN)):
         only_lower = SwarmImu(imu.t, ("cf1",), imu.specific_force_body[:1], imu.ang_vel_body[:1])
-        estimate = live.update(state, command, only_lower)
+        estimate = online.update(state, command, only_lower)
     assert estimate.gain == pytest.approx(1.0 / 0.75, rel=0.05)
     assert estimate.offset[1] == 0.0
 
 
 def test_the_prior_holds_the_gain_until_there_is_evidence():
     bold, shy = (
-        LiveRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, LiveParams(prior=prior))
+        OnlineRefinement(scale_downwash(PAPER_LAW, 0.75), VEHICLE, OnlineRefinementParams(prior=prior))
         for prior in (0.1, 1000.0)
     )
     for tick in ticks(made_flight(FLOWN)):

@@ -1,4 +1,4 @@
-"""What a live refinement publishes and writes: nothing without ticks, or for a wrong vehicle."""
+"""What an online refinement publishes and writes: nothing without ticks, or for a wrong vehicle."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from q2q_model.files.find_model import find_model
 from q2q_model.files.model_file import load
-from q2q_model.ros.live_identification import LiveIdentification
+from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
@@ -46,39 +46,39 @@ def tick(k: int) -> tuple[Signal, ...]:
     )
 
 
-def refined(vehicle: Vehicle, ticks: int) -> tuple[LiveIdentification, list[object]]:
-    """Return a live refinement after some ticks, and what it published."""
+def refined(vehicle: Vehicle, ticks: int) -> tuple[OnlineIdentification, list[object]]:
+    """Return an online refinement after some ticks, and what it published."""
     node = Heard("identify", {})
-    live = LiveIdentification(node, find_model("paper_law"), vehicle)
+    online = OnlineIdentification(node, find_model("paper_law"), vehicle)
     take = {kind.__name__: receive for kind, receive in node.readers}
     for k in range(ticks):
         for signal in tick(k + 1):
             take[type(signal).__name__](encode(signal, stamp_from_time(signal.t)))
-    return live, node.published
+    return online, node.published
 
 
 def test_a_model_of_the_flown_vehicle_is_published_once_it_is_judged(tmp_path: Path) -> None:
     out = tmp_path / "refined.q2q"
-    live, published = refined(CRAZYFLIE_2_0, 1500)
+    online, published = refined(CRAZYFLIE_2_0, 1500)
     assert published
-    assert live.end(out) == ""
-    assert load(out).interaction == live.refined.interaction != find_model("paper_law").interaction
+    assert online.end(out) == ""
+    assert load(out).interaction == online.refined.interaction != find_model("paper_law").interaction
     assert refined(CRAZYFLIE_2_0, 199)[1] == []
 
 
 def test_nothing_is_published_or_written_for_another_vehicle(tmp_path: Path) -> None:
-    live, published = refined(TEXTBOOK_065, 1500)
+    online, published = refined(TEXTBOOK_065, 1500)
     assert published == []
     reason = "the median thrust of cf1 in the air is below 0.5 times the weight of textbook_065"
-    assert live.end(tmp_path / "refined.q2q").startswith(reason)
+    assert online.end(tmp_path / "refined.q2q").startswith(reason)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_nothing_is_written_without_a_complete_tick(tmp_path: Path) -> None:
     node = Heard("identify", {})
-    live = LiveIdentification(node, find_model("paper_law"), CRAZYFLIE_2_0)
-    assert live.end(tmp_path / "m.q2q") == "no tick was complete: state, command, imu not received"
+    online = OnlineIdentification(node, find_model("paper_law"), CRAZYFLIE_2_0)
+    assert online.end(tmp_path / "m.q2q") == "no tick was complete: state, command, imu not received"
     state = tick(1)[0]
     {kind.__name__: receive for kind, receive in node.readers}["SwarmState"](encode(state, 10**7))
-    assert live.end(tmp_path / "m.q2q") == "no tick was complete: command, imu not received, state received"
+    assert online.end(tmp_path / "m.q2q") == "no tick was complete: command, imu not received, state received"
     assert list(tmp_path.iterdir()) == []

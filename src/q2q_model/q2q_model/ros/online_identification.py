@@ -8,7 +8,12 @@ from std_msgs.msg import String
 
 from q2q_model.files.model_file import ModelFile, encode, save
 from q2q_model.identification.carried_weight import CarriedWeight
-from q2q_model.identification.live import LiveEstimate, LiveParams, LiveRefinement, PublishedGain
+from q2q_model.identification.online_refinement import (
+    OnlineEstimate,
+    OnlineRefinement,
+    OnlineRefinementParams,
+    PublishedGain,
+)
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
@@ -21,13 +26,13 @@ REFUSALS_S = 10.0
 """Shortest time between two lines on refused messages, or on a wrong vehicle [s]."""
 
 
-class LiveIdentification:
+class OnlineIdentification:
     """Online refinement and the publisher of its models."""
 
     def __init__(self, node: Node, base: ModelFile, vehicle: Vehicle) -> None:
         self._base, self._node = base, node
-        params = declare(node, LiveParams())
-        self._refinement = LiveRefinement(base.interaction, vehicle, params)
+        params = declare(node, OnlineRefinementParams())
+        self._refinement = OnlineRefinement(base.interaction, vehicle, params)
         self._carried = CarriedWeight(vehicle)
         self._publisher = node.create_publisher(String, MODEL, LATCHED)
         self._published = PublishedGain(params)
@@ -51,7 +56,7 @@ class LiveIdentification:
     def _refuse(self, reason: str) -> None:
         self._node.get_logger().warning(f"refused: {reason}", throttle_duration_sec=REFUSALS_S)
 
-    def _follow(self, estimate: LiveEstimate) -> None:
+    def _follow(self, estimate: OnlineEstimate) -> None:
         """Publish the model if it is due."""
         if self._published.update(estimate):
             self._publisher.publish(String(data=encode(self.refined)))
@@ -66,12 +71,12 @@ class LiveIdentification:
         return reason
 
 
-def refine_live(base: ModelFile, vehicle: Vehicle, out: Path) -> str:
+def refine_online(base: ModelFile, vehicle: Vehicle, out: Path) -> str:
     """Refine until SIGINT or SIGTERM, then save the last model in `out`; return why none is saved, or ""."""
     reasons: list[str] = []
     run(
         "identify",
-        lambda node: LiveIdentification(node, base, vehicle),
-        lambda live: reasons.append(live.end(out)),
+        lambda node: OnlineIdentification(node, base, vehicle),
+        lambda online: reasons.append(online.end(out)),
     )
     return "".join(reasons)

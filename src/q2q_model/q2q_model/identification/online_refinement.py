@@ -37,7 +37,7 @@ WEIGHT, ETA, PUSH, ETA_ETA, ETA_PUSH = range(5)
 
 
 @dataclass(frozen=True, slots=True)
-class LiveParams:
+class OnlineRefinementParams:
     """Rates and bounds of the online refinement."""
 
     memory: float = tunable(60.0, "time constant of forgetting", unit="s", low=1.0, high=3600.0)
@@ -54,7 +54,7 @@ class LiveParams:
 
 
 @dataclass(frozen=True, slots=True)
-class LiveEstimate:
+class OnlineEstimate:
     """Current estimate."""
 
     t: float
@@ -65,11 +65,13 @@ class LiveEstimate:
     """Centred sum of eta^2 behind the gain [m^2/s^4], to compare with the prior."""
 
 
-class LiveRefinement:
+class OnlineRefinement:
     """Estimator of the gain of a model, which itself is unchanged."""
 
-    def __init__(self, model: InteractionModel, vehicle: Vehicle, params: LiveParams | None = None) -> None:
-        self.params = params or LiveParams()
+    def __init__(
+        self, model: InteractionModel, vehicle: Vehicle, params: OnlineRefinementParams | None = None
+    ) -> None:
+        self.params = params or OnlineRefinementParams()
         self._push = MeasuredPush(vehicle)
         self._predictor = InteractionPredictor(model)
         self.reset()
@@ -86,7 +88,7 @@ class LiveRefinement:
         self._push.reset()
         self._t = -np.inf
 
-    def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> LiveEstimate:
+    def update(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> OnlineEstimate:
         """Return the estimate after one tick; a stamp not later than the last is ignored.
 
         One that is more than SET_BACK_S earlier is of a clock that was set back, as by another flight: what
@@ -117,7 +119,7 @@ class LiveRefinement:
             return
         self._names, self._sums = names, rows_by_name(self._sums, self._names, names)
 
-    def _estimate(self) -> LiveEstimate:
+    def _estimate(self) -> OnlineEstimate:
         weight = np.maximum(self._sums[:, WEIGHT], 1e-12)
         e, y = self._sums[:, ETA] / weight, self._sums[:, PUSH] / weight
         cross = float((self._sums[:, ETA_PUSH] - weight * e * y).sum())
@@ -126,13 +128,13 @@ class LiveRefinement:
         gain = (p.prior + cross) / (p.prior + square) if p.prior + square > 0.0 else 1.0
         gain = float(np.clip(gain, p.gain_min, p.gain_max))
         offset = np.clip(y - gain * e, -p.offset_max, p.offset_max)
-        return LiveEstimate(self._t, gain, self._names, offset, square)
+        return OnlineEstimate(self._t, gain, self._names, offset, square)
 
 
 class PublishedGain:
     """Gain of the model that was published last."""
 
-    def __init__(self, params: LiveParams) -> None:
+    def __init__(self, params: OnlineRefinementParams) -> None:
         self._params = params
         self.reset()
 
@@ -140,7 +142,7 @@ class PublishedGain:
         """Begin without a published model, whose gain is 1."""
         self._t, self._gain = -np.inf, 1.0
 
-    def update(self, estimate: LiveEstimate) -> bool:
+    def update(self, estimate: OnlineEstimate) -> bool:
         """Return whether the model is published: changed, and not within `publish_every` of the last one.
 
         If the clock was set back, the last one is of another time and does not count.

@@ -108,7 +108,7 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
     finally:
         codes = [interrupted(process) for process in running]  # in turn: see LEAVE_S of the nodes
     assert codes == [0, 0, 0], {name: log.read_text()[-500:] for name, log in logs.items()}
-    bounds = (0.5 * WEAK * true, 2.0 * WEAK * true)  # LiveParams: 0.5 to 2 of what it was given
+    bounds = (0.5 * WEAK * true, 2.0 * WEAK * true)  # OnlineRefinementParams: 0.5 to 2 of what it was given
     assert all(bounds[0] <= strength <= bounds[1] for strength in listener.strengths)
     # issue 3: refined while flying; noise of thrust and accelerometer leaves a few percent
     assert strength_of(load(refined).interaction) == pytest.approx(true, rel=0.05)
