@@ -61,7 +61,7 @@ MUTATED = (
                     "association.jump_candidates",
                     "association.reacquisition",
                     "association.suspected_swaps",
-                    "association.marker_swaps",
+                    "association.label_swaps",
                     "position.position_gates",
                     "attitude.attitude_steps",
                     "attitude.attitude_tracks",

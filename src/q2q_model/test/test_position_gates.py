@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation.association.reacquisition import SAME_INSTANT
-from q2q_model.estimation.position import white_jerk
+from q2q_model.estimation.position import kalman_filter
+from q2q_model.estimation.position.kalman_filter import MotionEstimate
 from q2q_model.estimation.position.position_gates import PositionGates, screen
 from q2q_model.estimation.position.position_tracks import PositionTracks
 from q2q_model.estimation.position.steady_gain import CONVERGED
 from q2q_model.estimation.position.track_columns import TrackParams
-from q2q_model.estimation.position.white_jerk import MotionEstimate
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
@@ -141,7 +141,7 @@ def test_a_prediction_is_that_of_the_motion_model():
             [tau**3 / 6, tau**2 / 2, tau],
         ]
     )
-    ahead = white_jerk.predict(tracks, np.full(4, tau), q)
+    ahead = kalman_filter.predict(tracks, np.full(4, tau), q)
     np.testing.assert_allclose(ahead.state, F @ tracks.state, rtol=0.0, atol=1e-14)
     np.testing.assert_allclose(ahead.cov, F @ tracks.cov @ F.T + Q, rtol=0.0, atol=1e-14)
 
@@ -150,18 +150,18 @@ def test_two_predictions_are_one_over_the_sum_of_their_times():
     """F(a + b) = F(b) F(a) and Q(a + b) = F(b) Q(a) F(b)^T + Q(b), within the acceleration's horizon."""
     first, second = np.array([0.01, 0.02, 0.0, 0.05]), np.array([0.03, 0.03, 0.05, 0.0])
     tracks = random_tracks()
-    once = white_jerk.predict(tracks, first + second, 64.0)
-    twice = white_jerk.predict(white_jerk.predict(tracks, first, 64.0), second, 64.0)
+    once = kalman_filter.predict(tracks, first + second, 64.0)
+    twice = kalman_filter.predict(kalman_filter.predict(tracks, first, 64.0), second, 64.0)
     for one, other in zip(once, twice, strict=True):
         np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-13)  # numbers of order 1 to 10
 
 
 def test_beyond_the_horizon_a_track_moves_on_at_constant_velocity():
     tracks = random_tracks()
-    horizon, later = np.full(4, white_jerk.ACC_HORIZON), np.full(4, white_jerk.ACC_HORIZON + 0.25)
-    near, far = (white_jerk.predict(tracks, elapsed, 64.0).state for elapsed in (horizon, later))
+    horizon, later = np.full(4, kalman_filter.ACC_HORIZON), np.full(4, kalman_filter.ACC_HORIZON + 0.25)
+    near, far = (kalman_filter.predict(tracks, elapsed, 64.0).state for elapsed in (horizon, later))
     np.testing.assert_array_equal(far[:, 1], near[:, 1])
-    gained = white_jerk.ACC_HORIZON * tracks.state[:, 2]
+    gained = kalman_filter.ACC_HORIZON * tracks.state[:, 2]
     np.testing.assert_allclose(far[:, 0] - near[:, 0], 0.25 * (tracks.state[:, 1] + gained), atol=1e-14)
 
 
@@ -169,7 +169,7 @@ def test_a_correction_adds_the_information_of_the_sample():
     """P^-1 = P-^-1 + H^T H / sigma^2, and P^-1 x = P-^-1 x- + H^T r / sigma^2 with H = (1 0 0)."""
     tracks = random_tracks()
     measured, noise_var = np.arange(12.0).reshape(4, 3), 0.04
-    better = white_jerk.correct(tracks, measured, white_jerk.gain(tracks, noise_var), noise_var)
+    better = kalman_filter.correct(tracks, measured, kalman_filter.gain(tracks, noise_var), noise_var)
     before, after = np.linalg.inv(tracks.cov), np.linalg.inv(better.cov)
     gained = np.zeros((3, 3))
     gained[0, 0] = 1.0 / noise_var
@@ -182,7 +182,7 @@ def test_a_correction_adds_the_information_of_the_sample():
 def test_a_sample_without_noise_is_the_position_to_the_last_bit():
     tracks = random_tracks()
     measured = np.arange(12.0).reshape(4, 3) / 7.0
-    better = white_jerk.correct(tracks, measured, white_jerk.gain(tracks, 0.0), 0.0)
+    better = kalman_filter.correct(tracks, measured, kalman_filter.gain(tracks, 0.0), 0.0)
     assert np.array_equal(better.state[:, 0], measured)
 
 

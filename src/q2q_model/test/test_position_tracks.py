@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from steady_tracks import COAST, DT, JERK, NEAR, NOBODY, NOISE, NONE, PLACES, flown, offered, tracks
 
-from q2q_model.estimation.position import white_jerk
+from q2q_model.estimation.position import kalman_filter
 from q2q_model.estimation.position.position_tracks import BORROWED_MOST, SETTLED
 
 
 def spread(ticks: int) -> float:
     """Return the variance of a predicted position after so many samples [m^2]."""
-    track, elapsed = white_jerk.start(PLACES, np.zeros((2, 3)), NOISE**2), np.full(2, DT)
+    track, elapsed = kalman_filter.start(PLACES, np.zeros((2, 3)), NOISE**2), np.full(2, DT)
     for _ in range(ticks - 1):
-        ahead = white_jerk.predict(track, elapsed, JERK**2)
-        track = white_jerk.correct(ahead, PLACES, white_jerk.gain(ahead, NOISE**2), NOISE**2)
-    return float(white_jerk.predict(track, elapsed, JERK**2).cov[0, 0, 0])
+        ahead = kalman_filter.predict(track, elapsed, JERK**2)
+        track = kalman_filter.correct(ahead, PLACES, kalman_filter.gain(ahead, NOISE**2), NOISE**2)
+    return float(kalman_filter.predict(track, elapsed, JERK**2).cov[0, 0, 0])
 
 
 @pytest.mark.parametrize("speed_max", [2.0, 0.1])

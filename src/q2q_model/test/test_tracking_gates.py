@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from q2q_model.estimation.association.marker_swaps import swapped_sources
+from q2q_model.estimation.association.label_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import CONFIRM_SAMPLES, Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.attitude.attitude_steps import UNIT_TOLERANCE, AttitudeGateParams

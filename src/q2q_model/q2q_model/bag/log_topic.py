@@ -7,7 +7,7 @@ import numpy as np
 
 from q2q_model.bag.reader import BagReader
 from q2q_model.bag.storage.definitions import jazzy_types
-from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.bag.writer import BagWriter
 from q2q_model.flights.flight_log import FlightLog

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import Channel, RawMessage, open_source
 from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal

@@ -202,7 +202,7 @@ class MocapFilter:
         return found
 
     def _quat_of(self, tracked: TrackUpdate, quat: Array) -> Array:
-        """Return each track's quaternion; where markers were swapped, the nearer of both vehicles'."""
+        """Return each track's quaternion; where labels were swapped, the nearer of both vehicles'."""
         if tracked.nominal or not tracked.lent.any():
             return quat
         lent = np.where(tracked.accepted[:, None], quat[tracked.source], np.nan)

@@ -17,7 +17,7 @@ from q2q_model.bag.foreign.references import with_references
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
-from q2q_model.bag.storage.fault import BagError, warn_of_repairs
+from q2q_model.bag.storage.errors import BagError, warn_of_repairs
 from q2q_model.bag.storage.source import Channel, RawMessage, Source, flight_name, open_source
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.cdr import BadMessageError, SignalReader

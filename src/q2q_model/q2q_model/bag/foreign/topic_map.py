@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.errors import BagError
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.nearest_name import name_hint

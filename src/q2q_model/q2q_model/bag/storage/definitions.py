@@ -7,7 +7,7 @@ from pathlib import Path
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.errors import BagError
 
 PACKAGE = "q2q_msgs"
 

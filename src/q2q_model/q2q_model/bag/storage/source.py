@@ -13,7 +13,7 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag2 import Reader
 
-from q2q_model.bag.storage.fault import BagError
+from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.indexed_mcap import (
     IndexedFile,
     NotIndexedError,

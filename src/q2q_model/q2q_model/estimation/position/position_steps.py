@@ -20,6 +20,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import SAME_INSTANT, Table
+from q2q_model.estimation.position.kalman_filter import MotionEstimate, correct, gain, predict
 from q2q_model.estimation.position.position_gates import (
     GATE_SIGMAS,
     REPEATS_S,
@@ -30,7 +31,6 @@ from q2q_model.estimation.position.position_gates import (
 )
 from q2q_model.estimation.position.steady_gain import LAST, PERIOD, is_due, steady_period
 from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, columns_of
-from q2q_model.estimation.position.white_jerk import MotionEstimate, correct, gain, predict
 from q2q_model.signals.values import Array, Mask, Rows
 
 THAW_STEP = 0.005
@@ -46,7 +46,7 @@ class Prediction(NamedTuple):
     elapsed: Array
     """Time since each track's last sample [s], (n,)."""
     state: Array
-    """As in white_jerk, (n, 3, 3)."""
+    """As in kalman_filter, (n, 3, 3)."""
     cov: Array
     """(n, 3, 3)"""
     K: Array

@@ -1,13 +1,14 @@
 """Position tracks from motion capture with outliers: predict, gate, associate, correct.
 
-The motion model is white_jerk, with steady_gain at a constant period; the gates are position_gates, all of
-q2q_model.estimation.position. Data association of a sample that its own track rejects, in this order:
+The motion model is that of kalman_filter, with steady_gain at a constant period; the gates are
+position_gates, all of q2q_model.estimation.position. Data association of a sample that its own track rejects,
+in this order:
 
 1. A track's first sample is accepted but not trusted: if the next one fails the gates, the track restarts
    there, and is not trusted until two more pass, unless that fits the first sample of another vehicle whose
    next one fails too: names are exchanged in one of the two frames, and those that last for as long as a
    vehicle may coast are right.
-2. The sample may belong to another vehicle (marker_swaps of q2q_model.estimation.association). A track that
+2. The sample may belong to another vehicle (label_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
    are exchanged for good are exchanged by the server. Where such a sample is further than jump_max from a
@@ -22,9 +23,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.estimation.association.marker_swaps import swapped_sources
+from q2q_model.estimation.association.label_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
+from q2q_model.estimation.position.kalman_filter import start
 from q2q_model.estimation.position.position_steps import (
     UNUSUAL,
     WHOLE,
@@ -38,7 +40,6 @@ from q2q_model.estimation.position.position_steps import (
 )
 from q2q_model.estimation.position.steady_gain import PERIOD
 from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, unseen
-from q2q_model.estimation.position.white_jerk import start
 from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
 
@@ -58,7 +59,7 @@ class TrackUpdate:
     vel: Array
     """Velocity [m/s], (n, 3); zero for a lost vehicle."""
     source: Rows
-    """Row of the accepted sample, (n,): another row where markers were swapped, -1 where none."""
+    """Row of the accepted sample, (n,): another row where labels were swapped, -1 where none."""
     restarted: Mask
     """Tracks restarted at a true jump or a thaw, (n,)."""
     trusted: Mask

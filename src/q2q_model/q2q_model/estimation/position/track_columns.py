@@ -46,7 +46,7 @@ class TrackColumns(NamedTuple):
     borrowed: NDArray[np.int64]
     """Accepted samples of other names since the last own one, (n,)."""
     state: Array
-    """As in white_jerk, (n, 3, 3)."""
+    """As in kalman_filter, (n, 3, 3)."""
     cov: Array
     """(n, 3, 3)"""
 

@@ -22,7 +22,7 @@ from q2q_control.failsafe.evasion.evasion_direction import evasion_direction
 from q2q_control.failsafe.guard import Guard
 from q2q_model.bag import BagWriter
 from q2q_model.estimation import mocap_filter
-from q2q_model.estimation.association.marker_swaps import swapped_sources
+from q2q_model.estimation.association.label_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, track_params

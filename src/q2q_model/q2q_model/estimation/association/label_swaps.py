@@ -1,4 +1,4 @@
-"""Assignment of swapped markers: a rejected sample goes to the track that it fits.
+"""Assignment of swapped labels: a rejected sample goes to the track that it fits.
 
 A sample rejected by the track of its own name is tried on every track without an accepted sample. Pairs
 within the track's gate are assigned greedily, nearest first, each sample and track once.
