@@ -40,7 +40,7 @@ from q2q_model.estimation.nominal_frame import (
     remember_poses,
 )
 from q2q_model.estimation.pose_faults import pose_faults
-from q2q_model.estimation.position.position_steps import UNUSUAL, WHOLE
+from q2q_model.estimation.position.position_steps import NEEDS_ASSOCIATION, WHOLE
 from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
 from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_model.signals.values import (
@@ -172,10 +172,10 @@ class MocapFilter:
             self._wrong = ()
             self._count_nominal()
             return SwarmState(t, self._names, *out, age, self._all_tracked.copy())
-        if outcome == UNUSUAL:
-            tracked = self._positions.unusual(t, poses[:, :QUAT_AT].copy(), repeated)
+        if outcome == NEEDS_ASSOCIATION:
+            tracked = self._positions.associated(t, poses[:, :QUAT_AT].copy(), repeated)
         else:
-            tracked = self._positions.usual(outcome, poses[:, :QUAT_AT], pos, vel)
+            tracked = self._positions.followed(outcome, poses[:, :QUAT_AT], pos, vel)
         if not turned:
             quat = self._quat_of(tracked, np.where(repeated[:, None], np.nan, poses[:, QUAT_AT:]))
             self._counts["attitudes_refused"] += self._attitudes.update(t, quat)

@@ -13,7 +13,7 @@ from q2q_model.compiled import compiled
 from q2q_model.estimation.association.jump_candidates import Table
 from q2q_model.estimation.attitude.attitude_steps import AttitudeGateParams, follow_attitudes
 from q2q_model.estimation.position.position_steps import (
-    UNUSUAL,
+    NEEDS_ASSOCIATION,
     WHOLE,
     Offered,
     TrackMemory,
@@ -90,10 +90,10 @@ def nominal_frame(
         poses: Of this frame, (n, 7), and those before, which a wholly nominal tick joins.
         params: Of TrackParams and AttitudeGateParams.
         memory: Of positions and attitudes.
-        out: Written as far as usual: pos, vel, quat and ang_vel_body of the state, (n, 3) or (n, 4) each.
+        out: Written as far as taken: pos, vel, quat and ang_vel_body of the state, (n, 3) or (n, 4) each.
 
     Returns:
-        The outcome for positions, whether attitudes are usual, too, and which poses repeat, (n,).
+        The outcome for positions, whether attitudes were taken, too, and which poses repeat, (n,).
 
     Parameters and memory come as plain tuples: numba takes named ones in three times the time.
     """
@@ -104,7 +104,7 @@ def nominal_frame(
     tracked = TrackMemory(tracks, candidates, clock)
     outcome = follow_positions(t, offered, TrackParams(*params[0]), tracked, (pos, vel))
     gate = AttitudeGateParams(*params[1])
-    turned = outcome != UNUSUAL and follow_attitudes(t, now[:, QUAT_AT:], gate, attitudes)
+    turned = outcome != NEEDS_ASSOCIATION and follow_attitudes(t, now[:, QUAT_AT:], gate, attitudes)
     if turned:
         quat[:], ang_vel_body[:] = attitudes["quat"], attitudes["ang_vel_body"]
     if turned and outcome == WHOLE:

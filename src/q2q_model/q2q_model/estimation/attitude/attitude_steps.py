@@ -71,9 +71,9 @@ def attitude_columns(table: Table) -> Attitudes:
 
 @compiled
 def follow_attitudes(t: float, measured: Array, params: AttitudeGateParams, table: Table) -> bool:
-    """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are usual.
+    """Take one tick's quaternions (n, 4) at t [s]; False, and no track changed, unless all are taken.
 
-    That is: no track is new or rejected samples before, and every sample is absent or passes the gate.
+    They are if no track is new or rejected samples before, and every sample is absent or passes the gate.
     """
     tracks = attitude_columns(table)
     turn = np.empty(4)

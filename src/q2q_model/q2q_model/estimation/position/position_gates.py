@@ -15,12 +15,16 @@ The position gate spans a line, because a vehicle that hits the ground is stoppe
 with no more speed than it came with: a tenth of a second after the last sample, it may be 2 v tau short of
 its prediction. At 100 Hz that is 2 cm at 1 m/s.
 
-A pose that equals a recent one bit for bit, though the vehicle should have moved by more than REPEAT_STEP
-since it first came, though it fails another gate, or though noise has kept VARIED poses apart, is an old one
-with a new stamp, as of a server that holds the last pose of a body that it has lost. It counts as no sample
-until the track is lost, and where there is noise, for frozen_s after the last sample. Poses rounded to
-millimetres repeat, too, but not three times above 0.05 m/s; those of simulators without noise do where a
-vehicle stands.
+A pose that equals a recent one bit for bit is an old one with a new stamp if one of these holds:
+
+- the vehicle should have moved by more than REPEAT_STEP since the pose first came;
+- the pose fails another gate;
+- noise has kept VARIED poses apart.
+
+A server sends such poses that holds the last pose of a body that it has lost. They count as no sample until
+the track is lost, and where there is noise, for frozen_s after the last sample. Poses rounded to millimetres
+repeat, too, but not three times above 0.05 m/s. Those of simulators without noise repeat where a vehicle
+stands.
 """
 
 from typing import NamedTuple

@@ -1,8 +1,8 @@
 """Compiled steps of the position tracks: predict and gate, take samples, do both in a nominal tick.
 
 A tick is nominal if every track is confirmed and the sample of its own name passes its gates without thaw or
-doubt. A tick is usual if that holds for the samples that there are. The association of samples in other ticks
-is position_tracks.
+doubt. It has gaps if some vehicles have no sample, and that holds for all others. In other ticks the samples
+need association (position_tracks).
 
 A pose that repeats bit for bit is taken as a sample while the vehicle is slow, unless noise keeps its poses
 apart (position_gates): it may be at rest. If the next one is further than THAW_STEP from the prediction, it
@@ -36,8 +36,8 @@ from q2q_model.signals.values import Array, Mask, Rows
 THAW_STEP = 0.005
 """Deviation from the prediction of a sample after repeated ones that shows them to be old [m]: 5 standard
 deviations of a sample; 10 m/s^2 move a vehicle by 0.5 mm within a tick."""
-UNUSUAL, WITH_GAPS, WHOLE = 0, 1, 2
-"""Outcomes of `follow_positions`: no track has changed; some vehicles have no sample; the tick is nominal."""
+NEEDS_ASSOCIATION, WITH_GAPS, WHOLE = 0, 1, 2
+"""Outcomes of `follow_positions`: no track has changed; the tick has gaps; it is nominal."""
 
 
 class Prediction(NamedTuple):
@@ -212,7 +212,7 @@ def follow_positions(
         offered: Samples.
         params: Parameters.
         memory: Of the tracks.
-        out: Written unless UNUSUAL: positions and velocities, (n, 3) each.
+        out: Written unless NEEDS_ASSOCIATION: positions and velocities, (n, 3) each.
     """
     (measured, repeated, fresh), table, clock = offered, memory.tracks, memory.clock
     steady = is_due(clock, t)
@@ -221,7 +221,7 @@ def follow_positions(
         steady = False
         at = look_ahead((t, math.nan), measured, repeated, params, table)
     if not (at.nominal or _only_gaps(at, measured, table)):
-        return UNUSUAL
+        return NEEDS_ASSOCIATION
     K = table["gain"].copy() if steady else at.K
     better = correct(MotionEstimate(at.state, at.cov), at.samples, K, params.position_noise**2)
     if not steady:
@@ -238,8 +238,8 @@ def _only_gaps(at: Prediction, measured: Array, table: Table) -> bool:
     """Return whether all samples that there are pass, and are of confirmed tracks."""
     for i in range(len(at.own)):
         absent = math.isnan(measured[i, 0]) or math.isnan(measured[i, 1]) or math.isnan(measured[i, 2])
-        usual = at.own[i] and table["confirmed"][i] and not (at.thawed[i] or at.doubtful[i])
-        if not (absent or usual):
+        fits = at.own[i] and table["confirmed"][i] and not (at.thawed[i] or at.doubtful[i])
+        if not (absent or fits):
             return False
     return True
 

@@ -4,10 +4,10 @@ The motion model is that of kalman_filter, with steady_gain at a constant period
 position_gates, all of q2q_model.estimation.position. Data association of a sample that its own track rejects,
 in this order:
 
-1. A track's first sample is accepted but not trusted: if the next one fails the gates, the track restarts
-   there, and is not trusted until two more pass, unless that fits the first sample of another vehicle whose
-   next one fails too: names are exchanged in one of the two frames, and those that last for as long as a
-   vehicle may coast are right.
+1. A track's first sample is accepted but not trusted. If the next one fails the gates, the track restarts
+   there, and is not trusted until two more pass. It does not restart if that sample fits the first one of
+   another vehicle whose next one fails, too. Names are then exchanged in one of the two frames; those that
+   last for as long as a vehicle may coast are right.
 2. The sample may belong to another vehicle (label_swaps of q2q_model.estimation.association). A track that
    has accepted fewer than SETTLED samples of its own name accepts those of other names at most as often, or
    BORROWED_MOST times, so a wrong start is corrected. A settled one goes on by its motion alone: names that
@@ -28,7 +28,7 @@ from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.position.kalman_filter import start
 from q2q_model.estimation.position.position_steps import (
-    UNUSUAL,
+    NEEDS_ASSOCIATION,
     WHOLE,
     Association,
     Offered,
@@ -136,11 +136,11 @@ class PositionTracks:
         repeats, pos, vel = self._none if repeated is None else repeated, *np.empty((2, *samples.shape))
         offered = Offered(samples, repeats, repeated is None)
         outcome = follow_positions(t, offered, self._params, self.memory, (pos, vel))
-        if outcome != UNUSUAL:
-            return self.usual(outcome, samples, pos, vel)
-        return self.unusual(t, samples, repeats)
+        if outcome != NEEDS_ASSOCIATION:
+            return self.followed(outcome, samples, pos, vel)
+        return self.associated(t, samples, repeats)
 
-    def unusual(self, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
+    def associated(self, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
         """Return the tracks after the samples of a tick that `follow_positions` did not take, as `update`."""
         at = look_ahead((t, np.nan), samples, repeats, self._params, self._table)
         assigned = self._associate(t, at)
@@ -149,7 +149,7 @@ class PositionTracks:
         trusted = (assigned.source >= 0) & self._tracks.confirmed & (~at.doubtful | assigned.jumped)
         return TrackUpdate(pos, vel, assigned.source, assigned.jumped, trusted, at.frozen, nominal=False)
 
-    def usual(self, outcome: int, measured: Array, pos: Array, vel: Array) -> TrackUpdate:
+    def followed(self, outcome: int, measured: Array, pos: Array, vel: Array) -> TrackUpdate:
         """Return the result of a tick that `follow_positions` took, (n, 3) each."""
         if outcome == WHOLE:
             return TrackUpdate(pos, vel, self._rows, self._none, self._all, self._none, nominal=True)

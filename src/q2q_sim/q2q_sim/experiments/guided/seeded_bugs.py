@@ -48,7 +48,7 @@ from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
 
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch
-_unusual, _with_fallback = PositionTracks.unusual, Guard._with_fallback
+_associated, _with_fallback = PositionTracks.associated, Guard._with_fallback
 _answer = safe_replanner._answer
 _write_signal = BagWriter.write_signal
 
@@ -88,7 +88,7 @@ def _never_ambiguous(_: Reacquisition, __: float, pos: Array, ___: LastSample, _
 
 
 def _repeats_accepted(self: PositionTracks, t: float, samples: Array, repeats: Mask) -> TrackUpdate:
-    return _unusual(self, t, samples, np.zeros_like(repeats))
+    return _associated(self, t, samples, np.zeros_like(repeats))
 
 
 def _swap_without_gate(measured: Array, expected: Array, gate: Array, rejected: Mask, missing: Mask) -> Rows:
@@ -176,7 +176,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("open_gate", mocap_filter, "track_params", _open_gate),
     SeededBug("long_coast", mocap_filter, "track_params", _long_coast),
     SeededBug("never_ambiguous", Reacquisition, "ambiguous", _never_ambiguous),
-    SeededBug("repeats_accepted", PositionTracks, "unusual", _repeats_accepted),
+    SeededBug("repeats_accepted", PositionTracks, "associated", _repeats_accepted),
     SeededBug("swap_without_gate", position_tracks, "swapped_sources", _swap_without_gate),
     SeededBug("clock_never_reset", ClockResetDetector, "rise", _clock_never_reset),
     SeededBug("age_always_zero", PositionTracks, "age", _age_always_zero),
