@@ -134,7 +134,7 @@ def test_a_stage_keeps_thrust_for_what_the_residual_may_become_until_its_input_i
     share, unknown = 0.0, []
     for _ in range(params.steps):
         unknown.append(np.sqrt(share))
-        share += (1.0 - process.share(params.step) ** 2) * (1.0 - share)
+        share += (1.0 - process.correlation(params.step) ** 2) * (1.0 - share)
     np.testing.assert_allclose(kept, 2.0 * (0.3 + 0.2 * np.abs(eta)) * unknown, rtol=1e-12)
     assert kept[:, 0].tolist() == [0.0, 0.0]  # the command given now may use all thrust
 

@@ -49,7 +49,7 @@ def run(
 
 @pytest.mark.parametrize("eta", [0.0, -2.5])
 def test_the_steady_gain_is_that_of_the_riccati_equation_and_grows_with_the_downwash(eta: float) -> None:
-    share, size = REAL_FLIGHTS.share(DT), float(REAL_FLIGHTS.std(np.array(eta)))
+    share, size = REAL_FLIGHTS.correlation(DT), float(REAL_FLIGHTS.std(np.array(eta)))
     one = np.ones((1, 1))
     P = solve_discrete_are(share * one, one, (1 - share**2) * size**2 * one, REAL_FLIGHTS.noise**2 * one)
     expected = P[0, 0] / (P[0, 0] + REAL_FLIGHTS.noise**2)
@@ -59,7 +59,7 @@ def test_the_steady_gain_is_that_of_the_riccati_equation_and_grows_with_the_down
 
 def test_a_step_of_the_push_is_followed_by_the_poles_of_the_riccati_equation() -> None:
     """A vehicle starts to be pushed by 1 m/s^2; the estimates of two methods agree."""
-    a = NO_SLOPE.share(DT)
+    a = NO_SLOPE.correlation(DT)
     F = np.array([[1, DT, DT**2 / 2, DT**2 / 2], [0, 1, DT, DT], [0, 0, a, 0], [0, 0, 0, 1]])
     H = np.array([[1.0, 0, 0, 0], [0, 0, 1, 1]])
     Q = np.diag([0.0, 0.0, (1 - a**2) * NO_SLOPE.floor**2, 2 * DT / OFFSET_S * OFFSET_STD**2])
@@ -83,7 +83,7 @@ def test_a_step_of_the_push_is_followed_by_the_poles_of_the_riccati_equation() -
 def test_noise_of_the_accelerometer_reaches_the_estimate_with_the_variance_of_the_filter() -> None:
     """Of white noise of variance R, k^2 R / (1 - a^2 (1 - k)^2) is left; that bounds the noise of thrust."""
     rng, ticks = np.random.default_rng(2), 20000
-    a, gain = REAL_FLIGHTS.share(DT), steady_gain(REAL_FLIGHTS, 0.0, DT)
+    a, gain = REAL_FLIGHTS.correlation(DT), steady_gain(REAL_FLIGHTS, 0.0, DT)
     noise = REAL_FLIGHTS.noise * rng.standard_normal(ticks)
     alone = np.asarray(lfilter([gain], [1.0, -a * (1.0 - gain)], noise))
     expected = gain**2 * REAL_FLIGHTS.noise**2 / (1.0 - a**2 * (1.0 - gain) ** 2)
@@ -128,7 +128,7 @@ def test_a_silent_vehicle_is_left_to_the_model_within_the_correlation_time() -> 
     for k in range(100, 140):
         observer.update(seen(k * DT, np.nan, fresh=False), np.zeros(1))
     after = observer.belief.state[0]
-    assert after[RESIDUAL] == pytest.approx(before[RESIDUAL] * NO_SLOPE.share(0.4), rel=1e-9)
+    assert after[RESIDUAL] == pytest.approx(before[RESIDUAL] * NO_SLOPE.correlation(0.4), rel=1e-9)
     assert after[OFFSET] == pytest.approx(before[OFFSET], rel=1e-12)
     assert np.isfinite(after[HEIGHT])
 

@@ -35,7 +35,7 @@ NAMES = ("low", "top")
 
 def unit_process(rng: np.random.Generator, ticks: int, step: float = STEP) -> Array:
     """Return an Ornstein-Uhlenbeck process of variance 1, (ticks,)."""
-    keep = PROCESS.share(step)
+    keep = PROCESS.correlation(step)
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], rng.standard_normal(ticks)))
 
 
@@ -140,7 +140,7 @@ def corrected(delay: int, ticks: int = 5000) -> tuple[Array, Array, Array]:
 @pytest.mark.parametrize("delay", [1, 2, 5])
 def test_the_correction_leaves_what_it_claims_and_less_than_the_model_alone(delay: int) -> None:
     residual, left, std = corrected(delay)
-    share = PROCESS.share(STEP * delay)
+    share = PROCESS.correlation(STEP * delay)
     assert left.std() == pytest.approx(std[-1], rel=0.15)  # 500 correlation times: 3 %
     assert left.var() < (1.0 - 0.5 * share**2) * residual.var()
     assert left.var() > (1.0 - share**2) * residual.var() * 0.8  # nobody knows more than the last residual
@@ -180,7 +180,7 @@ def test_a_vehicle_that_appears_or_vanishes_changes_nothing_of_the_others(name: 
         row = other.names.index("top")
         assert other.acc[row, 2] == one.acc[0, 2], k
         assert other.std[row, 2] == one.std[0, 2], k
-    assert one.acc[0, 2] == pytest.approx(-1.5 + 0.5 * PROCESS.share(STEP), abs=0.05)
+    assert one.acc[0, 2] == pytest.approx(-1.5 + 0.5 * PROCESS.correlation(STEP), abs=0.05)
 
 
 def test_nothing_old_unknown_or_invalid_corrects() -> None:
@@ -213,7 +213,7 @@ def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_
         force = np.array([[0.0, 0.0, GRAVITY + law - 0.5], [0.0, 0.0, GRAVITY]])
         command = SwarmCommand(t, NAMES, thrust, flag * 0.0, flag * 0.0, flag * 0.0, flag)
         block.sense(state, command, SwarmImu(t, NAMES, force, still))
-    assert answer.acc[0, 2] == pytest.approx(law - 0.5 * PROCESS.share(STEP), abs=0.05)
+    assert answer.acc[0, 2] == pytest.approx(law - 0.5 * PROCESS.correlation(STEP), abs=0.05)
     assert answer.acc[1, 2] == pytest.approx(0.0, abs=1e-6)  # whose push is as predicted
     assert answer.std[0, 2] < PROCESS.std(np.array(law))
 

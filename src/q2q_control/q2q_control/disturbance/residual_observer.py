@@ -96,7 +96,7 @@ class ResidualObserver:
         self._sigma = self._process.std(eta)
         pos, vel, acc = (column[:, 2].copy() for column in (measured.pos, measured.vel, measured.acc))
         rows = Rows(pos, vel, acc, self._sigma, measured.fresh)
-        advance(self.belief, self._known, rows, step, self._process.share(step))
+        advance(self.belief, self._known, rows, step, self._process.correlation(step))
         self._known |= measured.fresh
         return self.belief.state.copy()
 
@@ -108,7 +108,7 @@ class ResidualObserver:
         age = self._t - t
         if t <= self._sampled_at or not 0.0 <= age <= OLDEST:
             return
-        self._sampled_at, share = t, self._process.share(age)
+        self._sampled_at, share = t, self._process.correlation(age)
         noise = self._process.noise**2 + (1.0 - share**2) * self._sigma**2
         correct_by_push(self.belief, self._known & np.isfinite(push), push, noise, share)
 
@@ -124,7 +124,7 @@ def steady_gain(process: ResidualProcess, eta: float, step: float) -> float:
 
     P solves P^2 + P (1 - a^2) (R - sigma^2) - (1 - a^2) sigma^2 R = 0.
     """
-    lost, noise = 1.0 - process.share(step) ** 2, process.noise**2
+    lost, noise = 1.0 - process.correlation(step) ** 2, process.noise**2
     size = float(process.std(np.array(eta))) ** 2
     half = 0.5 * lost * (noise - size)
     variance = math.sqrt(half * half + lost * size * noise) - half

@@ -79,7 +79,7 @@ class ResidualCorrector:
             return prediction
         known[known] &= self._seen[rows[known]]
         acc, std, own = prediction.acc.copy(), prediction.std.copy(), rows[known]
-        share = self._process.share(age)
+        share = self._process.correlation(age)
         size = self._process.std(acc[known, 2])
         acc[known, 2] += share * self._residual[own]
         std[known, 2] = np.sqrt(share**2 * self._variance[own] + (1.0 - share**2) * size**2)
@@ -106,7 +106,7 @@ class ResidualCorrector:
         self._seen |= good
 
     def _propagate(self, eta: Array, good: Mask, dt: float) -> None:
-        share, size = self._process.share(dt), self._process.std(np.where(good, eta, 0.0))
+        share, size = self._process.correlation(dt), self._process.std(np.where(good, eta, 0.0))
         self._residual *= share
         self._variance = share**2 * self._variance + (1.0 - share**2) * size**2
 

@@ -39,7 +39,7 @@ class ResidualProcess:
         """Return sigma [m/s^2], (...,), for downwash eta [m/s^2], (...,)."""
         return np.asarray(self.floor + self.slope * np.abs(eta))
 
-    def share(self, seconds: float) -> float:
+    def correlation(self, seconds: float) -> float:
         """Return the correlation of residuals so many seconds apart [-]."""
         return float(np.exp(-max(seconds, 0.0) / self.time_s))
 

@@ -38,5 +38,5 @@ def predicted_residual(t: Array, residual: Array, usable: Mask) -> Array:
     products = np.cumsum(np.where(known, residual, 0.0) * past)
     squares = np.cumsum(past * past)
     num, den = (np.where(before >= 0, sums[before], 0.0) for sums in (products, squares))
-    rho = (PRIOR * REAL_FLIGHTS.share(HORIZON_S) + num) / (PRIOR + den)
+    rho = (PRIOR * REAL_FLIGHTS.correlation(HORIZON_S) + num) / (PRIOR + den)
     return np.asarray(np.clip(rho, 0.0, 1.0) * past)
