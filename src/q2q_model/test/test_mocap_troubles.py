@@ -8,8 +8,8 @@ import pytest
 from q2q_model.estimation.filter_report import FrameTrouble
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.estimation.mocap_troubles import LASTING, MocapTroubles
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.node.mocap_troubles import LASTING, MocapTroubles
 from q2q_model.signals.values import Array, MocapFrame
 
 PAIR = ("cf1", "cf2")
