@@ -18,9 +18,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.downwash_force import ForceSamples, force_samples, residual_of
+from q2q_model.identification.force.downwash_force import PushSamples, push_samples, residual_of
 from q2q_model.identification.force.jet_fit import Z95, JetForm, fit_to_pushes, with_held_out_deviation
-from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.identification.force.residual import predicted_residual
 from q2q_model.identification.selection.candidates import MARGIN
 from q2q_model.recordings.bag_recordings import recordings_of_bags
@@ -46,7 +46,7 @@ OUTER_FOLDS, INNER_FOLDS = 4, 2
 @dataclass(frozen=True, slots=True)
 class _Flight:
     name: str
-    samples: list[ForceSamples]
+    samples: list[PushSamples]
     network: list[Array]
     """Acceleration predicted in flight [m/s^2], (T,), for each of `samples`."""
 
@@ -95,14 +95,14 @@ def _flights(tables: Sequence[Path]) -> list[_Flight]:
 
 
 def _flight(recording: Recording) -> _Flight:
-    record = force_record(recording, CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
+    record = push_record(recording, CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
     if record is None or recording.log is None:
         raise ValueError(f"{recording.flight.name} has no measured force")
-    samples, lines = force_samples(record), recording.log.column("fa_ff") / MASS
+    samples, lines = push_samples(record), recording.log.column("fa_ff") / MASS
     return _Flight(recording.flight.name, samples, [lines[:, one.vehicle] for one in samples])
 
 
-def _samples(flights: Sequence[_Flight]) -> list[ForceSamples]:
+def _samples(flights: Sequence[_Flight]) -> list[PushSamples]:
     return [sample for one in flights for sample in one.samples]
 
 

@@ -6,7 +6,7 @@ from made_flights import LOOP, Pass, made_flight
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import PushSamples, push_samples
 from q2q_model.identification.force.recorded_force import push_of_sensors
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.networks.fit import (
@@ -43,11 +43,11 @@ def evidence() -> list[DownwashEvidence]:
     ]
 
 
-def pushes(made: Pass) -> list[ForceSamples]:
+def pushes(made: Pass) -> list[PushSamples]:
     """Return the pushes of one made flight."""
     found = push_of_sensors(made_flight(made), CRAZYFLIE_2_0, LOOP.lag)
     assert found is not None
-    return force_samples(found)
+    return push_samples(found)
 
 
 def random_model(seed: int) -> EnvelopeNetwork:

@@ -14,11 +14,11 @@ from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion, eta_along, eta_on_vehicle
 from q2q_model.identification.force.downwash_force import (
-    ForceRecord,
-    ForceSamples,
-    force_samples,
+    PushRecord,
+    PushSamples,
     known_rows,
     pooled_score,
+    push_samples,
     remark_on_unmeasured,
     score,
 )
@@ -39,7 +39,7 @@ OFF, ON = "dc19", "dc21"
 """Families: feed-forward off, on. Never pooled."""
 
 
-def record(rel: Array, push: Array, height: float = 1.0) -> ForceRecord:
+def record(rel: Array, push: Array, height: float = 1.0) -> PushRecord:
     """Return a record in which vehicle 0 hovers and vehicle 1 is at `rel` (T, 3) from it."""
     ticks = rel.shape[0]
     pos = np.zeros((ticks, 2, 3))
@@ -48,7 +48,7 @@ def record(rel: Array, push: Array, height: float = 1.0) -> ForceRecord:
     up = np.tile([0.0, 0.0, 1.0], (ticks, 2, 1))
     motion = Motion(0.01 * np.arange(ticks), pos, np.zeros_like(pos), up)
     good = np.ones((ticks, 2), dtype=bool)
-    return ForceRecord("made", ("a", "b"), motion, np.stack([push, 0.0 * push], axis=1), good, ~good)
+    return PushRecord("made", ("a", "b"), motion, np.stack([push, 0.0 * push], axis=1), good, ~good)
 
 
 def passing(ticks: int = 1000) -> Array:
@@ -56,9 +56,9 @@ def passing(ticks: int = 1000) -> Array:
     return np.stack([np.zeros(ticks), np.linspace(-1.0, 1.0, ticks), np.full(ticks, 0.5)], axis=1)
 
 
-def lower_of(made: ForceRecord) -> ForceSamples:
+def lower_of(made: PushRecord) -> PushSamples:
     """Return the samples of vehicle 0."""
-    return next(one for one in force_samples(made) if one.vehicle == 0)
+    return next(one for one in push_samples(made) if one.vehicle == 0)
 
 
 def test_commands_that_do_not_carry_the_vehicle_are_refused_with_the_remedy():
@@ -84,7 +84,7 @@ def test_exposed_free_and_upper_rows_are_those_of_the_rule():
     rel = passing()
     lower = lower_of(record(rel, np.zeros(1000)))
     np.testing.assert_array_equal(lower.exposed, np.abs(rel[:, 1]) < 0.15)
-    upper = next(one for one in force_samples(record(rel, np.zeros(1000))) if one.vehicle == 1)
+    upper = next(one for one in push_samples(record(rel, np.zeros(1000))) if one.vehicle == 1)
     assert not upper.exposed.any()
     np.testing.assert_array_equal(upper.upper, np.abs(rel[:, 1]) < 0.1)
     assert not lower.upper.any()
@@ -100,7 +100,7 @@ def test_a_constant_of_the_vehicle_is_taken_off_by_its_free_rows():
 
 def test_rows_that_are_low_mended_or_saturated_do_not_count():
     made = record(passing(), np.zeros(1000))
-    low = force_samples(record(passing(), np.zeros(1000), height=0.2))
+    low = push_samples(record(passing(), np.zeros(1000), height=0.2))
     assert [one.vehicle for one in low] == [1]  # the other has no usable row at all
     whole, saturated = made.whole.copy(), made.saturated.copy()
     whole[480:490, 1] = False  # of the neighbour: its place is not known either
@@ -113,7 +113,7 @@ def test_rows_that_are_low_mended_or_saturated_do_not_count():
 
 def test_a_vehicle_with_too_few_free_rows_is_not_scored():
     always_above = np.tile([0.0, 0.0, 0.5], (1000, 1))
-    assert [one.vehicle for one in force_samples(record(always_above, np.zeros(1000)))] == [1]
+    assert [one.vehicle for one in push_samples(record(always_above, np.zeros(1000)))] == [1]
 
 
 def test_r2_is_one_for_the_law_that_pushed_and_zero_for_none():
@@ -159,7 +159,7 @@ def test_a_vehicle_that_is_away_spoils_no_row_of_others():
     assert remark_on_unmeasured(joined) == ""
     never = replace(joined, whole=np.concatenate([made.whole, np.zeros((1000, 1), dtype=bool)], axis=1))
     assert remark_on_unmeasured(never) == "made: nothing was measured of c"
-    assert force_samples(never)[0].usable.sum() == 600
+    assert push_samples(never)[0].usable.sum() == 600
 
 
 def test_motors_logged_as_pwm_saturate_where_those_logged_as_duty_do():
@@ -180,7 +180,7 @@ def test_motors_logged_as_pwm_saturate_where_those_logged_as_duty_do():
 
 def test_without_exposed_rows_nothing_is_claimed():
     far = np.tile([2.0, 0.0, 0.5], (1000, 1))
-    found = score(MEASURED_LAW, force_samples(record(far, np.zeros(1000))))
+    found = score(MEASURED_LAW, push_samples(record(far, np.zeros(1000))))
     assert found.r2_exposed is None
     assert found.n == 0
     assert score(MEASURED_LAW, []).mean_upper_mps2 is None
@@ -203,13 +203,13 @@ def test_the_lag_of_frames_that_come_at_uneven_times_is_that_of_their_own_steps(
     np.testing.assert_allclose(first_order_lag(step, t, 0.1)[:, 0], expected, atol=1e-12)
 
 
-def real_samples(family: str) -> dict[str, list[ForceSamples]]:
+def real_samples(family: str) -> dict[str, list[PushSamples]]:
     """Return the samples of all flights of a family with more than one vehicle."""
-    found = {path.stem: force_samples(_real(path)) for path in sorted(DATA.glob(f"{family}*_ss*.parquet"))}
+    found = {path.stem: push_samples(_real(path)) for path in sorted(DATA.glob(f"{family}*_ss*.parquet"))}
     return {name: samples for name, samples in found.items() if samples}
 
 
-def _real(path: Path) -> ForceRecord:
+def _real(path: Path) -> PushRecord:
     from pyarrow import parquet
 
     table = parquet.read_table(path)
@@ -261,13 +261,13 @@ def test_what_moves_matters_on_real_flights():
 
 
 @pytest.fixture(scope="module")
-def below() -> list[ForceSamples]:
+def below() -> list[PushSamples]:
     """Return what the lower vehicles of the flights without feed-forward felt."""
     return [one for found in real_samples(OFF).values() for one in found if one.exposed.any()]
 
 
 @pytest.fixture(scope="module")
-def jet_of_them(below: list[ForceSamples]) -> Jet:
+def jet_of_them(below: list[PushSamples]) -> Jet:
     """Return the jet fitted to these very samples."""
     return fit_to_pushes(below, JetForm()).jet
 
@@ -275,7 +275,7 @@ def jet_of_them(below: list[ForceSamples]) -> Jet:
 @needs_flights
 @pytest.mark.parametrize("seconds", [7.3, 10.0, 13.7, 23.1])
 def test_with_a_neighbours_log_rolled_the_gain_vanishes(
-    below: list[ForceSamples], jet_of_them: Jet, seconds: float
+    below: list[PushSamples], jet_of_them: Jet, seconds: float
 ):
     """The same rows, those exposed to the true neighbour; the law is fed with the neighbour of another time.
 
@@ -295,7 +295,7 @@ def test_with_a_neighbours_log_rolled_the_gain_vanishes(
 @needs_flights
 @pytest.mark.parametrize("seconds", [7.3, 10.0])
 def test_a_law_fitted_to_a_rolled_neighbour_explains_less_than_a_constant(
-    below: list[ForceSamples], seconds: float
+    below: list[PushSamples], seconds: float
 ):
     """Refitted, the jet becomes as wide as it may, a constant for whoever is exposed, and stays below it."""
     rolled = [_rolled(one, seconds) for one in below]
@@ -305,18 +305,18 @@ def test_a_law_fitted_to_a_rolled_neighbour_explains_less_than_a_constant(
     assert _explained(jet, rolled, "usable") < 0.0
 
 
-def _explained(jet: Jet, samples: list[ForceSamples], rows: str) -> float:
+def _explained(jet: Jet, samples: list[PushSamples], rows: str) -> float:
     y, eta = _measured_and_predicted(jet, samples, rows)
     return float(1.0 - ((y - eta) @ (y - eta)) / (y @ y))
 
 
-def _beyond_constant(jet: Jet, samples: list[ForceSamples]) -> float:
+def _beyond_constant(jet: Jet, samples: list[PushSamples]) -> float:
     """Return 1 - sum (y - eta)^2 / sum (y - mean y)^2 over exposed rows."""
     y, eta = _measured_and_predicted(jet, samples, "exposed")
     return float(1.0 - ((y - eta) @ (y - eta)) / ((y - y.mean()) @ (y - y.mean())))
 
 
-def _measured_and_predicted(jet: Jet, samples: list[ForceSamples], rows: str) -> tuple[Array, Array]:
+def _measured_and_predicted(jet: Jet, samples: list[PushSamples], rows: str) -> tuple[Array, Array]:
     chosen = [np.nonzero({"exposed": one.exposed, "usable": one.usable}[rows])[0] for one in samples]
     eta = [
         eta_on_vehicle(jet, one.motion, one.vehicle, at)[:, 2]
@@ -325,7 +325,7 @@ def _measured_and_predicted(jet: Jet, samples: list[ForceSamples], rows: str) ->
     return np.concatenate([one.y[at] for one, at in zip(samples, chosen, strict=True)]), np.concatenate(eta)
 
 
-def _rolled(one: ForceSamples, seconds: float) -> ForceSamples:
+def _rolled(one: PushSamples, seconds: float) -> PushSamples:
     """Return the samples with everyone but the vehicle itself so much late; rows stay as they were chosen."""
     motion = one.motion
     pos, vel, axis = (values.copy() for values in (motion.pos, motion.vel, motion.axis))
@@ -365,7 +365,7 @@ def test_the_deviation_that_one_flight_teaches_holds_on_the_other_flight_feed_fo
     assert 0.93 <= np.concatenate(within).mean() <= 0.97  # of 95 %: 0.931; by its own misses 0.909
 
 
-def _within_band(jet: Jet, one: ForceSamples) -> Mask:
+def _within_band(jet: Jet, one: PushSamples) -> Mask:
     """Return which exposed rows lie within 1.96 of the deviations that the model claims."""
     rows = np.nonzero(one.exposed)[0]
     eta = eta_on_vehicle(jet, one.motion, one.vehicle, rows)[:, 2]

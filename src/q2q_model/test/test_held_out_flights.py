@@ -7,14 +7,14 @@ import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.identification.force.along_flight import Motion, eta_along, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import PushRecord, PushSamples, push_samples
 from q2q_model.identification.force.held_out_flights import held_out_scores
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 
 STRONG = replace(MEASURED_LAW, strength=1.5 * MEASURED_LAW.strength)
 
 
-def flown(name: str, height: float, law: Jet = MEASURED_LAW) -> list[ForceSamples]:
+def flown(name: str, height: float, law: Jet = MEASURED_LAW) -> list[PushSamples]:
     """Return a flight in which vehicle 1 passes `height` above vehicle 0, in the air of a law."""
     ticks = 900
     pos = np.zeros((ticks, 2, 3))
@@ -24,7 +24,7 @@ def flown(name: str, height: float, law: Jet = MEASURED_LAW) -> list[ForceSample
     motion = Motion(0.01 * np.arange(ticks), pos, np.gradient(pos, 0.01, axis=0), up)
     good = np.ones((ticks, 2), dtype=bool)
     push = eta_along(law, motion)[..., 2]
-    return force_samples(ForceRecord(name, ("a", "b"), motion, push, good, ~good))
+    return push_samples(PushRecord(name, ("a", "b"), motion, push, good, ~good))
 
 
 def test_a_flight_in_other_air_is_scored_by_the_jet_of_the_others() -> None:

@@ -13,7 +13,7 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification import identification as identification_module
 from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.force.along_flight import eta_along
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import ProcedureParams, identify
@@ -210,7 +210,7 @@ def test_a_jets_intervals_hold_the_truth_as_often_as_they_say():
     assert min(held.values()) >= 15, held  # of 20 at 95 %: fewer in 3 of 1000 runs
 
 
-def _true(one: ForceSamples) -> Array:
+def _true(one: PushSamples) -> Array:
     return eta_along(PAPER_LAW, one.motion)[:, one.vehicle, 2]
 
 
@@ -232,7 +232,7 @@ def test_a_late_downwash_is_found_with_its_speed():
     assert fit.jet.strength == pytest.approx(2.5, rel=0.05)
 
 
-def _delayed(samples: list[ForceSamples]) -> list[ForceSamples]:
+def _delayed(samples: list[PushSamples]) -> list[PushSamples]:
     """Return samples whose y is the measured law's, delay and all."""
     laws = [eta_along(MEASURED_LAW, one.motion)[:, one.vehicle, 2] for one in samples]
     return [replace(one, y=y) for one, y in zip(samples, laws, strict=True)]

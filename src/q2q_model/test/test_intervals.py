@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.identification.intervals import (
     UNKNOWN,
@@ -52,7 +52,7 @@ def wander(rng: np.random.Generator, ticks: int, rms: float) -> Array:
 
 
 @cache
-def flight() -> list[tuple[ForceSamples, Array]]:
+def flight() -> list[tuple[PushSamples, Array]]:
     """Return a flight in which one passes to and fro over a hovering one, and the push on either."""
     t = TICK * np.arange(1600)
     phase, gap = 2.0 * np.pi * t / 4.0, np.interp(t, [0.0, 32.0, 64.0], [0.25, 0.7, 0.25])
@@ -64,11 +64,11 @@ def flight() -> list[tuple[ForceSamples, Array]]:
     law = Jet(reference_gap=0.4, decay="exponential", travel_speed=1.0 / TRUTH["slowness"], range=1.5, **jet)
     eta, near = eta_along(law, motion)[..., 2], np.hypot(pos[:, 1, 0], pos[:, 1, 1])
     none = np.zeros(t.size, dtype=np.bool_)
-    lower = ForceSamples("passes", motion, 0, t, ~none, near < 0.15, none)
+    lower = PushSamples("passes", motion, 0, t, ~none, near < 0.15, none)
     return [(lower, eta[:, 0]), (replace(lower, vehicle=1, exposed=none, upper=near < 0.1), eta[:, 1])]
 
 
-def noisy(rng: np.random.Generator) -> list[ForceSamples]:
+def noisy(rng: np.random.Generator) -> list[PushSamples]:
     """Return what the flight showed this time."""
     rms = rng.uniform(0.35, 0.5)
     return [replace(one, y=eta + wander(rng, eta.size, rms)) for one, eta in flight()]

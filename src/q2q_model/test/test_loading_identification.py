@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import PushRecord, PushSamples, push_samples
 from q2q_model.identification.force.loading import MOST, loading_of, usable_loading
 from q2q_model.identification.intervals import Interval
 from q2q_model.signals.values import Array
@@ -40,14 +40,14 @@ def push(moved: Motion, loading: float) -> Array:
     return felt
 
 
-def flown(moved: Motion, pushes: Array, rng: np.random.Generator, rms: float = RMS) -> list[ForceSamples]:
+def flown(moved: Motion, pushes: Array, rng: np.random.Generator, rms: float = RMS) -> list[PushSamples]:
     """Return what sensors show of pushes in turbulent air."""
     keep = np.exp(-TICK / TAU)
     steps = rms * np.sqrt(1.0 - keep**2) * rng.standard_normal(pushes.shape)
     good = np.ones(pushes.shape, dtype=bool)
     noise = lfilter([1.0], [1.0, -keep], steps, axis=0)
     names = ("low", "mid", "top")[: pushes.shape[1]]
-    return force_samples(ForceRecord("stack", names, moved, pushes + noise, good, ~good))
+    return push_samples(PushRecord("stack", names, moved, pushes + noise, good, ~good))
 
 
 @pytest.mark.parametrize("truth", [0.0, 1.0])

@@ -14,7 +14,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import ForceRecord, ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import PushRecord, PushSamples, push_samples
 from q2q_model.identification.force.residual_fit import fit_residual
 from q2q_model.signals.values import (
     Array,
@@ -41,7 +41,7 @@ def unit_process(rng: np.random.Generator, ticks: int, step: float = STEP) -> Ar
 
 def flown(
     seed: int, step: float = STEP, sway: float = 0.5, noise: float = PROCESS.noise
-) -> list[ForceSamples]:
+) -> list[PushSamples]:
     """Return 6000 pushes of a vehicle under another that passes to and fro, with residual and noise."""
     rng, t = np.random.default_rng(seed), step * np.arange(6000)
     pos = np.zeros((t.size, 2, 3))
@@ -52,8 +52,8 @@ def flown(
     push[:, 0] += PROCESS.std(push[:, 0]) * unit_process(rng, t.size, step)
     push += noise * rng.standard_normal(push.shape)
     good = np.ones(push.shape, dtype=bool)
-    record = ForceRecord(f"flight{seed}", NAMES, motion, push, good, ~good)
-    return [one for one in force_samples(record) if one.vehicle == 0]
+    record = PushRecord(f"flight{seed}", NAMES, motion, push, good, ~good)
+    return [one for one in push_samples(record) if one.vehicle == 0]
 
 
 def test_the_fit_finds_the_process_that_residuals_were_made_with() -> None:

@@ -9,7 +9,7 @@ import pytest
 from made_flights import GRAVITY, Pass, made_flight
 
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.identification.force.sensor_check import sensor_notes
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.intervals import Interval
@@ -85,7 +85,7 @@ def test_a_flight_that_is_not_upright_is_refused_by_every_step():
     w_first = replace(flight, quat=np.roll(flight.quat, 1, axis=-1))
     for step in (
         lambda: identify([Recording(w_first)], ProcedureParams("jet"), lambda _: None),
-        lambda: force_record(Recording(w_first), CRAZYFLIE_2_0, 0.07),
+        lambda: push_record(Recording(w_first), CRAZYFLIE_2_0, 0.07),
     ):
         with pytest.raises(ValueError, match=r"cf1 points -1.00 upwards in the median.* order x y z w"):
             step()

@@ -16,7 +16,7 @@ from q2q_model.identification.force.along_flight import (
     eta_along,
     eta_on_vehicle,
 )
-from q2q_model.identification.force.downwash_force import ForceRecord, force_samples
+from q2q_model.identification.force.downwash_force import PushRecord, push_samples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.signals.values import Array, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
@@ -128,7 +128,7 @@ def test_the_fit_finds_the_terms_that_pushes_were_made_with():
     motion.pos[-400:, :, 0] += [0.0, 2.0, 4.0]  # the end in clear air, for the median
     push[-400:] = 0.0
     good = np.ones(push.shape, dtype=bool)
-    samples = force_samples(ForceRecord("stack", ("low", "middle", "top"), motion, push, good, ~good))
+    samples = push_samples(PushRecord("stack", ("low", "middle", "top"), motion, push, good, ~good))
     jet = fit_to_pushes(samples, JetForm(loaded=True)).jet
     found = [jet.velocity_share, jet.loading, jet.absorption]
     assert found == pytest.approx([0.6, 0.6, 1.5], rel=0.05)  # to the tolerance of the search

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceRecord, force_samples
+from q2q_model.identification.force.downwash_force import PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.learning.jet.wake_push import wake_push
@@ -74,15 +74,15 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         lag=0.07,
         motors=None,
     )
-    return with_force(blank, np.zeros(shape))
+    return with_push(blank, np.zeros(shape))
 
 
-def with_force(record: AirRecord, push: Array) -> AirRecord:
+def with_push(record: AirRecord, push: Array) -> AirRecord:
     """Return the record with a measured vertical push [m/s^2], (T, n)."""
     names = tuple(f"cf{i}" for i in range(record.vehicles))
     whole = np.ones(push.shape, dtype=bool)
-    forces = ForceRecord(record.name, names, record.motion, push, whole, ~whole)
-    return replace(record, samples=tuple(force_samples(forces)))
+    pushes = PushRecord(record.name, names, record.motion, push, whole, ~whole)
+    return replace(record, samples=tuple(push_samples(pushes)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,4 +105,4 @@ def flown(name: str, motion: Motion, wake: Wake, seed: int) -> AirRecord:
         if wake.residual is not None:
             size = wake.residual.floor_mps2 * np.minimum(eta / INSIDE, 1.0) + wake.residual.slope * eta
             push[:, i] += size * process(motion.t.size, wake.residual.time_s, rng)
-    return with_force(record, push)
+    return with_push(record, push)

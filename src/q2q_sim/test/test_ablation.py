@@ -11,7 +11,7 @@ from ablation_numbers import DATA, PASSAGE, SHORT, STRONG, WEAK, shipped
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_sim.air.air_names import FLIGHTS, ROOM, SYNTHETIC
@@ -169,11 +169,11 @@ def test_a_part_of_a_trajectory_begins_and_ends_where_it_is_cut() -> None:
         np.testing.assert_allclose(part.at(ends, derivative), whole.at(ends + 17.0, derivative), atol=1e-9)
 
 
-def samples(exposed: int) -> ForceSamples:
+def samples(exposed: int) -> PushSamples:
     """Return samples of which the first `exposed` are under another vehicle."""
     t, rows = 0.01 * np.arange(2500), np.arange(2500)
     motion = Motion(t, np.zeros((2500, 2, 3)), np.zeros((2500, 2, 3)), np.zeros((2500, 2, 3)))
-    return ForceSamples("one", motion, 0, t, rows < 0, rows < exposed, rows < 0)
+    return PushSamples("one", motion, 0, t, rows < 0, rows < exposed, rows < 0)
 
 
 @pytest.mark.parametrize(("count", "parts"), [(0, 0), (LEAST - 1, 0), (LEAST, 1), (3 * LEAST + 5, 3)])

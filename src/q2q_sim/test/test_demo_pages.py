@@ -10,7 +10,7 @@ import pytest
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.files.find_model import find_model
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceSamples, ForceScore
+from q2q_model.identification.force.downwash_force import PushSamples, PushScore
 from q2q_model.identification.force.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
@@ -103,7 +103,7 @@ def test_without_any_flight_it_asks_for_some(tmp_path: Path, monkeypatch: pytest
 
 def test_the_pictured_flight_is_neither_the_best_nor_the_worst() -> None:
     flights = [
-        HeldOutFlight(name, (), (), ForceScore(r2, None, None, 1), ())
+        HeldOutFlight(name, (), (), PushScore(r2, None, None, 1), ())
         for name, r2 in (("best", 0.95), ("none", None), ("worst", 0.7), ("middle", 0.9))
     ]
     assert median_flight(flights).name == "middle"
@@ -150,9 +150,9 @@ def test_the_page_on_recorded_flights_pictures_the_typical_one_and_lists_all(
 ) -> None:
     t, under = np.arange(0.0, 1.0, 0.01), np.arange(100) > 50
     motion = Motion(t, np.zeros((100, 2, 3)), np.zeros((100, 2, 3)), np.zeros((100, 2, 3)))
-    samples = ForceSamples("one", motion, 0, np.sin(t), under | True, under, ~under)
+    samples = PushSamples("one", motion, 0, np.sin(t), under | True, under, ~under)
     flights = tuple(
-        HeldOutFlight(name, (samples,), (0.9 * np.sin(t),), ForceScore(r2, 0.1, 0.0, 49, 0.95), ("other",))
+        HeldOutFlight(name, (samples,), (0.9 * np.sin(t),), PushScore(r2, 0.1, 0.0, 49, 0.95), ("other",))
         for name, r2 in (("good", 0.9), ("typical", 0.8), ("poor", 0.5))
     )
     write_real_page("Made flights.", HeldOutScores(MEASURED_LAW, flights), runs, tmp_path)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from known_air import ABSORPTION, PITCH, RESIDUAL, ROLL, SECONDS, assert_within
-from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_force
+from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_push
 from threadpoolctl import threadpool_limits
 
 from q2q_model.identification.force.along_flight import Motion
@@ -183,7 +183,7 @@ def test_the_torque_at_the_edge_is_found_from_what_the_motors_do_against_it() ->
     duty = np.full((motion.t.size, 2, 4), 0.65)
     duty[:, 0] *= 1.0 + share
     short = replace(record, lag=0.0, motors=Motors(duty, np.full(duty.shape[:2], np.nan)))
-    found = edge_torque_term([with_force(short, np.zeros(duty.shape[:2]))], jet, CRAZYFLIE_2_0)
+    found = edge_torque_term([with_push(short, np.zeros(duty.shape[:2]))], jet, CRAZYFLIE_2_0)
     assert found is not None
     assert found.term.peak_nm == pytest.approx(peak, rel=0.02)
     assert found.term.radius_m == pytest.approx(radius, abs=0.005)
@@ -217,7 +217,7 @@ def test_gusts_are_told_from_noise_by_their_time() -> None:
         motion = orbit(40.0, (0.6,), k)
         noise = 0.2 * rng.standard_normal((motion.t.size, 1))
         gust = 0.15 * process(motion.t.size, 0.3, rng)
-        records.append(with_force(still_record(f"clear{k}", motion), noise + gust[:, None]))
+        records.append(with_push(still_record(f"clear{k}", motion), noise + gust[:, None]))
     found = wind_term(records)
     assert found is not None
     assert_within(found.values, "wind.gust_std_mps2", 0.15)

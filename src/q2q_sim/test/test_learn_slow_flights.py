@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from known_air import RESIDUAL, SECONDS, assert_within
-from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_force
+from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_push
 
 from q2q_model.signals.values import Rows
 from q2q_sim.air.learning.jet.other_flights import LeftOut
@@ -28,7 +28,7 @@ def kept(record: AirRecord, rows: Rows) -> AirRecord:
         if isinstance(values := getattr(record, one.name), np.ndarray)
     }
     thin = replace(record, motion=motion, **arrays)
-    return with_force(thin, np.stack([one.y[rows] for one in record.samples], axis=1))
+    return with_push(thin, np.stack([one.y[rows] for one in record.samples], axis=1))
 
 
 def every(record: AirRecord, step: int) -> AirRecord:
@@ -95,7 +95,7 @@ def test_gusts_of_slow_flights_have_the_time_of_fast_ones(step: int) -> None:
     for k in range(9):
         motion = orbit(40.0 * step, (0.6,), k)
         push = 0.2 * rng.standard_normal(motion.t.size) + 0.15 * process(motion.t.size, 0.3, rng)
-        records.append(every(with_force(still_record(f"clear{k}", motion), push[:, None]), step))
+        records.append(every(with_push(still_record(f"clear{k}", motion), push[:, None]), step))
     assert np.diff(records[0].motion.t)[0] == pytest.approx(step * DT)
     found = wind_term(records)
     assert found is not None

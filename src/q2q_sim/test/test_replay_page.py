@@ -13,7 +13,7 @@ import pytest
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceRecord
+from q2q_model.identification.force.downwash_force import PushRecord
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
@@ -29,7 +29,7 @@ from q2q_sim.replay_page import (
 from q2q_sim.replay_page.packed_run import MISSING, STEPS, packed_run
 from q2q_sim.replay_page.script_archive import FOLDER
 from q2q_sim.scenarios import library
-from q2q_sim.tools.write_replay import measured_force
+from q2q_sim.tools.write_replay import measured_push
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -145,7 +145,7 @@ def test_measured_downwash_is_shown_while_a_vehicle_is_under_another():
     level = np.broadcast_to([0.0, 0.0, 1.0], pos.shape)
     motion = Motion(t, pos, np.zeros_like(pos), level)
     yes = np.ones((1000, 2), dtype=np.bool_)
-    record = ForceRecord("made", ("cf1", "cf2"), motion, push, yes, ~yes)
+    record = PushRecord("made", ("cf1", "cf2"), motion, push, yes, ~yes)
     unknown = np.full_like(pos, np.nan)
     bare = ReplayRun("made", ("cf1", "cf2"), t, pos, unknown, pos, unknown, ~yes, unknown, push, 0.046)
     seen = with_measured_downwash(bare, lambda: record)
@@ -159,7 +159,7 @@ def test_measured_downwash_is_shown_while_a_vehicle_is_under_another():
 def test_the_force_of_another_vehicle_is_not_shown_and_reported(
     flight: Flight, capsys: pytest.CaptureFixture[str]
 ):
-    assert measured_force(Recording(flight), CRAZYFLIE_2_0) is None
+    assert measured_push(Recording(flight), CRAZYFLIE_2_0) is None
     output = capsys.readouterr().err
     assert output.startswith("replay_page: no downwash is shown: flight ")
     assert "times the weight of crazyflie_2_0" in output

@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.geometry.rotations import identity_quat, rotate
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import ForceRecord, scored_rows
+from q2q_model.identification.force.downwash_force import PushRecord, scored_rows
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
@@ -112,8 +112,8 @@ def recorded(plan: TrackedFlight, make: MakeDraw) -> TrackedFlight:
     pos, vel, quat = flown.pos[0], flown.vel[0], flown.quat[0]
     everywhere = np.ones(pos.shape[:2], dtype=bool)
     motion = Motion(plan.t, pos, vel, rotate(quat, UP))
-    force = ForceRecord("passes", NAMES, motion, np.zeros(pos.shape[:2]), everywhere, ~everywhere)
-    rows = [scored_rows(force, i) for i in range(2)]
+    pushes = PushRecord("passes", NAMES, motion, np.zeros(pos.shape[:2]), everywhere, ~everywhere)
+    rows = [scored_rows(pushes, i) for i in range(2)]
     exposed, free = (np.stack([getattr(row, what) for row in rows], axis=1) for what in ("exposed", "free"))
     thrust = flown.thrust[0]
     return replace(plan, pos=pos, vel=vel, quat=quat, thrust=thrust, exposed=exposed, free=free)

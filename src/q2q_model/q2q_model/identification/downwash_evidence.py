@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import GAPS, UNDER, ForceSamples
+from q2q_model.identification.force.downwash_force import GAPS, UNDER, PushSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.signals.values import Array
 
@@ -16,11 +16,11 @@ NEAR = 0.5
 
 @dataclass(frozen=True, slots=True)
 class DownwashEvidence:
-    """Evidence of one flight: altitudes, and forces if sensors and commands were recorded."""
+    """Evidence of one flight: altitudes, and pushes if sensors and commands were recorded."""
 
     records: tuple[AltitudeRecord, ...]
     """One, or one from each hole of the flight to the next."""
-    pushes: tuple[ForceSamples, ...]
+    pushes: tuple[PushSamples, ...]
 
     @property
     def name(self) -> str:

@@ -17,9 +17,9 @@ from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.downwash_evidence import DownwashEvidence, largest_gap
-from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import PushSamples, push_samples
 from q2q_model.identification.force.loading import loading_of
-from q2q_model.identification.force.recorded_force import force_record, lag_note
+from q2q_model.identification.force.recorded_force import lag_note, push_record
 from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
@@ -181,10 +181,10 @@ def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: V
 
 def _pushes(
     recordings: Sequence[Recording], vehicle: Vehicle
-) -> tuple[list[tuple[ForceSamples, ...]], list[str]]:
-    """Return the samples of every flight, and notes on their force."""
-    records = [force_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
-    pushes = [tuple(force_samples(record)) if record is not None else () for record in records]
+) -> tuple[list[tuple[PushSamples, ...]], list[str]]:
+    """Return the samples of every flight, and notes on their push."""
+    records = [push_record(one, vehicle, vehicle.thrust_lag) for one in recordings]
+    pushes = [tuple(push_samples(record)) if record is not None else () for record in records]
     sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
     notes = sensor_notes([one.flight for one in recordings], vehicle)
     return pushes, [*notes, *lag_note(sampled, vehicle.thrust_lag)]

@@ -11,13 +11,13 @@ from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.force.downwash_force import (
     FEWEST_FREE,
     FLOOR,
-    ForceSamples,
-    ForceScore,
-    force_samples,
+    PushSamples,
+    PushScore,
+    push_samples,
     remark_on_unmeasured,
     score,
 )
-from q2q_model.identification.force.recorded_force import force_record, lag_note
+from q2q_model.identification.force.recorded_force import lag_note, push_record
 from q2q_model.identification.force.sensor_check import sensor_notes
 from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags, topic_map
 from q2q_model.recordings.recorded_flight import Recording
@@ -54,17 +54,17 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
-    found: dict[str, list[ForceSamples]] = {}
+def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, list[PushSamples]]:
+    found: dict[str, list[PushSamples]] = {}
     measured = False
     for one in recordings:
-        record = force_record(one, vehicle, vehicle.thrust_lag)
+        record = push_record(one, vehicle, vehicle.thrust_lag)
         if record is None:
             print(f"evaluate: {one.flight.name} has no measured force: not scored", file=sys.stderr)
         elif remark := remark_on_unmeasured(record):
             print(f"evaluate: {remark}", file=sys.stderr)
         measured = measured or record is not None
-        found[one.flight.name] = [] if record is None else force_samples(record)
+        found[one.flight.name] = [] if record is None else push_samples(record)
     if not measured:
         raise ValueError(
             "no flight has a measured force: record imu and command, or a log with faz_est, gap and pwm1-4"
@@ -77,7 +77,7 @@ def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, lis
     return found
 
 
-def _line(name: str, one: ForceScore) -> str:
+def _line(name: str, one: PushScore) -> str:
     if one.r2_exposed is None:
         return f"{name:32} no sample lies under another vehicle"
     upper = "" if one.mean_upper_mps2 is None else f", upper {one.mean_upper_mps2:+.3f} m/s^2"

@@ -14,9 +14,9 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.model_file import Fit, ModelFile, save
-from q2q_model.identification.force.downwash_force import FEWEST_FREE, ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import FEWEST_FREE, PushSamples, push_samples
 from q2q_model.identification.force.held_out_flights import HeldOutScores, held_out_scores
-from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
 from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
 from q2q_model.vehicle.constants import Vehicle
@@ -111,14 +111,14 @@ def score_flights(flights: DemoFlights) -> HeldOutScores:
     return scores
 
 
-def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[ForceSamples]]:
-    """Return the samples of every flight with a measured force."""
+def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[PushSamples]]:
+    """Return the samples of every flight with a measured push."""
     recordings, notes = recordings_of_paths(paths)
-    records = {one.flight.name: force_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
+    records = {one.flight.name: push_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
     unmeasured = [f"{name} has no measured force: left out" for name, one in records.items() if one is None]
     for note in (*notes, *unmeasured):
         _print_note(note)
-    return {name: force_samples(one) for name, one in records.items() if one is not None}
+    return {name: push_samples(one) for name, one in records.items() if one is not None}
 
 
 def _save_model(scores: HeldOutScores, out: Path) -> Path:

@@ -18,10 +18,10 @@ from q2q_model.flights.flight_table import flight_table
 from q2q_model.flights.table_file import read_columns
 from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import (
-    ForceSamples,
-    ForceScore,
-    force_samples,
+    PushSamples,
+    PushScore,
     pooled_score,
+    push_samples,
 )
 from q2q_model.identification.force.recorded_force import motion_of, push_of_log
 from q2q_model.signals.values import Array
@@ -47,7 +47,7 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     at = np.searchsorted(flight.t, log.t)
     seen = motion_of(flight)
     motion = Motion(log.t, seen.pos[at], seen.vel[at], seen.axis[at])
-    samples = force_samples(push_of_log(name, log_at(log, log.t, flight.names), motion))
+    samples = push_samples(push_of_log(name, log_at(log, log.t, flight.names), motion))
     found = score_prediction(samples, flight.eta[at, :, 2])
     pushes = [
         PredictedPush(flight.names[one.vehicle], log.t, one.y, one.exposed, flight.eta[at, one.vehicle, 2])
@@ -61,14 +61,14 @@ def fly_real(name: str, model: str, json_file: Path | None) -> int:
     return 0
 
 
-def score_prediction(samples: Sequence[ForceSamples], eta_z: Array) -> ForceScore:
+def score_prediction(samples: Sequence[PushSamples], eta_z: Array) -> PushScore:
     """Score predicted vertical downwash [m/s^2], (T, n), as published by the node."""
     y = [one.y[one.exposed] for one in samples]
     misses = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
     return pooled_score(y, misses, samples)
 
 
-def print_score(name: str, model: str, found: ForceScore) -> None:
+def print_score(name: str, model: str, found: PushScore) -> None:
     """Print the score."""
     if found.r2_exposed is None or found.rmse_exposed_mps2 is None:
         print(f"{name}: no sample lies under another vehicle; nothing to score")

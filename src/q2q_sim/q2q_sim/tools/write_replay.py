@@ -10,8 +10,8 @@ import numpy as np
 from q2q_model.bag import TopicMap
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.force.downwash_force import ForceRecord
-from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.identification.force.downwash_force import PushRecord
+from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.recordings.bag_recordings import topic_map
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import recording_of_bag, recording_of_table
@@ -57,13 +57,13 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     )
     since = float(part.t[0] - recording.flight.t[0])
     run = replay_run(part, flown.vehicle, name, verdict, since)
-    return with_measured_downwash(run, lambda: measured_force(recording, flown.vehicle))
+    return with_measured_downwash(run, lambda: measured_push(recording, flown.vehicle))
 
 
-def measured_force(recording: Recording, vehicle: Vehicle) -> ForceRecord | None:
-    """Return a flight's measured force; None, with a note, if it is not that of the vehicle."""
+def measured_push(recording: Recording, vehicle: Vehicle) -> PushRecord | None:
+    """Return a flight's measured push; None, with a note, if it is not that of the vehicle."""
     try:
-        return force_record(recording, vehicle, vehicle.thrust_lag)
+        return push_record(recording, vehicle, vehicle.thrust_lag)
     except ValueError as unfit:
         print(f"replay_page: no downwash is shown: {unfit}", file=sys.stderr)
         return None

@@ -1,1 +1,1 @@
-"""Vertical force of the downwash measured in flight, and the jet fitted to it."""
+"""Vertical push of the downwash measured in flight, and the jet fitted to it."""

@@ -53,8 +53,8 @@ OVER_GAPS = (0.15, 0.8)
 
 
 @dataclass(frozen=True, slots=True)
-class ForceRecord:
-    """Flight with its measured vertical force."""
+class PushRecord:
+    """Flight with its measured vertical push."""
 
     name: str
     names: Names
@@ -68,8 +68,8 @@ class ForceRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class ForceSamples:
-    """Force samples of one vehicle of one flight."""
+class PushSamples:
+    """Samples of the push on one vehicle of one flight."""
 
     flight: str
     motion: Motion
@@ -82,7 +82,7 @@ class ForceSamples:
 
 
 @dataclass(frozen=True, slots=True)
-class ForceScore:
+class PushScore:
     """Prediction scores of a model; None without rows."""
 
     r2_exposed: float | None
@@ -95,20 +95,18 @@ class ForceScore:
     """R2 of the prediction 20 ms ahead, with the residual known by then."""
 
 
-def force_samples(record: ForceRecord) -> list[ForceSamples]:
+def push_samples(record: PushRecord) -> list[PushSamples]:
     """Return the samples of every vehicle with enough free rows."""
     found = []
     for i in range(len(record.names)):
         rows = scored_rows(record, i)
         if rows.free.sum() >= FEWEST_FREE:
             y = record.push[:, i] - np.median(record.push[rows.free, i])
-            found.append(
-                ForceSamples(record.name, record.motion, i, y, rows.usable, rows.exposed, rows.upper)
-            )
+            found.append(PushSamples(record.name, record.motion, i, y, rows.usable, rows.exposed, rows.upper))
     return found
 
 
-def score(model: InteractionModel, samples: Sequence[ForceSamples]) -> ForceScore:
+def score(model: InteractionModel, samples: Sequence[PushSamples]) -> PushScore:
     """Return the score of a model, pooled over samples."""
     exposed = [one for one in samples if one.exposed.any()]
     y = [one.y[one.exposed] for one in exposed]
@@ -122,7 +120,7 @@ def score(model: InteractionModel, samples: Sequence[ForceSamples]) -> ForceScor
     return replace(found, r2_ahead_20ms=pooled_score(y, ahead, samples).r2_exposed)
 
 
-def residual_of(model: InteractionModel, one: ForceSamples) -> Array:
+def residual_of(model: InteractionModel, one: PushSamples) -> Array:
     """Return y - eta [m/s^2], (T,); 0 in rows that are not usable."""
     rows = np.nonzero(one.usable)[0]
     residual = np.zeros(len(one.y))
@@ -130,16 +128,16 @@ def residual_of(model: InteractionModel, one: ForceSamples) -> Array:
     return residual
 
 
-def pooled_score(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[ForceSamples]) -> ForceScore:
+def pooled_score(y: Sequence[Array], misses: Sequence[Array], samples: Sequence[PushSamples]) -> PushScore:
     """Return the score of residuals y - eta over exposed rows."""
     upper = np.concatenate([one.y[one.upper] for one in samples]) if samples else np.empty(0)
     mean_upper = float(upper.mean()) if upper.size else None
     n = sum(part.size for part in y)
     if n == 0:
-        return ForceScore(r2_exposed=None, rmse_exposed_mps2=None, mean_upper_mps2=mean_upper, n=0)
+        return PushScore(r2_exposed=None, rmse_exposed_mps2=None, mean_upper_mps2=mean_upper, n=0)
     missed = sum(float(part @ part) for part in misses)
     total = sum(float(part @ part) for part in y)
-    return ForceScore(1.0 - missed / total, float(np.sqrt(missed / n)), mean_upper, n)
+    return PushScore(1.0 - missed / total, float(np.sqrt(missed / n)), mean_upper, n)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +150,7 @@ class ScoredRows:
     upper: Mask
 
 
-def scored_rows(record: ForceRecord, i: int) -> ScoredRows:
+def scored_rows(record: PushRecord, i: int) -> ScoredRows:
     """Return the rows of vehicle i."""
     others = [j for j in range(len(record.names)) if j != i]
     pos = record.motion.pos
@@ -169,7 +167,7 @@ def scored_rows(record: ForceRecord, i: int) -> ScoredRows:
     )
 
 
-def known_rows(record: ForceRecord) -> Mask:
+def known_rows(record: PushRecord) -> Mask:
     """Return where a vehicle was measured, and every other that is not away, (T, n)."""
     pos = record.motion.pos
     across = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)
@@ -177,7 +175,7 @@ def known_rows(record: ForceRecord) -> Mask:
     return np.asarray((record.whole[:, None, :] | away).all(axis=2))
 
 
-def _absent(record: ForceRecord) -> Mask:
+def _absent(record: PushRecord) -> Mask:
     """Return the rows of stretches of at least ABSENT_S without a measurement, (T, n)."""
     found, t = np.zeros_like(record.whole), record.motion.t
     for i, whole in enumerate(record.whole.T):
@@ -187,7 +185,7 @@ def _absent(record: ForceRecord) -> Mask:
     return found
 
 
-def remark_on_unmeasured(record: ForceRecord) -> str:
+def remark_on_unmeasured(record: PushRecord) -> str:
     """Return a remark on the vehicles without any measurement; empty if there is none."""
     never = [name for name, own in zip(record.names, record.whole.T, strict=True) if not own.any()]
     return f"{record.name}: nothing was measured of {', '.join(never)}" if never else ""

@@ -11,8 +11,8 @@ import numpy as np
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.downwash_force import (
-    ForceSamples,
-    ForceScore,
+    PushSamples,
+    PushScore,
     pooled_score,
     residual_of,
     score,
@@ -23,7 +23,7 @@ from q2q_model.signals.values import Array
 FEWEST = 2
 """Flights with a vehicle under another that leaving one out needs."""
 
-FlightSamples = Mapping[str, Sequence[ForceSamples]]
+FlightSamples = Mapping[str, Sequence[PushSamples]]
 """Samples of each vehicle of a flight, by the flight's name."""
 
 
@@ -32,10 +32,10 @@ class HeldOutFlight:
     """Flight with the prediction of a jet that was not fitted to it."""
 
     name: str
-    samples: tuple[ForceSamples, ...]
+    samples: tuple[PushSamples, ...]
     predicted: tuple[Array, ...]
     """eta [m/s^2], (T,), for each of `samples`; NaN in rows that are not usable."""
-    score: ForceScore
+    score: PushScore
     fitted_to: tuple[str, ...]
 
 
@@ -47,7 +47,7 @@ class HeldOutScores:
     flights: tuple[HeldOutFlight, ...]
 
     @property
-    def together(self) -> ForceScore:
+    def together(self) -> PushScore:
         """Return the score pooled over all flights."""
         samples = [sample for one in self.flights for sample in one.samples]
         y = [sample.y[sample.exposed] for sample in samples]
@@ -79,14 +79,14 @@ def held_out_scores(
     return HeldOutScores(jet, tuple(found))
 
 
-def _held_out(name: str, samples: Sequence[ForceSamples], jet: Jet, fitted: FlightSamples) -> HeldOutFlight:
+def _held_out(name: str, samples: Sequence[PushSamples], jet: Jet, fitted: FlightSamples) -> HeldOutFlight:
     predicted = tuple(np.where(one.usable, one.y - residual_of(jet, one), np.nan) for one in samples)
     return HeldOutFlight(name, tuple(samples), predicted, score(jet, samples), tuple(fitted))
 
 
-def _with_wake(flights: FlightSamples) -> dict[str, Sequence[ForceSamples]]:
+def _with_wake(flights: FlightSamples) -> dict[str, Sequence[PushSamples]]:
     return {name: some for name, some in flights.items() if any(one.exposed.any() for one in some)}
 
 
-def _all(flights: FlightSamples) -> list[ForceSamples]:
+def _all(flights: FlightSamples) -> list[PushSamples]:
     return [sample for some in flights.values() for sample in some]

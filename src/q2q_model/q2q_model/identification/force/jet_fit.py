@@ -19,7 +19,7 @@ from scipy.optimize import least_squares, minimize
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.force.along_flight import FlownRows, Motion, VehicleTicks, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.intervals import (
@@ -74,7 +74,7 @@ class JetFit:
 Residuals = Callable[[Jet], list[Stretch]]
 
 
-def fit_to_pushes(samples: Sequence[ForceSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
+def fit_to_pushes(samples: Sequence[PushSamples], form: JetForm, solved: Jet | None = None) -> JetFit:
     """Return the jet fitted to measured pushes of whole flights.
 
     `solved` is that jet if known already: then only its intervals are computed.
@@ -207,7 +207,7 @@ def _values(jet: Jet, names: Sequence[str]) -> Array:
     return np.array([slowness if name == "slowness" else getattr(jet, name) for name in names])
 
 
-def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: JetForm) -> Jet:
+def with_held_out_deviation(jet: Jet, samples: Sequence[PushSamples], form: JetForm) -> Jet:
     """Return a jet whose deviation comes from cross-validation over two halves of the flights.
 
     A single flight is split at the median time of its exposed rows. Without exposed rows in both halves, the
@@ -221,7 +221,7 @@ def with_held_out_deviation(jet: Jet, samples: Sequence[ForceSamples], form: Jet
     return replace(jet, std_floor=floor, relative_std=share)
 
 
-def _halves(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
+def _halves(samples: Sequence[PushSamples]) -> list[list[PushSamples]]:
     """Return the samples of each half of the flights, or of the only flight with exposed rows."""
     flights = list(dict.fromkeys(one.flight for one in samples if one.exposed.any()))
     if len(flights) > 1:
@@ -238,7 +238,7 @@ def _halves(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
     ]
 
 
-def _magnitudes(jet: Jet, samples: Sequence[ForceSamples]) -> tuple[Array, Array]:
+def _magnitudes(jet: Jet, samples: Sequence[PushSamples]) -> tuple[Array, Array]:
     """Return |eta| and |y - eta| on exposed rows, (k,)."""
     pushes, errors = [np.empty(0)], [np.empty(0)]
     for one in samples:

@@ -21,7 +21,7 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.force.jet_fit import BLOCK
 from q2q_model.identification.intervals import Interval, Stretch, cluster_rows, intervals, least_squares_rows
 from q2q_model.signals.values import Array, Rows
@@ -33,7 +33,7 @@ LEAST_GROWTH = 1e-6
 """Least growth of the downwash at a loading of 1, relative, for loading to be identifiable [-]."""
 
 
-def loading_of(model: InteractionModel, samples: Sequence[ForceSamples]) -> Interval | None:
+def loading_of(model: InteractionModel, samples: Sequence[PushSamples]) -> Interval | None:
     """Return the loading fitted to exposed rows of whole flights.
 
     None if no vehicle is under one that is itself under another, or the law vanishes there.
@@ -67,7 +67,7 @@ def usable_loading(loading: Interval | None) -> float:
     return min(loading.value, MOST)
 
 
-def _push_and_growth(model: InteractionModel, one: ForceSamples, rows: Rows) -> Array:
+def _push_and_growth(model: InteractionModel, one: PushSamples, rows: Rows) -> Array:
     """Return f and h at rows, (k, 2)."""
     n = one.motion.pos.shape[1]
     felt = np.zeros((rows.size, 2))

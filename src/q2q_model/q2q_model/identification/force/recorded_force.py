@@ -1,4 +1,4 @@
-"""Measured vertical force of a recorded flight, from its log or from sensors and commands.
+"""Measured vertical push of a recorded flight, from its log or from sensors and commands.
 
 push = faz_est / m_log                           logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021)
 push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: commanded thrust
@@ -25,7 +25,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, ForceRecord
+from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.identification.gains.altitude_record import UP, check_upright
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, CommandStatus, Mask
@@ -41,8 +41,8 @@ LIGHTEST, HEAVIEST = 0.5, 2.0
 """Bounds of the median thrust in the air over the weight [-]; 0.92 to 1.3 in recorded flights of 34 g."""
 
 
-def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | None:
-    """Return a flight's measured force, from its log or its sensors; None if it has neither.
+def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | None:
+    """Return a flight's measured push, from its log or its sensors; None if it has neither.
 
     Raises:
         ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, or is not
@@ -56,7 +56,7 @@ def force_record(one: Recording, vehicle: Vehicle, lag: float) -> ForceRecord | 
 
 
 def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
-    """Return a note on the thrust lag [s] if the force of any flight is that of sensors and command."""
+    """Return a note on the thrust lag [s] if the push of any flight is that of sensors and command."""
     count = sum(not _has_force_log(one) for one in recordings)
     note = f"force of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
     return [note] if count else []
@@ -91,11 +91,11 @@ def motor_duty(log: FlightLog) -> Array:
     return logged / (PWM_FULL if np.nanmax(logged, initial=0.0) > 1.0 else 1.0)
 
 
-def push_of_log(name: str, log: FlightLog, motion: Motion) -> ForceRecord:
-    """Return the vertical force in a flight's log, at the ticks and vehicles of the log and the motion."""
+def push_of_log(name: str, log: FlightLog, motion: Motion) -> PushRecord:
+    """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion."""
     force = log.column("faz_est")
     known = np.isfinite(force)
-    return ForceRecord(
+    return PushRecord(
         name=name,
         names=log.names,
         motion=motion,
@@ -138,8 +138,8 @@ def recorded_acceleration(flight: Flight, vehicle: Vehicle) -> RecordedAccelerat
     return RecordedAcceleration(flight.t, force, flight.thrust, thrust_gain, np.asarray(whole))
 
 
-def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord | None:
-    """Return the force as the difference of accelerometer and command; None if a flight lacks either.
+def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> PushRecord | None:
+    """Return the push as the difference of accelerometer and command; None if a flight lacks either.
 
     Args:
         flight: recorded flight.
@@ -149,7 +149,7 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> ForceRecord
     found = recorded_acceleration(flight, vehicle)
     if found is None:
         return None
-    return ForceRecord(
+    return PushRecord(
         name=flight.name,
         names=flight.names,
         motion=motion_of(flight),

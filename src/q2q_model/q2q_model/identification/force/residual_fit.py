@@ -25,7 +25,7 @@ from scipy.special import stdtrit
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.identification.force.along_flight import eta_on_vehicle
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.force.jet_fit import deviation_of
 from q2q_model.identification.intervals import LEVEL, Interval
 from q2q_model.signals.values import Array
@@ -79,7 +79,7 @@ class _LagSums(NamedTuple):
     """Number of pairs [-]."""
 
 
-def fit_residual(model: InteractionModel, samples: Sequence[ForceSamples]) -> ResidualFit | None:
+def fit_residual(model: InteractionModel, samples: Sequence[PushSamples]) -> ResidualFit | None:
     """Return the process fitted to exposed rows.
 
     None for fewer than `FEWEST`, for fewer than `FEWEST_LAGS`, as below 16 Hz, or without correlation.
@@ -102,7 +102,7 @@ def fit_residual(model: InteractionModel, samples: Sequence[ForceSamples]) -> Re
     return ResidualFit(whole, tuple(zip(NAMES, spans, strict=True)))
 
 
-def _part(model: InteractionModel, one: ForceSamples) -> _Part:
+def _part(model: InteractionModel, one: PushSamples) -> _Part:
     rows, period = np.flatnonzero(one.exposed), float(np.median(np.diff(one.motion.t)))
     eta = eta_on_vehicle(model, one.motion, one.vehicle, rows)[:, 2]
     tick = np.rint(one.motion.t[rows] / period)

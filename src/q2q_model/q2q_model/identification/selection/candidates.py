@@ -1,6 +1,6 @@
 """Candidate interaction models, and the choice among them by held-out error.
 
-Candidates are several forms of the jet and the paper's networks. They are fitted to measured forces if there
+Candidates are several forms of the jet and the paper's networks. They are fitted to measured pushes if there
 are any, else to altitudes. A later candidate, with more parameters, replaces an earlier one only if it lowers
 the held-out error by more than `MARGIN`.
 """
@@ -157,7 +157,7 @@ def best_trial(trials: Sequence[Trial]) -> Trial:
 def fit_jet(
     flights: Sequence[DownwashEvidence], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
 ) -> JetFit:
-    """Return the jet of a form fitted to measured forces if there are any, else to altitudes.
+    """Return the jet of a form fitted to measured pushes if there are any, else to altitudes.
 
     `solved` is that jet if known already: then only its intervals are computed.
     """

@@ -16,7 +16,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.downwash_evidence import DownwashEvidence, is_lower, motion_along
 from q2q_model.identification.force.along_flight import eta_along, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.signals.values import Array, Mask
@@ -99,7 +99,7 @@ def _sums(model: InteractionModel, flight: DownwashEvidence, loop: AltitudeLoop)
     return _Sums(altitude, push)
 
 
-def _push_sums(model: InteractionModel, one: ForceSamples, mask: Mask) -> Array:
+def _push_sums(model: InteractionModel, one: PushSamples, mask: Mask) -> Array:
     rows = np.nonzero(mask)[0]
     y = one.y[rows]
     miss = y - eta_on_vehicle(model, one.motion, one.vehicle, rows)[:, 2]

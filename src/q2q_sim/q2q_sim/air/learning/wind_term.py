@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import least_squares
 
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, flight_lags, lagged_pairs
@@ -46,13 +46,13 @@ def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
     return LearnedTerm(WindTerm((0.0, 0.0, 0.0), std, time), values)
 
 
-def _gusts(record: AirRecord, one: ForceSamples) -> Array:
+def _gusts(record: AirRecord, one: PushSamples) -> Array:
     """Return standard deviation and time of the gusts on one vehicle, (2,)."""
     lags = flight_lags(record.motion.t, LAGS)
     return _fit(_sums(record, one, lags), lags.times)
 
 
-def _sums(record: AirRecord, one: ForceSamples, lags: Lags) -> Array:
+def _sums(record: AirRecord, one: PushSamples, lags: Lags) -> Array:
     """Return the count and the sum of products at each lag, (L, 2)."""
     known = record.clear[:, one.vehicle]
     y = one.y - one.y[known].mean()

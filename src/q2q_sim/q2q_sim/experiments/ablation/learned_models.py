@@ -20,9 +20,9 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.identification.force.downwash_force import ForceSamples, force_samples
+from q2q_model.identification.force.downwash_force import PushSamples, push_samples
 from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
-from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.identification.force.residual_fit import fit_residual
 from q2q_model.recordings.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
@@ -66,7 +66,7 @@ def models_of(family: str) -> list[LearnedModel]:
         return [_learned(name, samples, every) for name, samples in chosen]
 
 
-def parts_of(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
+def parts_of(samples: Sequence[PushSamples]) -> list[list[PushSamples]]:
     """Return a flight's samples in parts of equal numbers under another vehicle, LEAST or more in each."""
     times = np.sort(np.concatenate([np.empty(0), *(one.motion.t[one.exposed] for one in samples)]))
     count = times.size // LEAST
@@ -75,7 +75,7 @@ def parts_of(samples: Sequence[ForceSamples]) -> list[list[ForceSamples]]:
     return [[_between(one, *span) for one in samples] for span in pairwise(ends)]
 
 
-def _chosen(flights: Mapping[str, Sequence[ForceSamples]]) -> list[tuple[str, list[ForceSamples]]]:
+def _chosen(flights: Mapping[str, Sequence[PushSamples]]) -> list[tuple[str, list[PushSamples]]]:
     """Return names and samples of MOST flights, or parts of them."""
     parts = {name: found for name, samples in flights.items() if (found := parts_of(samples))}
     if len(parts) >= MOST:
@@ -91,19 +91,19 @@ def _chosen(flights: Mapping[str, Sequence[ForceSamples]]) -> list[tuple[str, li
     return sorted(rounds[:MOST], key=lambda part: part[0])
 
 
-def _learned(name: str, samples: Sequence[ForceSamples], family: Sequence[ForceSamples]) -> LearnedModel:
+def _learned(name: str, samples: Sequence[PushSamples], family: Sequence[PushSamples]) -> LearnedModel:
     """Return the model of some samples, with its residual on all of the family."""
     jet = fit_to_pushes(samples, FORM).jet
     residual = fit_residual(jet, family)
     return LearnedModel(name, jet, None if residual is None else residual.process)
 
 
-def _samples(path: Path) -> list[ForceSamples]:
-    record = force_record(recording_of_table(path), CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
-    return [] if record is None else force_samples(record)
+def _samples(path: Path) -> list[PushSamples]:
+    record = push_record(recording_of_table(path), CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
+    return [] if record is None else push_samples(record)
 
 
-def _between(one: ForceSamples, start: float, end: float) -> ForceSamples:
+def _between(one: PushSamples, start: float, end: float) -> PushSamples:
     inside = (one.motion.t >= start) & (one.motion.t < end)
     return replace(one, exposed=one.exposed & inside, upper=one.upper & inside)
 

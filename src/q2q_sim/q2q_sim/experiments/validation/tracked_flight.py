@@ -1,6 +1,6 @@
 """References, states and commands of a recorded flight, on an even grid from take-off to landing.
 
-The rows under a wake and in clear air are those of the scoring rule of downwash force
+The rows under a wake and in clear air are those of the scoring rule of pushes
 (q2q_model.identification.force.downwash_force).
 """
 
@@ -12,7 +12,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, scored_rows
-from q2q_model.identification.force.recorded_force import force_record
+from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.identification.gains.altitude_record import UP, resample
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
@@ -79,12 +79,12 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         ValueError: the recording lacks references or commands, or no 5 s with all vehicles in the air.
     """
     flight = recording.flight
-    force = force_record(recording, vehicle, vehicle.thrust_lag)
-    if force is None or not np.isfinite(flight.ref_pos).any() or not np.isfinite(flight.thrust).any():
+    pushes = push_record(recording, vehicle, vehicle.thrust_lag)
+    if pushes is None or not np.isfinite(flight.ref_pos).any() or not np.isfinite(flight.thrust).any():
         raise ValueError(
             f"flight {flight.name} cannot be flown again: references, states and thrust commands are needed"
         )
-    rows = [scored_rows(force, i) for i in range(len(flight.names))]
+    rows = [scored_rows(pushes, i) for i in range(len(flight.names))]
     usable, exposed, free = (
         np.stack(masks, axis=1)
         for masks in zip(*((row.usable, row.exposed, row.free) for row in rows), strict=True)

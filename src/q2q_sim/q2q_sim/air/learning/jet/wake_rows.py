@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Travel, jet_place
 from q2q_sim.air.learning.records.air_record import AirRecord
@@ -22,7 +22,7 @@ class WakeRows:
     """Rows of one vehicle under given others."""
 
     record: AirRecord
-    one: ForceSamples
+    one: PushSamples
     sources: tuple[int, ...]
     """Vehicles above, the nearest first."""
     rows: Rows
@@ -64,7 +64,7 @@ def rows_under_two(records: Sequence[AirRecord]) -> list[WakeRows]:
     return found
 
 
-def _with_sources(records: Sequence[AirRecord]) -> list[tuple[AirRecord, ForceSamples, Mask]]:
+def _with_sources(records: Sequence[AirRecord]) -> list[tuple[AirRecord, PushSamples, Mask]]:
     """Return each vehicle's samples and which others are sources above it, (T, n)."""
     found = []
     for record in records:

@@ -1,4 +1,4 @@
-"""A recorded flight as the terms of an air need it: motion, measured force, thrust, motors and battery.
+"""A recorded flight as the terms of an air need it: motion, measured push, thrust, motors and battery.
 
 The vertical downwash and its rows are those of q2q_model.identification.force.downwash_force. The thrust
 ratio of a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map
@@ -15,12 +15,12 @@ from q2q_model.identification.force.along_flight import Motion
 from q2q_model.identification.force.downwash_force import (
     FEWEST_FREE,
     FLOOR,
-    ForceRecord,
-    ForceSamples,
-    force_samples,
+    PushRecord,
+    PushSamples,
     known_rows,
+    push_samples,
 )
-from q2q_model.identification.force.recorded_force import MOTORS, first_order_lag, force_record, motor_duty
+from q2q_model.identification.force.recorded_force import MOTORS, first_order_lag, motor_duty, push_record
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
@@ -47,7 +47,7 @@ class AirRecord:
 
     name: str
     motion: Motion
-    samples: tuple[ForceSamples, ...]
+    samples: tuple[PushSamples, ...]
     """Vertical downwash of each vehicle with enough rows in clear air."""
     measured: Mask
     """Rows known by the scoring rule, without a saturated motor of this vehicle, at any height, (T, n)."""
@@ -79,7 +79,7 @@ class AirRecord:
 def air_records(
     recordings: Sequence[Recording], vehicle: Vehicle, lag: float
 ) -> tuple[list[AirRecord], list[str]]:
-    """Return the records of flights with a measured force, and notes on other flights and on vehicles.
+    """Return the records of flights with a measured push, and notes on other flights and on vehicles.
 
     Args:
         recordings: flights.
@@ -111,18 +111,18 @@ def _remarks(record: AirRecord, names: Names) -> list[str]:
 
 
 def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
-    forces = force_record(one, vehicle, lag)
-    if forces is None:
+    pushes = push_record(one, vehicle, lag)
+    if pushes is None:
         return None
     flight, t = one.flight, one.flight.t
-    measured: Mask = known_rows(forces) & ~forces.saturated
-    clear = measured & (forces.motion.pos[..., 2] > FLOOR) & rows_alone(forces.motion.pos, ALONE)
+    measured: Mask = known_rows(pushes) & ~pushes.saturated
+    clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, ALONE)
     command = first_order_lag(flight.thrust, t, lag)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
     return AirRecord(
         name=flight.name,
-        motion=forces.motion,
-        samples=_samples(forces),
+        motion=pushes.motion,
+        samples=_samples(pushes),
         measured=measured,
         clear=clear,
         force=rotate(flight.quat, flight.specific_force_body),
@@ -136,8 +136,8 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     )
 
 
-def _samples(forces: ForceRecord) -> tuple[ForceSamples, ...]:
-    return tuple(force_samples(forces))
+def _samples(pushes: PushRecord) -> tuple[PushSamples, ...]:
+    return tuple(push_samples(pushes))
 
 
 def rows_alone(pos: Array, distance: float) -> Mask:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import ForceSamples
+from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.wake_push import wake_push
 from q2q_sim.air.learning.records.air_record import AirRecord
@@ -23,7 +23,7 @@ class WakeMisses:
     """Misses of one vehicle of a flight on its exposed rows."""
 
     record: AirRecord
-    one: ForceSamples
+    one: PushSamples
     eta: Array
     """|eta| [m/s^2], (T,); 0 where not exposed."""
     missed: Array
@@ -47,9 +47,7 @@ def wake_misses(
     return _with_clear_air(wakes)
 
 
-def _wake(
-    record: AirRecord, one: ForceSamples, jet: JetTerm, absorption: AbsorptionTerm | None
-) -> WakeMisses:
+def _wake(record: AirRecord, one: PushSamples, jet: JetTerm, absorption: AbsorptionTerm | None) -> WakeMisses:
     rows = np.flatnonzero(one.exposed)
     eta = np.zeros(one.y.size)
     eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
