@@ -4,7 +4,7 @@ One jet is fitted to other flights of the same family; its form is chosen by cro
 flights, so that no flight is scored by a model that it helped to fit or to choose. The other jet is fitted to
 the other family alone. The reference is what the vehicles' own network said in flight (`fa_ff`: Shi et al.,
 Neural-Swarm2, T-RO 2021), on the same rows and by the same rule
-(q2q_model.identification.force.downwash_force). That network was trained on flights of this source; in the
+(q2q_model.identification.push.push_samples). That network was trained on flights of this source; in the
 family dc19 it was off. Needs the flights of Q2Q_DATA.
 """
 
@@ -18,10 +18,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.downwash_force import PushSamples, push_samples, residual_of
-from q2q_model.identification.force.jet_fit import Z95, JetForm, fit_to_pushes, with_held_out_deviation
-from q2q_model.identification.force.recorded_force import push_record
-from q2q_model.identification.force.residual import predicted_residual
+from q2q_model.identification.push.jet_fit import Z95, JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.identification.push.push_samples import PushSamples, push_samples, residual_of
+from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.identification.push.residual import predicted_residual
 from q2q_model.identification.selection.candidates import MARGIN
 from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.recordings.recorded_flight import Recording

@@ -5,9 +5,6 @@ from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.downwash_evidence import DownwashEvidence
-from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import PushSamples, push_samples
-from q2q_model.identification.force.recorded_force import push_of_sensors
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.networks.fit import (
     random_weights,
@@ -17,6 +14,9 @@ from q2q_model.identification.networks.trajectory_loss import (
     FlightTerms,
     flight_terms,
 )
+from q2q_model.identification.push.along_flight import Motion, eta_along
+from q2q_model.identification.push.push_samples import PushSamples, push_samples
+from q2q_model.identification.push.recorded_push import push_of_sensors
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FLOWN = [

@@ -11,7 +11,6 @@ from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.downwash_evidence import DownwashEvidence
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes
 from q2q_model.identification.gains.altitude_record import altitude_record, in_clear_air
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import CLEAR, with_added_acc
@@ -21,6 +20,7 @@ from q2q_model.identification.identification import (
     identify,
     recorded_altitudes,
 )
+from q2q_model.identification.push.jet_fit import JetForm, fit_to_altitudes
 from q2q_model.identification.selection.cross_validation import score_on
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array

@@ -8,7 +8,7 @@ from made_flights import Pass, made_flight
 
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.carried_weight import CarriedWeight
-from q2q_model.identification.force.recorded_force import check_weight
+from q2q_model.identification.push.recorded_push import check_weight
 from q2q_model.signals.values import SwarmCommand, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 

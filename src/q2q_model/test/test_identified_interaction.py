@@ -14,10 +14,10 @@ from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import RoleScores
 from q2q_model.flights.flight import of_vehicle
 from q2q_model.identification.downwash_evidence import DownwashEvidence, has_exposure, is_lower, largest_gap
-from q2q_model.identification.force.along_flight import Motion, eta_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.intervals import Interval
+from q2q_model.identification.push.along_flight import Motion, eta_along
 from q2q_model.identification.selection.candidates import (
     best_trial,
     candidates,

@@ -12,9 +12,6 @@ from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification import identification as identification_module
 from q2q_model.identification.downwash_evidence import DownwashEvidence
-from q2q_model.identification.force.along_flight import eta_along
-from q2q_model.identification.force.downwash_force import PushSamples
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
@@ -30,6 +27,9 @@ from q2q_model.identification.networks.trajectory_loss import (
     flight_terms,
     trajectory_loss,
 )
+from q2q_model.identification.push.along_flight import eta_along
+from q2q_model.identification.push.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.selection.candidates import (
     Candidate,
     Trial,

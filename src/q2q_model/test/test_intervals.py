@@ -13,9 +13,6 @@ from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import PushSamples
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
 from q2q_model.identification.intervals import (
     UNKNOWN,
     EstimatingRows,
@@ -27,6 +24,9 @@ from q2q_model.identification.intervals import (
     least_squares_rows,
     variances,
 )
+from q2q_model.identification.push.along_flight import Motion, eta_along
+from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 
 FORM = JetForm("exponential", carried=0.0, delayed=True)

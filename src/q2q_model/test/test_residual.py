@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_model.identification.force.residual import HORIZON_S, predicted_residual
+from q2q_model.identification.push.residual import HORIZON_S, predicted_residual
 
 STEP_S, TAU_S, ROWS = 0.01, 0.08, 40_000
 T = STEP_S * np.arange(ROWS)

@@ -13,9 +13,9 @@ from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProce
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import ModelFile, decode, encode
-from q2q_model.identification.force.along_flight import Motion, eta_along
-from q2q_model.identification.force.downwash_force import PushRecord, PushSamples, push_samples
-from q2q_model.identification.force.residual_fit import fit_residual
+from q2q_model.identification.push.along_flight import Motion, eta_along
+from q2q_model.identification.push.push_samples import PushRecord, PushSamples, push_samples
+from q2q_model.identification.push.residual_fit import fit_residual
 from q2q_model.signals.values import (
     Array,
     Interference,

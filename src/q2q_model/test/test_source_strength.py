@@ -9,15 +9,15 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.source_strength import PAIRS_ALONE, SourceTerms, source_terms, strengths
-from q2q_model.identification.force.along_flight import (
+from q2q_model.identification.push.along_flight import (
     FlownRows,
     Motion,
     VehicleTicks,
     eta_along,
     eta_on_vehicle,
 )
-from q2q_model.identification.force.downwash_force import PushRecord, push_samples
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_model.signals.values import Array, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import PushRecord, push_samples
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.learning.jet.wake_push import wake_push

@@ -10,8 +10,8 @@ from ablation_numbers import DATA, PASSAGE, SHORT, STRONG, WEAK, shipped
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import PAPER_LAW
-from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import PushSamples
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_sim.air.air_names import FLIGHTS, ROOM, SYNTHETIC

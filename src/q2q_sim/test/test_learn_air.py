@@ -9,7 +9,7 @@ from known_air import ABSORPTION, PITCH, RESIDUAL, ROLL, SECONDS, assert_within
 from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_push
 from threadpoolctl import threadpool_limits
 
-from q2q_model.identification.force.along_flight import Motion
+from q2q_model.identification.push.along_flight import Motion
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term

@@ -7,7 +7,7 @@ import pytest
 from known_air import PITCH, ROLL
 from synthetic_air import MASS, orbit, still_record
 
-from q2q_model.identification.force.recorded_force import FULL_DUTY
+from q2q_model.identification.push.recorded_push import FULL_DUTY
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.learning.rate_load_term import rate_load_term

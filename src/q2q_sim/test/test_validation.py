@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from q2q_model.geometry.rotations import identity_quat, rotate
-from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import PushRecord, scored_rows
 from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import PushRecord, scored_rows
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.room_air import RoomAir, RotorDragTerm, VehicleTerm

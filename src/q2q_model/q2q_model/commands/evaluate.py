@@ -1,6 +1,6 @@
 """Score an interaction model against the downwash measured on recorded flights.
 
-The scoring rule is that of q2q_model.identification.force.downwash_force. A flight without measured downwash
+The scoring rule is that of q2q_model.identification.push.push_samples. A flight without measured downwash
 (neither a log of forces nor accelerometer and thrust commands) is named; its scores are null with n = 0.
 
 R2 is not centred. The downwash on exposed rows is nearly constant, and on the recorded real flights a

@@ -12,7 +12,7 @@ all callers, which differ in what they know of a source's past:
 | caller | past of a source |
 |---|---|
 | q2q_model.downwash.predictor | states received |
-| q2q_model.identification.force.along_flight | the recorded flight |
+| q2q_model.identification.push.along_flight | the recorded flight |
 | q2q_control.mpc.prediction.downwash_horizon | positions received, then the predicted path |
 | q2q_control.explicit.teacher | constant velocity |
 """

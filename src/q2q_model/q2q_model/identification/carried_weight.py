@@ -1,13 +1,13 @@
 """Check in flight that commanded thrusts carry the weight of the vehicle that is assumed.
 
-As of recorded flights (q2q_model.identification.force.recorded_force), the median of each vehicle's thrust in
+As of recorded flights (q2q_model.identification.push.recorded_push), the median of each vehicle's thrust in
 the air is bounded. It is within the bounds if at most half of the thrusts are below, and at most half above.
 """
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR
-from q2q_model.identification.force.recorded_force import HEAVIEST, LIGHTEST
+from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR
+from q2q_model.identification.push.recorded_push import HEAVIEST, LIGHTEST
 from q2q_model.signals.values import Names, SwarmCommand, SwarmState, rows_by_name
 from q2q_model.vehicle.constants import Vehicle
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import GAPS, UNDER, PushSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import GAPS, UNDER, PushSamples
 from q2q_model.signals.values import Array
 
 NEAR = 0.5

@@ -17,16 +17,16 @@ from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.downwash_evidence import DownwashEvidence, largest_gap
-from q2q_model.identification.force.downwash_force import PushSamples, push_samples
-from q2q_model.identification.force.loading import loading_of
-from q2q_model.identification.force.recorded_force import lag_note, push_record
-from q2q_model.identification.force.residual_fit import ResidualFit, fit_residual
-from q2q_model.identification.force.sensor_check import MOST_OFFSET, sensor_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.impulse_response import with_added_acc
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.identification.intervals import Interval
+from q2q_model.identification.push.loading import loading_of
+from q2q_model.identification.push.push_samples import PushSamples, push_samples
+from q2q_model.identification.push.recorded_push import lag_note, push_record
+from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
+from q2q_model.identification.push.sensor_check import MOST_OFFSET, sensor_notes
 from q2q_model.identification.selection.candidates import (
     NOTHING,
     Candidate,

@@ -13,10 +13,10 @@ from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
 from q2q_model.identification.downwash_evidence import every_record, is_lower, motion_along
-from q2q_model.identification.force.along_flight import eta_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.identification import Identification
+from q2q_model.identification.push.along_flight import eta_along
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

@@ -8,7 +8,7 @@ from dataclasses import asdict
 from q2q_model.documents.json_file import write_json
 from q2q_model.files.find_model import find_model
 from q2q_model.flights.same_flight import IN_FIT, is_among
-from q2q_model.identification.force.downwash_force import (
+from q2q_model.identification.push.push_samples import (
     FEWEST_FREE,
     FLOOR,
     PushSamples,
@@ -17,8 +17,8 @@ from q2q_model.identification.force.downwash_force import (
     remark_on_unmeasured,
     score,
 )
-from q2q_model.identification.force.recorded_force import lag_note, push_record
-from q2q_model.identification.force.sensor_check import sensor_notes
+from q2q_model.identification.push.recorded_push import lag_note, push_record
+from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags, topic_map
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.tools.bag_vehicle import common_vehicle

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from q2q_model.identification.force.downwash_force import PushRecord, push_samples
+from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_sim.replay_page.replay_run import ReplayRun
 
 SMOOTHED = 15

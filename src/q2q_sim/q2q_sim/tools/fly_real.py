@@ -1,7 +1,7 @@
 """Replay of a real recorded flight: its mocap through the nodes of filter and interference, and model score.
 
 The observed downwash is the vertical force in the flight's log by
-q2q_model.identification.force.downwash_force; the predicted one is the output of the node `interference`.
+q2q_model.identification.push.push_samples; the predicted one is the output of the node `interference`.
 """
 
 from collections.abc import Sequence
@@ -16,14 +16,14 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight_log import log_at
 from q2q_model.flights.flight_table import flight_table
 from q2q_model.flights.table_file import read_columns
-from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import (
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import (
     PushSamples,
     PushScore,
     pooled_score,
     push_samples,
 )
-from q2q_model.identification.force.recorded_force import motion_of, push_of_log
+from q2q_model.identification.push.recorded_push import motion_of, push_of_log
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import FLIGHTS, flights_folder
 from q2q_sim.flight.nodes_on_bag import replay

@@ -10,8 +10,8 @@ import numpy as np
 from q2q_model.bag import TopicMap
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.table_file import TABLES
-from q2q_model.identification.force.downwash_force import PushRecord
-from q2q_model.identification.force.recorded_force import push_record
+from q2q_model.identification.push.push_samples import PushRecord
+from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.bag_recordings import topic_map
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import recording_of_bag, recording_of_table

@@ -17,16 +17,16 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.forked import forked
 from q2q_model.identification.downwash_evidence import DownwashEvidence, every_record, has_exposure
-from q2q_model.identification.force.jet_fit import (
+from q2q_model.identification.intervals import Interval
+from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
+from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
+from q2q_model.identification.push.jet_fit import (
     JetFit,
     JetForm,
     fit_to_altitudes,
     fit_to_pushes,
     with_held_out_deviation,
 )
-from q2q_model.identification.intervals import Interval
-from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
-from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
 from q2q_model.identification.selection.cross_validation import Fitter, Score, score_held_out
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

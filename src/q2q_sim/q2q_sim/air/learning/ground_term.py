@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import FLOOR
+from q2q_model.identification.push.push_samples import FLOOR
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
 from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone

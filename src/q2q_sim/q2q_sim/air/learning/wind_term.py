@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import least_squares
 
-from q2q_model.identification.force.downwash_force import PushSamples
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, flight_lags, lagged_pairs

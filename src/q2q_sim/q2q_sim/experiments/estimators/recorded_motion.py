@@ -25,8 +25,8 @@ from q2q_model.geometry.rotations import (
     quat_multiply,
     rotate_inverse,
 )
-from q2q_model.identification.force.downwash_force import FLOOR
 from q2q_model.identification.gains.altitude_record import resample
+from q2q_model.identification.push.push_samples import FLOOR
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY

@@ -1,7 +1,7 @@
 """References, states and commands of a recorded flight, on an even grid from take-off to landing.
 
 The rows under a wake and in clear air are those of the scoring rule of pushes
-(q2q_model.identification.force.downwash_force).
+(q2q_model.identification.push.push_samples).
 """
 
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ import numpy as np
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import normalised, rotate
-from q2q_model.identification.force.downwash_force import FEWEST_FREE, FLOOR, scored_rows
-from q2q_model.identification.force.recorded_force import push_record
 from q2q_model.identification.gains.altitude_record import UP, resample
+from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
+from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import GRAVITY, Vehicle

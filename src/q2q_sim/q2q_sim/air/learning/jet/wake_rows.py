@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import PushSamples
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Travel, jet_place
 from q2q_sim.air.learning.records.air_record import AirRecord

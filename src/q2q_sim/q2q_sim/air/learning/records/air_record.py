@@ -1,8 +1,7 @@
 """A recorded flight as the terms of an air need it: motion, measured push, thrust, motors and battery.
 
-The vertical downwash and its rows are those of q2q_model.identification.force.downwash_force. The thrust
-ratio of a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map
-enters.
+The vertical downwash and its rows are those of q2q_model.identification.push.push_samples. The thrust ratio of
+a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map enters.
 """
 
 from collections.abc import Sequence
@@ -11,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.force.along_flight import Motion
-from q2q_model.identification.force.downwash_force import (
+from q2q_model.identification.push.along_flight import Motion
+from q2q_model.identification.push.push_samples import (
     FEWEST_FREE,
     FLOOR,
     PushRecord,
@@ -20,7 +19,7 @@ from q2q_model.identification.force.downwash_force import (
     known_rows,
     push_samples,
 )
-from q2q_model.identification.force.recorded_force import MOTORS, first_order_lag, motor_duty, push_record
+from q2q_model.identification.push.recorded_push import MOTORS, first_order_lag, motor_duty, push_record
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle

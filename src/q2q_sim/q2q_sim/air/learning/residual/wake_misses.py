@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.identification.force.downwash_force import PushSamples
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.wake_push import wake_push
 from q2q_sim.air.learning.records.air_record import AirRecord

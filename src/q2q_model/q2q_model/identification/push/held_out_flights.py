@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.downwash_force import (
+from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.identification.push.push_samples import (
     PushSamples,
     PushScore,
     pooled_score,
     residual_of,
     score,
 )
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
 from q2q_model.signals.values import Array
 
 FEWEST = 2

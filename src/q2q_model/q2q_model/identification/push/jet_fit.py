@@ -1,4 +1,4 @@
-"""Least-squares fit of the jet to measured downwash (downwash_force) or to altitudes (14).
+"""Least-squares fit of the jet to measured downwash (push_samples) or to altitudes (14).
 
 Fitted are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; of a loaded form also
 the share of velocity left by the still air, loading and absorption. The form of the decay and the share of
@@ -18,8 +18,6 @@ import numpy as np
 from scipy.optimize import least_squares, minimize
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.force.along_flight import FlownRows, Motion, VehicleTicks, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import PushSamples
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.intervals import (
@@ -30,6 +28,8 @@ from q2q_model.identification.intervals import (
     intervals,
     least_squares_rows,
 )
+from q2q_model.identification.push.along_flight import FlownRows, Motion, VehicleTicks, eta_on_vehicle
+from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

@@ -17,7 +17,7 @@ A vehicle is away while it is not measured for 2 s (it stands, or has left) at m
 
     R2 = 1 - mean((y - eta)^2) / mean(y^2)  over exposed rows, pooled over flights
 
-R2 20 ms ahead is the same with y^ of q2q_model.identification.force.residual in place of eta.
+R2 20 ms ahead is the same with y^ of q2q_model.identification.push.residual in place of eta.
 """
 
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.identification.force.along_flight import Motion, eta_on_vehicle
-from q2q_model.identification.force.residual import predicted_residual
+from q2q_model.identification.push.along_flight import Motion, eta_on_vehicle
+from q2q_model.identification.push.residual import predicted_residual
 from q2q_model.signals.values import Array, Mask, Names
 
 FLOOR = 0.3

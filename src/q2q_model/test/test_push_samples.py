@@ -12,8 +12,9 @@ from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.force.along_flight import Motion, eta_along, eta_on_vehicle
-from q2q_model.identification.force.downwash_force import (
+from q2q_model.identification.push.along_flight import Motion, eta_along, eta_on_vehicle
+from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.identification.push.push_samples import (
     PushRecord,
     PushSamples,
     known_rows,
@@ -22,8 +23,7 @@ from q2q_model.identification.force.downwash_force import (
     remark_on_unmeasured,
     score,
 )
-from q2q_model.identification.force.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
-from q2q_model.identification.force.recorded_force import (
+from q2q_model.identification.push.recorded_push import (
     LOG_MASS,
     check_weight,
     first_order_lag,
