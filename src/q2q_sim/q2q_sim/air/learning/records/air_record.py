@@ -1,7 +1,7 @@
 """A recorded flight as the terms of an air need it: motion, measured push, thrust, motors and battery.
 
-The vertical downwash and its rows are those of q2q_model.identification.push.push_samples. The thrust ratio of
-a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map enters.
+The vertical downwash and its rows are those of q2q_model.identification.push.push_samples. The thrust ratio
+of a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map enters.
 """
 
 from collections.abc import Sequence
