@@ -243,3 +243,25 @@ def test_a_filter_that_refused_names_takes_them_after_a_reset():
     block.reset()
     assert block.update(_beside_a_marker(300)).names == (*PAIR, "m300")
     assert not block.refuses_names
+
+
+def test_a_vehicle_that_came_while_many_were_lost_is_adopted_once_they_are_back():
+    names = tuple(f"cf{k}" for k in range(LOST_MOST + 1))
+    place = np.arange(len(names))[:, None] * [0.5, 0.0, 0.0]
+    block = MocapFilter(IDEAL_SENSING, ())
+
+    def fly(ticks: range, seen: slice) -> SwarmState:
+        rows = place[seen]
+        quat = identity_quat((len(rows),))
+        for tick in ticks:
+            state = block.update(MocapFrame(time_of(tick), names[seen], rows, quat))
+        return state
+
+    fly(range(30), slice(LOST_MOST))
+    assert (fly(range(30, 100), slice(0)).status == LOST).all()
+    assert fly(range(100, 101), slice(None)).names == names[:LOST_MOST]
+    assert block.refuses_names
+    state = fly(range(101, 200), slice(None))
+    assert state.names == names
+    assert (state.status == TRACKED).all()
+    assert not block.refuses_names

@@ -6,8 +6,8 @@ believable sample coasts at constant velocity. Tracking is in the folders positi
 about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are
-  adopted in the order of their first appearance, and the state grows, unless LOST_MOST vehicles are lost by
-  then: names that change, as those of markers without a label, would fill it for good.
+  adopted in the order of their first appearance, and the state grows, but not while LOST_MOST vehicles are
+  lost: names that change, as those of markers without a label, would fill it for good.
 - A vehicle that is missing from the frame, or NaN, coasts (COASTING) for `coast_s`, then it is LOST: position
   held, velocity zero, attitude held. Age grows in both.
 - The first sample of a track is accepted but not trusted: COASTING at age 0, until a second one fits it.
@@ -217,7 +217,7 @@ class MocapFilter:
 
     def _match(self, names: Names) -> Rows:
         """Return the track of each row of a frame; -1 for rows to ignore."""
-        if names != self._frame_names:
+        if names != self._frame_names or (self.refuses_names and not self._are_many_lost()):
             if not (self._given or self._are_many_lost()):
                 self._adopt(names)
             self._frame_names, distinct = names, set(names)
