@@ -2,13 +2,16 @@
 
 The vertical downwash and its rows are those of q2q_model.identification.push.push_samples. The thrust ratio
 of a source is its thrust over that of its own clear air, so that neither its mass nor its thrust map enters.
+A row without a thrust is a gap, as is one without an acceleration or rate of a vehicle that has others;
+thrust and rates are interpolated there, for rows that depend on their neighbours.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.flights.outliers import repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import (
@@ -114,25 +117,40 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     if pushes is None:
         return None
     flight, t = one.flight, one.flight.t
-    measured: Mask = known_rows(pushes) & ~pushes.saturated
-    clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, ALONE)
     command = first_order_lag(flight.thrust, t, lag)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
+    force = rotate(flight.quat, flight.specific_force_body)
+    lost = ~np.isfinite(thrust) | _lost(force) | _lost(flight.gyro_body)
+    pushes = replace(pushes, whole=pushes.whole & ~lost)
+    thrust = _filled(t, thrust[..., None])[..., 0]
+    measured: Mask = known_rows(pushes) & ~pushes.saturated
+    clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, ALONE)
     return AirRecord(
         name=flight.name,
         motion=pushes.motion,
         samples=_samples(pushes),
         measured=measured,
         clear=clear,
-        force=rotate(flight.quat, flight.specific_force_body),
+        force=force,
         command=command,
         thrust=thrust,
         thrust_ratio=_thrust_ratio(thrust, clear, measured),
         quat=flight.quat,
-        rate_body=flight.gyro_body,
+        rate_body=_filled(t, flight.gyro_body),
         lag=lag,
         motors=_motors(one),
     )
+
+
+def _lost(values: Array) -> Mask:
+    """Return where a vehicle lacks a value (T, n, c) of which it has others, (T, n)."""
+    known = np.isfinite(values).all(axis=-1)
+    return np.asarray(~known & known.any(axis=0))
+
+
+def _filled(t: Array, values: Array) -> Array:
+    """Return values (T, n, c) interpolated where they are lost; NaN of a vehicle without any."""
+    return repair(t, values, np.asarray(~np.isfinite(values).all(axis=-1)))
 
 
 def _samples(pushes: PushRecord) -> tuple[PushSamples, ...]:

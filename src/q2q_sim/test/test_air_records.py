@@ -1,0 +1,73 @@
+"""Records of flights for an air: a row with a lost value is a gap, not the end of every number."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from q2q_model.flights.flight_and_log import Recording
+from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.air.learning.records.air_record import AirRecord, air_records
+
+ROWS, LOST = 600, 300
+PLACES = {"cf1": (0.0, 0.6), "cf2": (1.0, 0.9)}
+"""x and z of two vehicles in clear air [m]."""
+CONSTANT = {"qw": 1.0, "thrust_cmd": 0.33, "vbat": 3.7} | {f"pwm{k}": 0.65 for k in range(1, 5)}
+RISING = ("thrust_est", "ax", "wq", "faz_est")
+"""Columns that rise evenly, so that a value between two is known."""
+AT_REST = ("y", "vx", "vy", "vz", "ay", "az", "qx", "qy", "qz", "wp", "wr", "gap")
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    """Return a flight of two vehicles without a gap."""
+    columns = {"t": 0.01 * np.arange(1, ROWS + 1)}
+    for name, (x, z) in PLACES.items():
+        values = {"x": x, "z": z} | CONSTANT | dict.fromkeys(AT_REST, 0.0)
+        columns |= {f"{name}_{key}": np.full(ROWS, value) for key, value in values.items()}
+        columns |= {f"{name}_{key}": 0.3 + 1e-4 * np.arange(ROWS) for key in RISING}
+    path = tmp_path_factory.mktemp("air") / "pair.csv"
+    table = np.stack(list(columns.values()), axis=1)
+    np.savetxt(path, table, delimiter=",", header=",".join(columns), comments="", fmt="%.17g")
+    return recording_of_table(path)
+
+
+def without(flown: Recording, what: str, rows: slice) -> Recording:
+    """Return the flight without a column of its log, or an array of its flight, of the first vehicle."""
+    if flown.log is not None and what in flown.log.columns:
+        values = flown.log.values.copy()
+        values[rows, 0, flown.log.columns.index(what)] = np.nan
+        return replace(flown, log=replace(flown.log, values=values))
+    values = getattr(flown.flight, what).copy()
+    values[rows, 0] = np.nan
+    return replace(flown, flight=replace(flown.flight, **{what: values}))
+
+
+def record_of(flown: Recording) -> AirRecord:
+    """Return the record of one flight."""
+    (record,), _ = air_records([flown], CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    return record
+
+
+@pytest.mark.parametrize("lost", ["thrust_est", "faz_est", "gap", "specific_force_body", "gyro_body", "quat"])
+def test_a_row_with_a_lost_value_is_a_gap_and_changes_no_other(flown: Recording, lost: str) -> None:
+    whole, record = record_of(flown), record_of(without(flown, lost, slice(LOST, LOST + 1)))
+    known = np.arange(ROWS) != LOST
+    assert whole.measured.all()
+    assert (record.measured == known[:, None]).all()
+    np.testing.assert_allclose(record.thrust, whole.thrust, rtol=1e-12)
+    np.testing.assert_allclose(record.rate_body, whole.rate_body, rtol=1e-12)
+    np.testing.assert_allclose(record.force[known], whole.force[known], rtol=1e-12)
+    np.testing.assert_allclose(record.strength, whole.strength, rtol=1e-3)  # the median is of a row less
+
+
+def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Recording) -> None:
+    record = record_of(without(flown, "thrust_est", slice(None)))
+    assert not record.measured[:, 0].any()
+    assert record.measured[:, 1].all()  # 1 m away
+    assert np.isfinite(record.strength[:, 1]).all()
+
+
+def test_a_flight_without_an_accelerometer_is_measured_by_its_log(flown: Recording) -> None:
+    assert record_of(without(flown, "specific_force_body", slice(None))).measured.all()
