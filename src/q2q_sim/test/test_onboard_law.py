@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.flights.flight_and_log import Recording
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.recordings.recording_files import recording_of_bag, recording_of_table
 from q2q_model.trajectory.flatness import flat_state
@@ -107,20 +108,44 @@ def test_a_flight_is_redrawn_with_thrusts_of_the_size_of_the_force():
     np.testing.assert_allclose(drawn.thrust[0], CRAZYFLIE_2_0.mass * size, rtol=1e-9)
 
 
-def test_times_without_a_recorded_row_are_not_compared():
-    recording = recording_of_bag(Path(__file__).parents[3] / "bags" / "table2_1")
+@pytest.mark.parametrize("jitter", [0.0, 3e-3])
+def test_times_without_a_recorded_row_are_not_compared(recorded: Recording, jitter: float):
+    recording = jittered(recorded, jitter)
     whole, grid = tracked_flight(recording, CRAZYFLIE_2_0), flying_grid(recording.flight)
     begin = grid[np.flatnonzero(whole.exposed[:, 0])[0]]
     t = recording.flight.t
     there = (t < begin - 0.3) | (t > begin + 0.2)
     columns = {one.name: getattr(recording.flight, one.name) for one in fields(recording.flight)}
     left = {name: values[there] for name, values in columns.items() if isinstance(values, np.ndarray)}
-    thin = tracked_flight(replace(recording, flight=replace(recording.flight, **left)), CRAZYFLIE_2_0)
-    hole = (grid > begin - 0.3 + 0.6 * DT) & (grid < begin + 0.2 - 0.6 * DT)
-    assert whole.usable[hole, 0].mean() > 0.9
+    left = replace(recording.flight, **left)
+    thin, thin_grid = tracked_flight(replace(recording, flight=left), CRAZYFLIE_2_0), flying_grid(left)
+    last, first = left.t[left.t < begin][-1], left.t[left.t > begin][0]
+    hole = (thin_grid > last + 0.95 * DT) & (thin_grid < first - 0.95 * DT)
+    assert 48 <= hole.sum() <= 51
+    assert whole.usable[(grid > last) & (grid < first), 0].mean() > 0.9
     for mask in (thin.usable, thin.exposed, thin.free):
         assert not mask[hole].any()
-    np.testing.assert_array_equal(thin.exposed[grid > begin + 0.3], whole.exposed[grid > begin + 0.3])
+    assert thin.exposed[thin_grid > first].sum() == pytest.approx(whole.exposed[grid > first].sum(), abs=2)
+
+
+def test_rows_whose_stamps_jitter_are_all_compared(recorded: Recording):
+    whole, late = (tracked_flight(jittered(recorded, size), CRAZYFLIE_2_0) for size in (0.0, 3e-3))
+    assert whole.usable.all()
+    assert late.usable.all()
+    assert late.free.mean() == pytest.approx(whole.free.mean(), rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def recorded() -> Recording:
+    """Return a recorded flight."""
+    return recording_of_bag(Path(__file__).parents[3] / "bags" / "table2_1")
+
+
+def jittered(recorded: Recording, size: float) -> Recording:
+    """Return a flight whose stamps are up to `size` [s] off."""
+    t = recorded.flight.t
+    noise = np.random.default_rng(0).uniform(-size, size, t.size)
+    return replace(recorded, flight=replace(recorded.flight, t=t + noise), log=None)
 
 
 @NEEDS_DATA

@@ -15,13 +15,15 @@ from q2q_model.identification.gains.altitude_record import UP, resample
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.recorded_flight import Recording
-from q2q_model.signals.values import Array, Mask, Names
+from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.records.air_record import air_records
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 
 SHORTEST = 5.0
 """Shortest flight that is compared [s]: one period of the slowest frequency, 0.2 Hz."""
+NEAR = 0.9
+"""Farthest row that counts as recorded at a time, in periods [-]: stamps jitter; beside a lost row it is 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +92,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         for masks in zip(*((row.usable, row.exposed, row.free) for row in rows), strict=True)
     )
     grid = flying_grid(flight)
-    half = 0.5 * (grid[1] - grid[0])
-    nearest = np.searchsorted(flight.t, grid - half).clip(0, flight.t.size - 1)
-    there = (flight.t[nearest] <= grid + half)[:, None]
+    nearest, there = _nearest_rows(flight.t, grid)
     return TrackedFlight(
         name=flight.name,
         names=flight.names,
@@ -106,12 +106,19 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         acc=resample(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
         thrust=resample(flight.t, flight.thrust, grid),
         compensated=resample(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
-        usable=usable[nearest] & there,
-        exposed=exposed[nearest] & there,
-        free=free[nearest] & there,
+        usable=usable[nearest] & there[:, None],
+        exposed=exposed[nearest] & there[:, None],
+        free=free[nearest] & there[:, None],
         scored=np.asarray(free.sum(axis=0) >= FEWEST_FREE),
         headroom=recorded_headroom(recording, vehicle),
     )
+
+
+def _nearest_rows(t: Array, grid: Array) -> tuple[Rows, Mask]:
+    """Return the row nearest to each time, and whether it is near enough to have been recorded then."""
+    after = np.searchsorted(t, grid).clip(1, t.size - 1)
+    nearest = np.where(grid - t[after - 1] <= t[after] - grid, after - 1, after)
+    return nearest, np.asarray(np.abs(t[nearest] - grid) < NEAR * (grid[1] - grid[0]))
 
 
 def recorded_headroom(recording: Recording, vehicle: Vehicle) -> Array | None:
