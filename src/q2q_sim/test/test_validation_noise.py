@@ -55,6 +55,13 @@ def test_noise_without_an_accelerometer_is_read_above_the_motion():
     np.testing.assert_allclose(density, 3e-4**2 * 2.0 * DT, rtol=0.1)
 
 
+@pytest.mark.parametrize(("rate", "rows"), [(30.0, 151), (30.02, 201), (30.1, 255), (30.0, 256)])
+def test_at_30_hz_noise_without_an_accelerometer_is_that_of_the_last_line(rate: float, rows: int):
+    noise = 3e-4 * np.random.default_rng(0).standard_normal((rows, 2000, 1))
+    _, density = noise_density(noise, np.full(noise.shape, np.nan), 2, 1.0 / rate)
+    np.testing.assert_allclose(density.mean(), 3e-4**2 * 2.0 / rate, rtol=0.1)  # of 2000 lines
+
+
 def test_motion_that_the_accelerometer_shows_is_no_noise():
     rng = np.random.default_rng(0)
     noise = 1e-4 * rng.standard_normal((8192, 1, 3))

@@ -20,8 +20,10 @@ LOWEST = 3.2
 """Lowest frequency at which noise is read [Hz]."""
 WHITE_FROM = 15.0
 """Frequency above which an estimate without accelerometer counts as noise [Hz]."""
+ROUNDING = 1e-3
+"""Frequency below these limits that still counts [Hz]: stamps in seconds since 1970 are exact to 0.24 us."""
 ROWS = 256
-"""Rows of a segment of a spectrum."""
+"""Rows of a segment of a spectrum; an even number, so that its last line is half the rate."""
 
 
 def noise_density(values: Array, acc: Array, order: int, dt: float) -> tuple[Array, Array]:
@@ -33,13 +35,14 @@ def noise_density(values: Array, acc: Array, order: int, dt: float) -> tuple[Arr
         order: how often `values` is to be differentiated to give it: 2 for position, 1 for velocity.
         dt: time between rows [s].
     """
-    rows = min(ROWS, len(values))
+    rows = min(ROWS, len(values) // 2 * 2)
     frequency, seen = welch(values, 1.0 / dt, nperseg=rows, axis=0)
     if not np.isfinite(acc).all():
-        white = seen[frequency >= WHITE_FROM].mean(axis=0)  # (n, 3)
+        seen[-1] *= 2.0  # as of the other lines, whose negative frequencies are added
+        white = seen[frequency >= WHITE_FROM - ROUNDING].mean(axis=0)  # (n, 3)
         return frequency, np.broadcast_to(white, seen.shape)
     _, moved = welch(acc, 1.0 / dt, nperseg=rows, axis=0)
-    read = frequency >= LOWEST
+    read = frequency >= LOWEST - ROUNDING
     omega = 2.0 * np.pi * frequency[read, None, None]
     density = np.empty_like(seen)
     density[read] = np.maximum(seen[read] - moved[read] / omega ** (2 * order), 0.0)
@@ -63,10 +66,10 @@ def estimate_noise(flight: TrackedFlight, seed: int) -> tuple[Array, Array]:
         ValueError: the rate of the flight does not show the noise.
     """
     lowest = LOWEST if np.isfinite(flight.acc).all() else WHITE_FROM
-    if 0.5 / flight.dt < lowest:
+    if 0.5 / flight.dt < lowest - ROUNDING:
         raise ValueError(
             f"flight {flight.name} cannot be flown again: the noise of its estimate is read above "
-            f"{lowest:g} Hz, and its {1.0 / flight.dt:.3g} Hz show none; {2.0 * lowest:g} Hz is the least"
+            f"{lowest:g} Hz, and its {1.0 / flight.dt:.4g} Hz show none; {2.0 * lowest:g} Hz is the least"
         )
     white = stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape))
     pos, vel = (
