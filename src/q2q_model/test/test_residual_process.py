@@ -14,6 +14,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.files.model_file import ModelFile, decode, encode
 from q2q_model.identification.push.along_flight import Motion, eta_along
+from q2q_model.identification.push.jet_fit import deviation_of
 from q2q_model.identification.push.push_samples import PushRecord, PushSamples, push_samples
 from q2q_model.identification.push.residual_fit import fit_residual
 from q2q_model.signals.values import (
@@ -40,7 +41,11 @@ def unit_process(rng: np.random.Generator, ticks: int, step: float = STEP) -> Ar
 
 
 def flown(
-    seed: int, step: float = STEP, sway: float = 0.5, noise: float = PROCESS.noise
+    seed: int,
+    step: float = STEP,
+    sway: float = 0.5,
+    noise: float = PROCESS.noise,
+    process: ResidualProcess = PROCESS,
 ) -> list[PushSamples]:
     """Return 6000 pushes of a vehicle under another that passes to and fro, with residual and noise."""
     rng, t = np.random.default_rng(seed), step * np.arange(6000)
@@ -49,7 +54,7 @@ def flown(
     pos[:, 1, 0] = sway * np.sin(0.9 * t)
     motion = Motion(t, pos, np.gradient(pos, step, axis=0), np.tile([0.0, 0.0, 1.0], (t.size, 2, 1)))
     push = eta_along(LAW, motion)[..., 2]
-    push[:, 0] += PROCESS.std(push[:, 0]) * unit_process(rng, t.size, step)
+    push[:, 0] += process.std(push[:, 0]) * unit_process(rng, t.size, step)
     push += noise * rng.standard_normal(push.shape)
     good = np.ones(push.shape, dtype=bool)
     record = PushRecord(f"flight{seed}", NAMES, motion, push, good, ~good)
@@ -77,6 +82,19 @@ def test_noise_of_the_measurement_changes_neither_floor_nor_slope() -> None:
     assert noisy.process.floor == pytest.approx(quiet.process.floor, abs=0.05)
     assert noisy.process.slope == pytest.approx(quiet.process.slope, abs=0.03)
     assert noisy.process.noise == pytest.approx(0.5, rel=0.05)
+
+
+def test_beside_a_noise_as_large_as_the_process_the_fit_has_settled() -> None:
+    """Beside the noise found, the deviation of maximum likelihood has the same floor over slope."""
+    small = replace(PROCESS, floor=0.02, slope=0.2)
+    samples = [one for seed in range(8) for one in flown(seed, noise=0.5, process=small)]
+    found = fit_residual(LAW, samples)
+    assert found is not None
+    push = np.concatenate([eta_along(LAW, one.motion)[one.exposed, 0, 2] for one in samples])
+    residual = np.concatenate([one.y[one.exposed] for one in samples]) - push
+    floor, slope = deviation_of(np.abs(push), np.abs(residual), found.process.noise)
+    # a third fit leaves 3 %, a second one 20 %
+    assert found.process.floor / found.process.slope == pytest.approx(floor / slope, rel=0.05)
 
 
 @pytest.mark.parametrize("rates", [(50.0,), (33.0,), (20.0,), (100.0, 20.0)])

@@ -6,8 +6,9 @@ the lags h of whole ticks nearest to `LAGS`, never 0, where the noise is, weight
 
     floor = sqrt(c) floor_0,   slope = sqrt(c) slope_0,   noise^2 = mean (r^2 - c s^2)
 
-Both are fitted twice: first without noise, then with that of the first fit, where c is nearly 1; further fits
-change floor and slope by 1 to 3 %. Noise in the deviation would add to floor and take from slope.
+Both are fitted three times: first without noise, then with that of the fit before, where c is nearly 1. Where
+the noise is as large as the process, floor and slope of the second fit are up to 20 % from where further fits
+end, those of the third 3 %. Noise in the deviation would add to floor and take from slope.
 
 Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three,
 with the quantile of Student's t of one degree of freedom less than there are parts.
@@ -118,7 +119,8 @@ def _pieces(part: _Part) -> list[_Part]:
 
 def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
     first = _process_beside(parts, 0.0)
-    return None if first is None else _process_beside(parts, first.noise)
+    second = None if first is None else _process_beside(parts, first.noise)
+    return None if second is None else _process_beside(parts, second.noise)
 
 
 def _process_beside(parts: Sequence[_Part], noise: float) -> ResidualProcess | None:
