@@ -4,11 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from synthetic_air import Wake, orbit, wide_jet
+from synthetic_air import flown as flown_under
 
 from q2q_model.flights.flight_and_log import Recording
 from q2q_model.identification.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.learning.records.air_record import AirRecord, air_records
+from q2q_sim.air.learning.edge_torque_term import edge_torque_term
+from q2q_sim.air.learning.lateral import lateral_force
+from q2q_sim.air.learning.rate_load_term import rate_load_term
+from q2q_sim.air.learning.records.air_record import AirRecord, Motors, air_records
+from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
+from q2q_sim.air.learning.vehicle_term import vehicle_term
 
 ROWS, LOST = 600, 300
 PLACES = {"cf1": (0.0, 0.6), "cf2": (1.0, 0.9)}
@@ -71,3 +78,21 @@ def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Re
 
 def test_a_flight_without_an_accelerometer_is_measured_by_its_log(flown: Recording) -> None:
     assert record_of(without(flown, "specific_force_body", slice(None))).measured.all()
+
+
+def test_terms_of_accelerations_and_rates_are_not_learned_without_them() -> None:
+    jet = wide_jet()
+    shape = (3000, 2)
+    motors = Motors(np.full((*shape, 4), 0.65), np.full(shape, 3.7))
+    made = [flown_under(f"pair{k}", orbit(30.0, (0.6, 1.0), k), Wake(jet), k) for k in range(6)]
+    felt = [replace(one, motors=motors) for one in made]
+    blind = [replace(one, force=one.force * np.nan, rate_body=one.rate_body * np.nan) for one in felt]
+    for records, known in ((felt, True), (blind, False)):
+        found = (
+            edge_torque_term(records, jet, CRAZYFLIE_2_0),
+            lateral_force(records, jet),
+            rotor_drag_term(records),
+            vehicle_term(records, CRAZYFLIE_2_0),
+        )
+        assert [one is not None for one in found] == [known] * 4
+    assert rate_load_term(blind, CRAZYFLIE_2_0) is None

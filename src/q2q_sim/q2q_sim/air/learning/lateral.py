@@ -28,7 +28,7 @@ PATH = "largest radial mean"
 
 def lateral_force(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     """Return the mean radial acceleration [m/s^2] of the ring where it is largest, positive inwards."""
-    parts = [p for p in rows_under_one(records) if p.record.clear[:, p.one.vehicle].sum() >= FEWEST_CLEAR]
+    parts = [p for p in rows_under_one(records) if p.record.felt[:, p.one.vehicle].sum() >= FEWEST_CLEAR]
     if not parts:
         return None
     place = wake_rows.jet_places(parts, travel_of(jet))
@@ -53,4 +53,4 @@ def _lateral(part: WakeRows) -> Array:
     record, i = part.record, part.one.vehicle
     lift = GRAVITY * record.thrust_ratio[:, i, None] * record.motion.axis[:, i, :2]
     left = record.force[:, i, :2] - lift
-    return np.asarray(left[part.rows] - np.median(left[record.clear[:, i]], axis=0))
+    return np.asarray(left[part.rows] - np.median(left[record.felt[:, i]], axis=0))

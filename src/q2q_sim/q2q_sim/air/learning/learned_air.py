@@ -123,10 +123,10 @@ def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> lis
     reasons = {
         "absorption": "too few rows lie under two vehicles",
         "residual": "too few rows lie under another vehicle",
-        "edge_torque": "no log of motor duties under another vehicle",
+        "edge_torque": "no log of motor duties and rates under another vehicle",
         "wind": "too few rows in clear air",
         "rotor_drag": "no vehicle moves in clear air with an accelerometer",
-        "rate_load": "no vehicle turns in clear air with a motor log",
+        "rate_load": "no vehicle turns in clear air with a log of motors and rates",
         "vehicle": _no_vehicle(records, vehicle),
     }
     notes = [
@@ -138,7 +138,7 @@ def _absent(records: Sequence[AirRecord], air: RoomAir, vehicle: Vehicle) -> lis
 def _no_vehicle(records: Sequence[AirRecord], vehicle: Vehicle) -> str:
     mass = hovering_mass(records, vehicle)
     if mass is None:
-        return "too few flights with clear air"
+        return "too few flights with clear air and an accelerometer"
     return (
         f"{vehicle.name} weighs {1e3 * vehicle.mass:.1f} g, but the thrust commands of these flights carry "
         f"{1e3 * mass:.1f} g: give the vehicle that was flown (--vehicle)"

@@ -29,7 +29,7 @@ def rotor_drag_term(records: Sequence[AirRecord]) -> LearnedTerm[RotorDragTerm] 
     products, places = [], []
     for record in records:
         for i in range(record.vehicles):
-            rows = record.clear[:, i]
+            rows = record.felt[:, i]
             if rows.sum() < FEWEST:
                 continue
             force, speed = (

@@ -77,6 +77,11 @@ class AirRecord:
         """Return the number of vehicles."""
         return int(self.motion.pos.shape[1])
 
+    @property
+    def felt(self) -> Mask:
+        """Return the clear rows of vehicles with an accelerometer, (T, n)."""
+        return np.asarray(self.clear & np.isfinite(self.force).all(axis=-1))
+
 
 def air_records(
     recordings: Sequence[Recording], vehicle: Vehicle, lag: float

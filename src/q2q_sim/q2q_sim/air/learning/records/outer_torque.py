@@ -19,8 +19,9 @@ FEWEST_CLEAR = 100
 
 
 def has_trim(record: AirRecord, i: int) -> bool:
-    """Return whether a vehicle has a motor log and enough rows in clear air."""
-    return record.motors is not None and bool(record.clear[:, i].sum() >= FEWEST_CLEAR)
+    """Return whether a vehicle has a motor log, rates and enough rows in clear air."""
+    known = record.motors is not None and np.isfinite(record.rate_body[:, i]).all()
+    return bool(known and record.clear[:, i].sum() >= FEWEST_CLEAR)
 
 
 def outer_torque(record: AirRecord, i: int, vehicle: Vehicle, power: float) -> Array:
