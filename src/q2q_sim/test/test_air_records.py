@@ -7,8 +7,8 @@ import pytest
 from synthetic_air import Wake, orbit, wide_jet
 from synthetic_air import flown as flown_under
 
-from q2q_model.flights.flight_and_log import Recording
-from q2q_model.identification.recording_files import recording_of_table
+from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.recordings.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
 from q2q_sim.air.learning.lateral import lateral_force
@@ -66,14 +66,14 @@ def test_a_row_with_a_lost_value_is_a_gap_and_changes_no_other(flown: Recording,
     np.testing.assert_allclose(record.thrust, whole.thrust, rtol=1e-12)
     np.testing.assert_allclose(record.rate_body, whole.rate_body, rtol=1e-12)
     np.testing.assert_allclose(record.force[known], whole.force[known], rtol=1e-12)
-    np.testing.assert_allclose(record.strength, whole.strength, rtol=1e-3)  # the median is of a row less
+    np.testing.assert_allclose(record.thrust_ratio, whole.thrust_ratio, rtol=1e-3)  # the median is of a row less
 
 
 def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Recording) -> None:
     record = record_of(without(flown, "thrust_est", slice(None)))
     assert not record.measured[:, 0].any()
     assert record.measured[:, 1].all()  # 1 m away
-    assert np.isfinite(record.strength[:, 1]).all()
+    assert np.isfinite(record.thrust_ratio[:, 1]).all()
 
 
 def test_a_flight_without_an_accelerometer_is_measured_by_its_log(flown: Recording) -> None:
