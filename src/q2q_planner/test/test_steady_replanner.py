@@ -116,6 +116,26 @@ def test_a_step_keeps_the_largest_acceleration_when_ticks_are_slow_or_lost(hold:
         assert np.abs(flown[-1] - beyond).max() < 0.1  # it goes there
 
 
+@pytest.mark.parametrize(
+    ("hold", "approach", "jerk", "step"),
+    [(0.02, 20.0, 20.0, 0.3), (0.2, 4.0, 20.0, 2.0), (0.5, 2.0, 20.0, 2.0), (0.5, 4.0, 100.0, 2.0)],
+)
+def test_a_step_ends_without_overshoot_or_swing_at_any_hold_and_approach(
+    hold: float, approach: float, jerk: float, step: float
+) -> None:
+    replanner = SafeReplanner(replace(PARAMS, hold=hold, approach=approach, jerk_max=jerk))
+    pos, still = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
+    beyond = pos + np.array([[step, 0.0, 0.0]])
+    beside = np.array(
+        [
+            replanner.update(reference(k * TICK, beyond if k else pos, still, still), None).pos[0] - beyond[0]
+            for k in range(1200)
+        ]
+    )
+    assert beside[:, 0].max() <= 1e-3
+    assert np.abs(beside[-1]).max() <= 0.01
+
+
 def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
     pos, still = np.array([[0.0, 0.0, 1.0], [9.0, 0.0, 1.0]]), np.zeros((2, 3))
     for axis, most in ((0, PARAMS.tracking), (2, PARAMS.tracking_z)):

@@ -26,7 +26,8 @@ class SafeReplannerParams:
     )
     approach: float = tunable(
         2.0,
-        "both poles of the approach to a zone; if jerk_max is set, to the reference, too",
+        "both poles of the approach to a zone; if jerk_max is set, to the reference, too, and at most "
+        "0.4 / max(hold, 0.05 s)",
         unit="1/s",
         low=0.1,
         high=20.0,

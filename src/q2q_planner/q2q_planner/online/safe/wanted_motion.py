@@ -16,7 +16,12 @@ from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apar
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, ReferenceRows, length
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.stopping.approach_speed import LAG, ApproachLaw, approach_speed
+from q2q_planner.online.safe.stopping.approach_speed import (
+    LAG,
+    ApproachLaw,
+    approach_speed,
+    followed_pole,
+)
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
 from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, rows_in_pairs
 
@@ -74,17 +79,18 @@ def wanted_motion(
 
 
 def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
-    poles = 2.0 * params.approach, params.approach**2
-    shares = params.jerk_max > 0.0
-    barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, shares)
+    lag, steady = max(LAG, params.hold), params.jerk_max > 0.0
+    pole = followed_pole(params.approach, lag) if steady else params.approach
+    poles = 2.0 * pole, pole**2
+    barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, steady)
     return _WantedLaw(
         params.k_p,
         params.k_d,
         params.acc_max,
         params.jerk_max,
-        max(LAG, params.hold),
+        lag,
         params.margin + FLOOR,
-        ApproachLaw(params.approach, RETURN_BRAKE * params.acc_max),
+        ApproachLaw(pole, RETURN_BRAKE * params.acc_max),
         HEADROOM * params.speed_max,
         barrier,
         params.enabled,
