@@ -89,7 +89,7 @@ def test_a_reference_is_followed_within_acceleration_and_speed(
 ) -> None:
     reference = replace(resting(2.0, ("cf1",)), **{name: np.array([asked])})
     same = replace(at_reference(reference), vel=np.zeros((1, 3)))
-    may = followed_rows(same.rows, reference_rows(reference), follow_bounds(PARAMS))
+    may = followed_rows(same.rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))
     assert may.tolist() == [followed]
 
 
@@ -108,5 +108,5 @@ def test_a_reference_is_followed_if_its_acceleration_jumps_by_no_more_than_the_j
 ) -> None:
     reference = replace(resting(2.0, ("cf1",)), acc=np.array([[0.0, asked, 0.0]]))
     committed = replace(at_reference(reference), acc=np.array([[0.0, before, 0.0]]))
-    may = followed_rows(committed.rows, reference_rows(reference), follow_bounds(PARAMS))
+    may = followed_rows(committed.rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))
     assert may.tolist() == [followed]

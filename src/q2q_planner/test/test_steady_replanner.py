@@ -97,6 +97,22 @@ def test_a_reference_is_followed_bit_for_bit_up_to_the_largest_jerk_at_any_rate(
     assert jumps.max() <= 2.0 * PARAMS.jerk_max * tick * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize(("share", "followed"), [(0.95, True), (1.05, False)])
+@pytest.mark.parametrize("holds", [(0.1, 0.02), (0.02, 0.1)])
+def test_a_reference_is_followed_up_to_the_largest_jerk_while_hold_changes(
+    holds: tuple[float, float], share: float, followed: bool
+) -> None:
+    replanner, kept = SafeReplanner(replace(PARAMS, hold=holds[0])), []
+    pos, vel, acc = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3)), np.zeros((1, 3))
+    for k, part in enumerate((0.5, -0.5, 0.5, share)):  # of the largest jerk, since the tick before
+        if k == 3:
+            replanner.configure(replace(PARAMS, hold=holds[1]))
+        acc = acc + np.array([[part * PARAMS.jerk_max * TICK, 0.0, 0.0]])
+        asked = reference(k * TICK, pos, vel, acc)
+        kept.append(replanner.update(asked, None) is asked)
+    assert kept == [True, True, True, followed]
+
+
 @pytest.mark.parametrize(("hold", "tick"), [(0.06, 0.01), (0.1, 0.05), (0.2, 0.1)])
 def test_a_step_keeps_the_largest_acceleration_when_ticks_are_slow_or_lost(hold: float, tick: float) -> None:
     params, pos, still = (

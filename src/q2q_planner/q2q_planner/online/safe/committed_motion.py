@@ -46,8 +46,8 @@ class FollowBounds(NamedTuple):
 
     jerk: float
     """Of an axis [m/s^3]."""
-    hold: float
-    """Longest time since the tick before that counts [s]."""
+    passed: float
+    """Time since the tick before, at most `hold` [s]."""
     acc: float
     """[m/s^2]."""
     speed: float
@@ -74,6 +74,8 @@ class CommittedMotion:
     """Deviates from its wanted acceleration, (n,)."""
     jerk: Array
     """Held jerk [m/s^3], (n, 3); 0 where it is not bounded."""
+    passed: float = 0.0
+    """Time since the tick before [s]."""
 
     @property
     def rows(self) -> MotionRows:
@@ -113,7 +115,7 @@ def _moved(committed: CommittedMotion, t: float, brake: float, jerk: float) -> C
     law = BrakingLaw(0.0, 0.0, brake, jerk)
     pos, vel, acc, hold = _carried(committed.rows, passed, law)
     on, pushed, held = committed.on_reference, committed.pushed, committed.jerk
-    return CommittedMotion(t, committed.names, pos, vel, acc, hold, on, pushed, held)
+    return CommittedMotion(t, committed.names, pos, vel, acc, hold, on, pushed, held, passed)
 
 
 @compiled
@@ -142,6 +144,7 @@ def _with_new_vehicles(moved: CommittedMotion, setpoint: SwarmSetpoint) -> Commi
         rows_by_name(moved.on_reference, have, names, fresh.on_reference),
         rows_by_name(moved.pushed, have, names, fresh.pushed),
         rows_by_name(moved.jerk, have, names, fresh.jerk),
+        moved.passed,
     )
 
 
@@ -150,9 +153,9 @@ def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
     return ReferenceRows(np.array(setpoint.pos), np.array(setpoint.vel), np.array(setpoint.acc))
 
 
-def follow_bounds(params: SafeReplannerParams) -> FollowBounds:
-    """Return the bounds of a reference."""
-    return FollowBounds(params.jerk_max, params.hold, params.acc_max, params.speed_max)
+def follow_bounds(params: SafeReplannerParams, passed: float) -> FollowBounds:
+    """Return the bounds of a reference, `passed` [s] after the tick before."""
+    return FollowBounds(params.jerk_max, min(passed, params.hold), params.acc_max, params.speed_max)
 
 
 @compiled
@@ -182,9 +185,10 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
     """Return whose reference keeps the bounds of jerk, acceleration and speed at this tick, (n,).
 
     An acceleration keeps the bound of jerk if it changed by no more than that within the time since the tick
-    before, or within `hold` if that was longer ago: what is gone of a vehicle's hold.
+    before, or within `hold` if that was longer ago.
     """
     followed = np.empty(rows.hold.size, np.bool_)
+    jump = bounds.jerk * bounds.passed + ROUNDING
     acc, vel = reference.acc, reference.vel
     for row in range(followed.size):
         size, speed = (
@@ -192,7 +196,6 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
             length(vel[row, 0], vel[row, 1], vel[row, 2]),
         )
         followed[row] = size <= bounds.acc and speed <= bounds.speed
-        jump = bounds.jerk * (bounds.hold - rows.hold[row]) + ROUNDING
         for axis in range(3):
             followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= jump
     return followed

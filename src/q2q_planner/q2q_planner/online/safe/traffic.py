@@ -96,11 +96,11 @@ class TrafficLimits(NamedTuple):
     pole: float
 
 
-def limits_of(params: SafeReplannerParams) -> TrafficLimits:
-    """Return the limits of a replanner's parameters."""
+def limits_of(params: SafeReplannerParams, passed: float = 0.0) -> TrafficLimits:
+    """Return the limits of a replanner's parameters, `passed` [s] after the tick before."""
     steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
     zone = params.eps, params.d, params.approach
-    return TrafficLimits(follow_bounds(params), steady, params.hold, ramps, params.acc_max, *zone)
+    return TrafficLimits(follow_bounds(params, passed), steady, params.hold, ramps, params.acc_max, *zone)
 
 
 def traffic_at(
@@ -116,7 +116,8 @@ def traffic_at(
     """
     external, own = _external_rows(states, params), len(committed.names)
     swarm = TrafficRows(committed.pos, committed.vel, growth)
-    put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits_of(params))
+    limits = limits_of(params, committed.passed)
+    put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits)
     placed = CommittedMotion(
         committed.t,
         committed.names,
