@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState
-from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL
+from q2q_planner.online.safe import safe_replanner
+from q2q_planner.online.safe.candidate_motions import PairedTraffic
+from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL, MotionRows
+from q2q_planner.online.safe.motion_choice import ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.wanted_motion import FLOOR
+from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(eps=0.2, d=1.0, tracking=0.02, acc_max=3.0, hold=0.02, forget=0.6)
@@ -48,6 +51,26 @@ def test_a_pair_head_on_shares_what_the_barrier_asks(speed: float) -> None:
         answer.acc, [[-need / 2.0, 0.0, 0.0], [need / 2.0, 0.0, 0.0]], rtol=1e-12, atol=1e-12
     )
     assert answer.status.tolist() == [SetpointStatus.NOMINAL] * 2  # not moved yet
+
+
+@pytest.mark.parametrize("tick", [0.005, 0.01, 0.02, 0.04])
+def test_the_vehicles_of_a_pair_take_turns_at_any_rate_of_ticks(
+    tick: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turns = []
+
+    def recorded(
+        rows: MotionRows, wanted: WantedMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
+    ) -> Choices:
+        turns.append(rule.turn)
+        return choices_at(rows, wanted, traffic, proven, rule)
+
+    monkeypatch.setattr(safe_replanner, "choices_at", recorded)
+    replanner = SafeReplanner(PARAMS)
+    for k in range(3, 9):
+        replanner.update(replace(closing(1.0, 0.5), t=k * tick), None)
+    first = round(3.0 * tick / TICK)  # at 100 Hz they are the numbers of the ticks
+    assert turns == list(range(first, first + 6))
 
 
 @pytest.mark.parametrize("back", [0.0, 0.4])

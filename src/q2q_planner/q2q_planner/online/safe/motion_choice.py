@@ -40,7 +40,7 @@ class ChoiceRule(NamedTuple):
     hold: float
     """Time for which a new motion is held [s]."""
     turn: int
-    """Number of the tick: its parity selects the vehicle of a pair that yields first."""
+    """Number of the tick, at any rate: its parity selects the vehicle of a pair that yields first."""
 
 
 class _Selection(NamedTuple):

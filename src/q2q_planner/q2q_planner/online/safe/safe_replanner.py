@@ -102,6 +102,7 @@ class SafeReplanner:
         """Forget the modified trajectories and external vehicles; the next update starts as the first did."""
         self._committed: CommittedMotion | None = None
         self._answer: SwarmSetpoint | None = None
+        self._turn = 0
         self._last_known.reset()
         self._clock.reset()
         self._lost = LostVehicles()
@@ -159,6 +160,7 @@ class SafeReplanner:
     ) -> SwarmSetpoint:
         """Return the modified setpoints of finite ones."""
         params, names = self._grown, setpoint.names
+        self._turn = round(setpoint.t / TICK_S) if self._committed is None else self._turn + 1
         committed = propagate(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
         if state is not None and known is not None:
@@ -169,7 +171,7 @@ class SafeReplanner:
         committed, traffic = traffic_at(committed, reference, growth, external, params)
         wanted = wanted_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
-        choice = _choice(committed, traffic, wanted, self._proven, params)
+        choice = self._choice(committed, traffic, wanted)
         self._committed, decision = decide(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
         broken = (choice == BROKEN) | off | decision.outside | unheard
@@ -198,21 +200,15 @@ class SafeReplanner:
         proven[both] = self._proven[np.ix_(rows[rows >= 0], columns[columns >= 0])]
         self._known, self._proven = (own, external), proven
 
-
-def _choice(
-    committed: CommittedMotion,
-    traffic: TrafficTable,
-    wanted: WantedMotion,
-    proven: Proven,
-    params: SafeReplannerParams,
-) -> Choices:
-    """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
-    if not (params.enabled and len(traffic.pairs.i)):
-        return np.full(traffic.own, NEW, dtype=np.int8)
-    law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
-    rule = ChoiceRule(law, FLOOR, params.hold, round(committed.t / TICK_S))
-    whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
-    return choices_at(committed.rows, wanted, whole, proven, rule)
+    def _choice(self, committed: CommittedMotion, traffic: TrafficTable, wanted: WantedMotion) -> Choices:
+        """Return the choice of each vehicle of the swarm, (n,); what is proven is updated in place."""
+        params = self._grown
+        if not (params.enabled and len(traffic.pairs.i)):
+            return np.full(traffic.own, NEW, dtype=np.int8)
+        law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
+        rule = ChoiceRule(law, FLOOR, params.hold, self._turn)
+        whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
+        return choices_at(committed.rows, wanted, whole, self._proven, rule)
 
 
 def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
