@@ -1,6 +1,7 @@
 """An error of the simulator is that of one flight: it is reported as such, and the other flights go on."""
 
 from dataclasses import replace
+from html import unescape
 from math import inf
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -107,14 +108,18 @@ def test_a_flight_without_time_is_a_failure_in_xml(flights: tuple[FlownTrial, Fl
 def test_what_is_no_unicode_is_escaped_in_all_that_is_kept_of_a_program(tmp_path: Path) -> None:
     """Half a pair of UTF-16, which Python makes of the name of a file that is not UTF-8."""
     text = r"name = 'caf\udce9'; print(name); raise RuntimeError(name)"
-    failing = program(tmp_path, "name.py", text)
+    failing = program(tmp_path, "caf\udce9.py", text)
     order = FlightOrder(failing, LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
     (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.log.output == r"caf\udce9"
     assert flight.failures[0].why == r"RuntimeError: caf\udce9, line 1"
     found = Licence(failing, (flight,), (), 1.0)
-    assert flight.failures[0].why in write_licence_page(found, tmp_path).read_text(encoding="utf-8")
+    verdict = rf"FAIL caf\udce9.py: 1 of 1 flights; nominal: {flight.failures[0].sentence}"
+    assert report_text(found).splitlines()[-1] == verdict
+    assert licence_json(found)["program"] == r"caf\udce9.py"
+    assert r' classname="caf\udce9" ' in junit_xml(found)
+    assert verdict in unescape(write_licence_page(found, tmp_path).read_text(encoding="utf-8"))
 
 
 def test_the_page_of_a_program_that_opens_no_vehicle_has_no_replay(

@@ -14,6 +14,11 @@ AIRBORNE = 0.06
 """Height from which a vehicle is in the air [m]."""
 
 
+def escaped(text: str) -> str:
+    """Return a text of a program that can be written as UTF-8."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
 @dataclass(frozen=True, slots=True)
 class ProgramEnd:
     """How and when a program ended."""

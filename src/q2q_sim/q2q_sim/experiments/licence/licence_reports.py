@@ -21,7 +21,7 @@ HEAD = ("flight", "verdict", "what falls, when, and why")
 
 def verdict_words(found: Licence) -> str:
     """Return the verdict in one line."""
-    name, count = found.program.file.name, len(found.flights)
+    name, count = found.program.name, len(found.flights)
     if found.failed:
         first = found.failed[0]
         return (
@@ -54,7 +54,7 @@ def report_text(found: Licence) -> str:
 def licence_json(found: Licence) -> Json:
     """Return a licence as plain values: the contract of `licence --json`."""
     return {
-        "program": found.program.file.name,
+        "program": found.program.name,
         "passed": found.passed,
         "flew": found.flew,
         "verdict": verdict_words(found),
@@ -104,9 +104,8 @@ def junit_xml(found: Licence) -> str:
 
 
 def _case(suite: ET.Element, found: Licence, name: str, seconds: float) -> ET.Element:
-    return ET.SubElement(
-        suite, "testcase", classname=found.program.file.stem, name=name, time=f"{seconds:.3f}"
-    )
+    program = Path(found.program.name).stem
+    return ET.SubElement(suite, "testcase", classname=program, name=name, time=f"{seconds:.3f}")
 
 
 def _add_outcome(case: ET.Element, flight: FlownTrial) -> None:
@@ -139,7 +138,7 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
     if output:
         parts += [Heading("Last lines of the program's output"), ProgramOutput(output)]
     file = folder / "index.html"
-    file.write_text(page(f"Licence of {found.program.file.name}", _lead(found), parts), encoding="utf-8")
+    file.write_text(page(f"Licence of {found.program.name}", _lead(found), parts), encoding="utf-8")
     return file
 
 

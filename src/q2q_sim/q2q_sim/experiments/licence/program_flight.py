@@ -29,7 +29,7 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
 from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, install_modules
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, stock_vehicles
-from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd, escaped
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.link_host import LinkHost
 from q2q_sim.experiments.licence.program.program_turns import Turns
@@ -56,6 +56,11 @@ class Program:
     arguments: tuple[str, ...] = ()
     folder: Path = Path()
     """Working folder."""
+
+    @property
+    def name(self) -> str:
+        """Return the name of the file, as it can be written."""
+        return escaped(self.file.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,16 +249,11 @@ class _Flight:
         _end_looks()
         if self._room.t == 0.0:
             self._fly()  # a log has a tick
-        end = replace(end, error=_escaped(end.error), caught=_escaped(end.caught))
-        output = _escaped(self._output.text())
+        end = replace(end, error=escaped(end.error), caught=escaped(end.caught))
+        output = escaped(self._output.text())
         self._answer.send(self._room.log(tuple(self._uris), self._names, end, output))
         self._answer.close()
         os._exit(0)
-
-
-def _escaped(text: str) -> str:
-    """Return a text of a program that can be written as UTF-8."""
-    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _end_looks() -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import NoReturn
 
+from q2q_sim.experiments.licence.licence_log import escaped
 from q2q_sim.experiments.licence.licence_room import LicenceRoom
 
 ROOM = LicenceRoom.fly.__code__.co_filename
@@ -33,5 +34,5 @@ def is_of_room(error: BaseException) -> bool:
 
 def end_by(error: BaseException, answer: Connection) -> NoReturn:
     """Send an error of the simulator and end this process."""
-    answer.send(SimulatorFailure("".join(traceback.format_exception(error)).strip()))
+    answer.send(SimulatorFailure(escaped("".join(traceback.format_exception(error)).strip())))
     os._exit(1)
