@@ -62,13 +62,15 @@ def test_a_program_that_opens_more_vehicles_than_a_radio_has_fails(tmp_path: Pat
     assert [one.sentence.partition(" s ")[2] for one in nominal.failures] == [what]
 
 
-def test_starts_that_are_fewer_than_the_vehicles_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(("starts", "count", "vehicles"), [(1, 2, "2 vehicles"), (2, 1, "1 vehicle")])
+def test_starts_that_are_not_as_many_as_the_vehicles_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], starts: int, count: int, vehicles: str
 ) -> None:
-    file = tmp_path / "two.py"
-    file.write_text(OPENED.format(count=2))
-    assert main(["--start", "0", "0", "0", str(file)]) == 2
-    message = "licence: 1 --start for 2 vehicles: give one for each, or none\n"
+    file = tmp_path / "opened.py"
+    file.write_text(OPENED.format(count=count))
+    places = [word for row in range(starts) for word in ("--start", "0", str(row), "0")]
+    assert main([*places, str(file)]) == 2
+    message = f"licence: {starts} --start for {vehicles}: give one for each, or none\n"
     assert capsys.readouterr().err == message
 
 

@@ -14,6 +14,7 @@ from multiprocessing.process import BaseProcess
 from signal import strsignal
 from time import monotonic
 
+from q2q_model.counted import counted
 from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, Start
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
@@ -162,7 +163,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
 
     Raises:
         AirError: the air does not exist, or cannot be flown in.
-        ValueError: there are starts, but fewer than vehicles.
+        ValueError: there are starts, but not one for each vehicle.
     """
     start_warm_parent()
     LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
@@ -171,6 +172,8 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
     flights, left_out = [nominal], []
     if nominal.passed and nominal.log is not None:
         log = nominal.log
+        if len(options.starts) > len(log.uris):
+            raise _unmatched(options, len(log.uris))
         limit = log.end.t + LONGER_S
         trials = trials_after(log)
         orders = [replace(_first_order(program, options, log.uris), trial=one, limit=limit) for one in trials]
@@ -208,11 +211,16 @@ def _first_order(program: Program, options: LicenceOptions, uris: tuple[str, ...
     Raises:
         ValueError: there are starts, but fewer than vehicles.
     """
-    given = len(options.starts)
-    if 0 < given < len(uris):
-        raise ValueError(f"{given} --start for {len(uris)} vehicles: give one for each, or none")
+    if 0 < len(options.starts) < len(uris):
+        raise _unmatched(options, len(uris))
     params = options.params(max(len(uris), 1))
     return FlightOrder(program, params, LicenceTrial(), uris, options.scanned, options.limit, options.served)
+
+
+def _unmatched(options: LicenceOptions, count: int) -> ValueError:
+    """Return the error for starts that are not as many as the vehicles."""
+    given, vehicles = len(options.starts), counted(count, "vehicle")
+    return ValueError(f"{given} --start for {vehicles}: give one for each, or none")
 
 
 @dataclass(slots=True)
