@@ -14,7 +14,7 @@ import fcntl
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from hashlib import sha256
 from pathlib import Path
 from pickle import UnpicklingError
@@ -87,26 +87,32 @@ def compiled(function: Callable[..., object] | None = None, /, **options: object
 
 def _compiled(function: Callable[..., object], options: dict[str, object]) -> object:
     made = njit(**options)(function)
-    cache = _cache(function)
-    if cache:
-        made._cache = cache  # noqa: SLF001  what enable_caching does, with our key
+    store = _store(function)
+    if store:
+        made._cache = store  # noqa: SLF001  what enable_caching does, with our key
     source = getattr(made, "py_func", made)  # with numba disabled, `made` is the function itself
     name = f"{function.__module__}.{function.__qualname__}"
-    KERNELS.append(Kernel(name, source, cache, made))
+    KERNELS.append(Kernel(name, source, store, made))
     return made
 
 
-def _cache(function: Callable[..., object]) -> "_CompleteCache | None":
+def _store(function: Callable[..., object]) -> "_CompleteCache | None":
     try:
         return _CompleteCache(function)
     except RuntimeError:
-        warnings.warn(
-            "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a folder that "
-            "can be written",
-            RuntimeWarning,
-            stacklevel=1,
-        )
+        _warn_of_no_store()
         return None
+
+
+@cache
+def _warn_of_no_store() -> None:
+    """Warn, once in a process, that code is not kept; Python's own count of warnings is lost in numba."""
+    warnings.warn(
+        "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a folder that "
+        "can be written",
+        RuntimeWarning,
+        stacklevel=1,
+    )
 
 
 def entry_kernels() -> list[Kernel]:
@@ -147,10 +153,14 @@ class _Index(IndexDataCacheFile):  # type: ignore[misc]  # numba has no types
         """Add the code of a key to what other processes have added since this one read the index.
 
         numba reads the index and replaces it: the slower of two processes would drop the code of the other.
+        On a full disk, say, the code is not kept.
         """
-        with Path(self._cache_path, "lock").open("a") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            super().save(key, data)
+        try:
+            with Path(self._cache_path, "lock").open("a") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                super().save(key, data)
+        except OSError:
+            _warn_of_no_store()
 
     def _load_index(self) -> dict[tuple[Any, ...], str]:
         try:
@@ -183,7 +193,8 @@ class _CompleteCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         """Return whether the cache holds code for any signature of the current function."""
         digest = kernel_digest(self._py_func)
         index = self._cache_file._load_index()  # noqa: SLF001  numba shows it nowhere else
-        return any(key[-2:] == (tuple(_fields(key[0])), digest) for key in index)
+        kept = (name for key, name in index.items() if key[-2:] == (tuple(_fields(key[0])), digest))
+        return any(Path(self._cache_path, name).exists() for name in kept)
 
 
 class _CompilationListener(event.Listener):  # type: ignore[misc]  # numba has no types

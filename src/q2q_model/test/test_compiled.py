@@ -10,7 +10,7 @@ import pytest
 from numba import config
 from numba.core.caching import FunctionCache
 
-from q2q_model.compiled import _Index, compiled, kernel_digest, uncached_kernels
+from q2q_model.compiled import _Index, _warn_of_no_store, compiled, kernel_digest, uncached_kernels
 
 MAIN = """
 from q2q_model.compiled import COMPILED, compiled
@@ -160,12 +160,32 @@ def test_a_cache_file_that_was_cut_short_is_written_anew(tmp_path: Path, suffix:
     assert _printed(tmp_path, HALF) == "0 1.5 0"
 
 
+FULL_DISK = """
+import resource, warnings
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+with warnings.catch_warnings(record=True) as said:
+    warnings.simplefilter("default")
+    from q2q_model.compiled import COMPILED, compiled, uncached_kernels
+    half, third = compiled(lambda x: 0.5 * x), compiled(lambda x: x / 3.0)
+    print(len(uncached_kernels()), half(3.0), third(3.0), len(COMPILED), *[one.message for one in said])
+"""
+
+
+@pytest.mark.parametrize("limit", [0, 4096])  # none or only the index has space
+def test_on_a_full_disk_kernels_are_compiled_at_each_start(tmp_path: Path, limit: int) -> None:
+    warned = "machine code cannot be stored, so every start compiles it: set NUMBA_CACHE_DIR to a folder"
+    for _ in range(2):
+        said = _printed(tmp_path, FULL_DISK.format(limit=limit))
+        assert said == f"2 1.5 1.0 2 {warned} that can be written"
+
+
 def test_without_a_folder_for_machine_code_kernels_are_compiled_at_each_start(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def no_folder(_: object, __: object) -> None:
         raise RuntimeError("cannot cache function '_half': no locator available for file 'half.py'")
 
+    _warn_of_no_store.cache_clear()
     monkeypatch.setattr(FunctionCache, "__init__", no_folder)
     monkeypatch.setattr("q2q_model.compiled.KERNELS", [])
     with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR to a folder that can be written"):
