@@ -55,6 +55,21 @@ def played(bag: Path) -> Player:
         return player
 
 
+def test_only_the_ticks_of_the_room_that_answers_wait(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "rooms") as writer:
+        for tick in range(6):
+            for row, room in enumerate("ab"):
+                frame = rehearsal(MocapFrame, tick / 100.0, (f"cf_{room}",))
+                writer.write_signal(f"/{room}/mocap", tick * 10_000_000 + row, frame)
+    with waiting_player(tmp_path / "rooms", "answer:=b/interference") as player:
+        player._begin()
+        waited = []
+        while player._tick is not None:
+            waited.append((player._tick.topic, player._tick.stamp_ns))
+            player._on_answer(player._tick.data)
+    assert waited == [("/b/mocap", tick * 10_000_000 + 1) for tick in range(6)]
+
+
 def test_a_bag_that_was_cut_off_is_played_and_reported(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

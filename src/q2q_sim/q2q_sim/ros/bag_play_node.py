@@ -29,7 +29,7 @@ from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.playback import PAUSE_S, Playback, answer_type, check_answer, check_start, is_tick
+from q2q_sim.bag_topics.playback import PAUSE_S, Playback, answer_type, check_answer, check_start, tick_topics
 from q2q_sim.bag_topics.topics import has_one_writer, is_latched
 from q2q_sim.loop.lockstep import ResendTimer
 
@@ -82,7 +82,8 @@ class Player:
             node.get_logger().warning(repair)
         wanted = self._wanted()
         check_answer(self._params.answer, wanted)
-        waited = {topic for topic in wanted if not self._params.answer or is_tick(topic)}
+        self._ticks = tick_topics(wanted, self._params.answer)
+        waited = self._ticks if self._params.answer else set(wanted)
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         recorded = self._reader.latched
         self._latched = {one for one, kind in wanted.items() if one in recorded or is_latched(one, kind)}
@@ -216,7 +217,7 @@ class Player:
         while self._next is not None:
             message = self._next
             self._play_one()
-            if is_tick(message.topic):
+            if message.topic in self._ticks:
                 self._tick = message
                 return
 
@@ -227,7 +228,7 @@ class Player:
         self._writers[message.topic].publish(message.data)
         if self._clock is not None:
             self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
-        self._health.ticks += is_tick(message.topic)
+        self._health.ticks += message.topic in self._ticks
         self._advance()
         if self._next is None:
             self._end(message.stamp_ns)
