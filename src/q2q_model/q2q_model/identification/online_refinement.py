@@ -154,6 +154,12 @@ class PublishedGain:
         return True
 
 
+def limit_reached(gain: float, params: OnlineRefinementParams) -> str:
+    """Return name and value of the limit at which a gain stands; empty if it stands at none."""
+    limits = {"gain_max": params.gain_max, "gain_min": params.gain_min}
+    return next((f"{name} = {limit:g}" for name, limit in limits.items() if gain == limit), "")
+
+
 def scale_downwash(model: InteractionModel, gain: float) -> InteractionModel:
     """Return a model whose downwash is `gain` times as strong."""
     if isinstance(model, Jet):

@@ -6,13 +6,14 @@ from pathlib import Path
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.files.model_file import ModelFile, encode, save
+from q2q_model.files.model_file import Fit, ModelFile, encode, save
 from q2q_model.identification.carried_weight import CarriedWeight
 from q2q_model.identification.online_refinement import (
     OnlineEstimate,
     OnlineRefinement,
     OnlineRefinementParams,
     PublishedGain,
+    limit_reached,
 )
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
@@ -23,7 +24,7 @@ from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
 from q2q_model.vehicle.constants import Vehicle
 
 REFUSALS_S = 10.0
-"""Shortest time between two lines on refused messages, or on a wrong vehicle [s]."""
+"""Shortest time between two lines on refused messages, on a wrong vehicle, or on a gain at its limit [s]."""
 
 
 class OnlineIdentification:
@@ -36,18 +37,21 @@ class OnlineIdentification:
         self._carried = CarriedWeight(vehicle)
         self._publisher = node.create_publisher(String, MODEL, LATCHED)
         self._published = PublishedGain(params)
-        self._ticks = 0
+        self._ticks, self._gain = 0, 1.0
         self._join = receive_measured_ticks(node, self._take, self._refuse)
 
     @property
     def refined(self) -> ModelFile:
-        """Return the current model."""
-        return replace(self._base, interaction=self._refinement.refined())
+        """Return the current model, which has no score: those of the base are of another downwash."""
+        return replace(
+            self._base, interaction=self._refinement.refined(), fit=refined_fit(self._base.fit, self._gain)
+        )
 
     def _take(self, state: SwarmState, command: SwarmCommand, imu: SwarmImu) -> None:
         self._ticks += 1
         self._carried.update(state, command)
         estimate = self._refinement.update(state, command, imu)
+        self._gain = estimate.gain
         if doubt := self._carried.doubt():
             self._node.get_logger().error(f"no model: {doubt}", throttle_duration_sec=REFUSALS_S)
         elif self._carried.judged():
@@ -61,6 +65,11 @@ class OnlineIdentification:
         if self._published.update(estimate):
             self._publisher.publish(String(data=encode(self.refined)))
             self._node.get_logger().info(f"gain {estimate.gain:.3f} at t = {estimate.t:.1f} s")
+        if limit := limit_reached(estimate.gain, self._refinement.params):
+            self._node.get_logger().warning(
+                f"gain is held at {limit}: the model, --vehicle or a sensor does not fit this flight",
+                throttle_duration_sec=REFUSALS_S,
+            )
 
     def end(self, out: Path) -> str:
         """Save the last model; return why none is saved, empty if it is."""
@@ -69,6 +78,12 @@ class OnlineIdentification:
         if not reason:
             save(out, self.refined)
         return reason
+
+
+def refined_fit(base: Fit | None, gain: float) -> Fit:
+    """Return the fit of a refined model: the flights of its base, which are not held out, and no score."""
+    method, flights = (base.method, base.flights) if base else ("model without a fit", ())
+    return Fit(f"{method}, times {gain:.3f} in flight", flights)
 
 
 def refine_online(base: ModelFile, vehicle: Vehicle, out: Path) -> str:
