@@ -88,8 +88,11 @@ REFUSALS = (
     ("q2q_sim.commands.campaign --case README.md --runs 1", 2, "--runs has no effect with --case"),
     ("q2q_sim.commands.campaign --case README.md --guided", 2, "--guided has no effect with --case"),
     ("q2q_planner.commands.plan none.yaml --out x", 1, "no waypoint file at none.yaml"),
+    ("q2q_planner.commands.plan README.md --out x --warm none", 1, "no plan at none"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),
+    ("q2q_model.commands.identify bags --out x --topics none", 1, "no topic map at none"),
     ("q2q_model.commands.evaluate none --model none", 1, "no bag at none"),
+    ("q2q_model.commands.evaluate bags --model none --topics none", 1, "no topic map at none"),
     ("q2q_model.commands.scale_model --model nosuch --mass 1 --rotor-radius 1 --out x", 1, "paper_law"),
     (
         "q2q_model.commands.scale_model --model none --mass 1 --rotor-radius 1 --out x --below-mass 1",

@@ -140,10 +140,10 @@ def warnings_in_one_line(program: str) -> Iterator[None]:
         yield
 
 
-def require_existing(what: str, *paths: Path) -> None:
-    """Raise ValueError for the first path that does not exist; `what` names its kind."""
+def require_existing(what: str, *paths: Path | None) -> None:
+    """Raise ValueError for the first path that does not exist (None: not given); `what` names its kind."""
     for path in paths:
-        if not path.exists():
+        if path is not None and not path.exists():
             raise ValueError(f"no {what} at {path}")
 
 

@@ -36,7 +36,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     model = model_path(args.model)
-    require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
+    require_existing("bag", *args.bags)
+    require_existing("topic map", args.topics)
     for bag in args.bags:
         require_apart({"--model": model, "--topics": args.topics, "a bag": bag, "--json": args.json})
     from q2q_model.tools.score_model import run

@@ -42,7 +42,8 @@ def _prepare(args: Namespace) -> Work:
     _refuse_other_mode(args)
     if args.live:
         check_model_name(args.model)
-    require_existing("bag", *args.bags, *([args.topics] if args.topics else []))
+    require_existing("bag", *args.bags)
+    require_existing("topic map", args.topics)
     _require_apart(args)
     from q2q_model.tools.identify_flights import run
 

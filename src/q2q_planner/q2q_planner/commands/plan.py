@@ -46,7 +46,8 @@ def _prepare(args: Namespace) -> Work:
         raise UsageError(
             "--warm starts the search for a way around, which --no-avoid omits: give one of them"
         )
-    require_existing("waypoint file", args.waypoints, *([args.warm] if args.warm else []))
+    require_existing("waypoint file", args.waypoints)
+    require_existing("plan", args.warm)
     written = {"--out": args.out, "--json": args.json, "--csv": args.csv}
     folders = {"--upload": args.upload, "--figures": args.figures}
     require_apart({"the waypoint file": args.waypoints, "--warm": args.warm} | written, folders)

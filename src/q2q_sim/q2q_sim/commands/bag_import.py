@@ -21,8 +21,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     for path in args.flight:
         require_existing("flight", path)
-    if args.columns:
-        require_existing("column map", args.columns)
+    require_existing("column map", args.columns)
     from q2q_sim.tools.import_table import run
 
     return run

@@ -20,7 +20,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     scenario_files.check(args.scenario)
-    require_existing("app", *([args.app] if args.app else []))
+    require_existing("app", args.app)
     from q2q_sim.tools.fly_crtp_room import run
 
     return run

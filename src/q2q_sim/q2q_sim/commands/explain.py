@@ -42,8 +42,7 @@ def _prepare(args: Namespace) -> Work:
     _check_partners(args)
     if args.orders < FEWEST_ORDERS or args.orders % 2:
         raise ValueError(f"--orders {args.orders}: an even number of {FEWEST_ORDERS} or more is allowed")
-    if args.bag:
-        require_existing("bag", args.bag)
+    require_existing("bag", args.bag)
     for folder in filter(None, (args.out, args.json and args.json.parent)):
         folder.mkdir(parents=True, exist_ok=True)  # refused now, and not after minutes of flights
     from q2q_sim.experiments.explanation.explain_bag import explain_bag, score_explanations

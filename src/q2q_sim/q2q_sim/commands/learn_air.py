@@ -22,8 +22,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     require_existing("flight", *args.flights)
-    if args.topics:
-        require_existing("topic map", args.topics)
+    require_existing("topic map", args.topics)
     if not args.out.resolve().parent.is_dir():
         raise ValueError(f"no folder {args.out.resolve().parent} to write {args.out.name} to")
     from q2q_sim.tools.learn_flights import run

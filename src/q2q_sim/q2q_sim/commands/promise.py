@@ -35,7 +35,7 @@ def _prepare(args: Namespace) -> Work:
     if not 0.0 < args.alpha < 1.0:
         raise ValueError(f"--alpha {args.alpha:g}: above 0 and below 1 is allowed")
     check_air(args.air)
-    require_existing("tube", *([args.tube] if args.tube else []))
+    require_existing("tube", args.tube)
     from q2q_sim.experiments.promise.promise_flights import run
 
     return run

@@ -24,7 +24,7 @@ def _prepare(args: Namespace) -> Work:
     if args.vehicle:
         vehicle_by_name(args.vehicle)
     require_existing("flight", *args.flights)
-    require_existing("topic map", *([args.topics] if args.topics else []))
+    require_existing("topic map", args.topics)
     from q2q_sim.tools.write_replay import run
 
     return run

@@ -28,7 +28,7 @@ def _prepare(args: Namespace) -> Work:
     if args.vehicle:
         vehicle_by_name(args.vehicle)
     require_existing("bag", args.bag, *args.compare)
-    require_existing("topic map", *([args.topics] if args.topics else []))
+    require_existing("topic map", args.topics)
     from q2q_sim.tools.report_bags import run
 
     return run

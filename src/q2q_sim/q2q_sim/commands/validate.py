@@ -34,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     check_air(args.air)
     require_existing("flight", *args.flights)
-    require_existing("topic map", *([args.topics] if args.topics else []))
+    require_existing("topic map", args.topics)
     return _run
 
 
