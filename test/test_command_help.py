@@ -91,6 +91,7 @@ REFUSALS = (
     ("q2q_planner.commands.plan README.md --out x --warm none", 1, "no plan at none"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),
     ("q2q_model.commands.identify bags --out x --topics none", 1, "no topic map at none"),
+    ("q2q_model.commands.identify --out x", 2, "give either bags of recorded flights, or --live; see"),
     ("q2q_model.commands.evaluate none --model none", 1, "no bag at none"),
     ("q2q_model.commands.evaluate bags --model none --topics none", 1, "no topic map at none"),
     ("q2q_model.commands.scale_model --model nosuch --mass 1 --rotor-radius 1 --out x", 1, "paper_law"),

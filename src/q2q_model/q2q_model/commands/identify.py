@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     if bool(args.bags) == args.live:
-        raise UsageError("give bags of recorded flights, or --live with --model, not both")
+        raise UsageError("give either bags of recorded flights, or --live")
     _refuse_other_mode(args)
     if args.live:
         check_model_name(args.model)
