@@ -35,18 +35,24 @@ POSES = {
 """Type name without package -> attributes of position and quaternion."""
 NAMED = ("NamedPoseArray", "NamedPoseArrayV2")
 """Types of motion_capture_tracking_interfaces with all vehicles in one message."""
+SETPOINTS = POSES | {"FullState": ("pose.position", "pose.orientation")}
+"""The same of references: also pose, twist and acceleration of crazyflie_interfaces."""
+POSITION = "Position"
+"""Reference of crazyflie_interfaces: x, y, z and yaw."""
+NO_QUAT = (np.nan,) * 4
+"""Quaternion of a Position: its yaw is in radians or degrees, and a reference needs none."""
 IDL_MARK = "=" * 80 + "\n"
 _XYZ, _XYZW = attrgetter("x", "y", "z"), attrgetter("x", "y", "z", "w")
 
 Row = tuple[float, ...]
-"""t, x y z, qx qy qz qw."""
+"""t, x y z, qx qy qz qw; without t what a message holds."""
 
 
 def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     """Return the flight in a bag by a topic map; NaN where nothing was recorded.
 
     Raises:
-        BagError: no bag, a mapped topic missing or of a type without poses, damage, clocks without overlap.
+        BagError: no bag, a mapped topic missing or of a wrong type, damage, clocks without overlap.
     """
     source, channels = mapped_channels(path, topic_map)
     signals: dict[str, Sequence[Signal]] = {
@@ -55,7 +61,9 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     repairs: list[str] = []
     if topic_map.vehicles or topic_map.poses:
         signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
-    given = _sorted(source, _rows_by_vehicle(source, channels, topic_map.references, topic_map))
+    given = _sorted(
+        source, _rows_by_vehicle(source, channels, topic_map.references, topic_map, (*SETPOINTS, POSITION))
+    )
     try:
         joined = flight_from_signals(flight_name(path), signals)
         flight, pauses = with_references(joined.flight, given)
@@ -103,10 +111,11 @@ def _signals(source: Source, channel: Channel) -> list[Signal]:
 
 
 def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, Poses]:
-    rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map)
+    known = (*POSES, *NAMED)
+    rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map, known)
     named: dict[str, list[Row]] = {}
     if topic_map.poses:
-        for name, row in _rows(source, channels[topic_map.poses], topic_map):
+        for name, row in _rows(source, channels[topic_map.poses], topic_map, known):
             named.setdefault(name, []).append(row)
     _check_names(source, topic_map, list(named))
     rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
@@ -135,10 +144,14 @@ def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str]) -> N
 
 
 def _rows_by_vehicle(
-    source: Source, channels: dict[str, Channel], topics: Mapping[str, str], topic_map: TopicMap
+    source: Source,
+    channels: dict[str, Channel],
+    topics: Mapping[str, str],
+    topic_map: TopicMap,
+    known: Sequence[str],
 ) -> dict[str, list[Row]]:
     return {
-        vehicle: [row for _, row in _rows(source, channels[topic], topic_map)]
+        vehicle: [row for _, row in _rows(source, channels[topic], topic_map, known)]
         for vehicle, topic in topics.items()
     }
 
@@ -161,20 +174,22 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
     return tracks
 
 
-def _rows(source: Source, channel: Channel, topic_map: TopicMap) -> Iterator[tuple[str, Row]]:
-    """Yield name (empty for a topic of one vehicle) and row of every pose of a channel."""
+def _rows(
+    source: Source, channel: Channel, topic_map: TopicMap, known: Sequence[str]
+) -> Iterator[tuple[str, Row]]:
+    """Yield name (empty for a topic of one vehicle) and row of every pose of a channel of a known type."""
     kind = channel.type_name.rsplit("/", 1)[-1]
-    if kind not in POSES and kind not in NAMED:
-        known = ", ".join((*POSES, *NAMED))
+    if kind not in known:
         raise BagError(
-            f"topic {channel.topic} holds {channel.type_name}, which has no pose; known are {known}"
+            f"topic {channel.topic} holds {channel.type_name}, which is not read here; known are "
+            f"{', '.join(known)}"
         )
     decode = _decoder(source, channel)
     for message in source.read({channel.topic}):
         try:
             value = decode(message)
             t = time_from_stamp(_stamp_ns(value) if topic_map.by_header else message.stamp_ns)
-            found = [(name, (t, *_XYZ(at), *_XYZW(turn))) for name, at, turn in _placed(value, kind)]
+            found = [(name, (t, *row)) for name, row in _placed(value, kind)]
         except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
             where = f"topic {channel.topic} at {message.stamp_ns} ns"
             raise BagError(f"bag {source.path}, {where}: no {channel.type_name} ({damage})") from damage
@@ -192,12 +207,16 @@ def _stamp_ns(value: object) -> int:
     return stamp_from_parts(sec, nanosec)
 
 
-def _placed(value: object, kind: str) -> list[tuple[str, object, object]]:
-    """Return name, position and quaternion of every pose of a message."""
-    if kind in POSES:
-        return [("", *attrgetter(*POSES[kind])(value))]
-    named = attrgetter("name", "pose.position", "pose.orientation")
-    return [named(pose) for pose in attrgetter("poses")(value)]
+def _placed(value: object, kind: str) -> list[tuple[str, Row]]:
+    """Return name, and position and quaternion, of every pose of a message."""
+    if kind == POSITION:
+        return [("", (*_XYZ(value), *NO_QUAT))]
+    if kind in SETPOINTS:
+        poses = [("", *attrgetter(*SETPOINTS[kind])(value))]
+    else:
+        named = attrgetter("name", "pose.position", "pose.orientation")
+        poses = [named(pose) for pose in attrgetter("poses")(value)]
+    return [(name, (*_XYZ(at), *_XYZW(turn))) for name, at, turn in poses]
 
 
 def _decoder(source: Source, channel: Channel) -> Callable[[RawMessage], object]:
