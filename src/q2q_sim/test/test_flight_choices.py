@@ -7,7 +7,7 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.commands.fly import main, parser
 from q2q_sim.scenarios import library
-from q2q_sim.tools.fly_scenario import request_of, vehicle_change
+from q2q_sim.tools.fly_scenario import request_of, scenario_remarks, vehicle_change
 
 
 @pytest.mark.parametrize(
@@ -48,3 +48,19 @@ def test_another_vehicle_is_told_from_the_same_one_on_another_firmware():
     assert vehicle_change(TEXTBOOK_065, CRAZYFLIE_2_0) == "crazyflie_2_0, not textbook_065"
     recorded = on_firmware(CRAZYFLIE_2_0, "stock_2025_02")
     assert vehicle_change(CRAZYFLIE_2_0, recorded) == "crazyflie_2_0 with firmware stock_2025_02, not stock"
+
+
+@pytest.mark.parametrize(
+    ("words", "remarks"),
+    [
+        ([], ["wake: measured is replaced by air: room"]),
+        (["--air", "ring"], []),
+        (["--wake", "none"], []),
+    ],
+)
+def test_a_wake_that_the_files_own_air_replaces_is_told_and_one_that_a_choice_replaces_is_not(
+    words: list[str], remarks: list[str], tmp_path: Path
+):
+    file = tmp_path / "both.yaml"
+    file.write_text("wake: measured\nair: room\nvehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [0, 1, 1]}]}\n")
+    assert scenario_remarks(request_of(parser().parse_args([str(file), *words]))) == remarks

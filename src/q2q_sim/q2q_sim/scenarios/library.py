@@ -14,7 +14,7 @@ from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.scenarios.scenario_files import FOLDER, PLAN, names, path_of, swarm_size
 from q2q_sim.scenarios.swarm_scenario import swarm_scenario
 
-__all__ = ["Scenario", "describe", "document", "load", "names"]
+__all__ = ["Scenario", "describe", "document", "load", "names", "replaced_wake"]
 
 
 def describe(name: str) -> str:
@@ -35,6 +35,16 @@ def load(name_or_path: str) -> Scenario:
 def document(name: str) -> Mapping[str, object]:
     """Return the shipped scenario of a YAML file; raise ValueError if there is no such file."""
     return from_plain(dict[str, object], load_yaml(FOLDER / f"{name}.yaml"), name)
+
+
+def replaced_wake(name_or_path: str) -> str:
+    """Return a remark if a scenario's file names a wake and an air, which replaces it; empty if not."""
+    if swarm_size(name_or_path) is not None or (path := path_of(name_or_path)).suffix == PLAN:
+        return ""
+    match load_yaml(path):
+        case {"wake": wake, "air": str(air)} if air:
+            return f"wake: {wake} is replaced by air: {air}"
+    return ""
 
 
 def _read(path: Path) -> Scenario:

@@ -86,16 +86,21 @@ def vehicle_change(own: Vehicle, flown: Vehicle) -> str:
     return f"{flown.name} with firmware {firmware_of(flown)}, not {firmware_of(own)}"
 
 
-def _fly(args: Namespace) -> FlightRun:
-    request = request_of(args)
+def scenario_remarks(request: FlightRequest) -> list[str]:
+    """Return what is flown otherwise than the scenario or a reader of its file expects, one line each."""
     own, flown = library.load(request.scenario), load_scenario(request)
+    remarks = remarks_on_late_faults(flown.faults, flown.duration)
+    if not (request.wake or request.air) and (replaced := library.replaced_wake(request.scenario)):
+        remarks = [replaced, *remarks]
     if flown.vehicle != own.vehicle and not request.vehicle:
         change = vehicle_change(own.vehicle, flown.vehicle)
-        print(
-            f"fly: {request.scenario}: in air {request.air} by {change} (`in_air` of the scenario)",
-            file=sys.stderr,
-        )
-    for remark in remarks_on_late_faults(flown.faults, flown.duration):
+        remarks = [f"in air {request.air} by {change} (`in_air` of the scenario)", *remarks]
+    return remarks
+
+
+def _fly(args: Namespace) -> FlightRun:
+    request = request_of(args)
+    for remark in scenario_remarks(request):
         print(f"fly: {request.scenario}: {remark}", file=sys.stderr)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
