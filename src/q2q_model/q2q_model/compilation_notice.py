@@ -1,4 +1,4 @@
-"""Notice of the compilation that delays the first start of a program on a machine.
+"""Notice of the compilation that delays what a program does for the first time on a machine.
 
 Machine code is stored beside the modules (or in NUMBA_CACHE_DIR), so that later processes load it.
 """
@@ -6,6 +6,11 @@ Machine code is stored beside the modules (or in NUMBA_CACHE_DIR), so that later
 import sys
 
 from numba.core import event
+
+NOTICE = (
+    "compiling code that runs for the first time on this machine: half a minute for a flight, minutes for "
+    "everything; later starts load it"
+)
 
 
 class CompilationNotice(event.Listener):  # type: ignore[misc]  # numba has no types
@@ -19,8 +24,7 @@ class CompilationNotice(event.Listener):  # type: ignore[misc]  # numba has no t
     def on_start(self, event: event.Event) -> None:  # noqa: ARG002  numba's interface
         """Print the notice once."""
         if not self._printed:
-            message = "compiling its numerical code for this processor, once: it takes minutes"
-            print(f"{self._program}: {message}; later starts load it", file=sys.stderr, flush=True)
+            print(f"{self._program}: {NOTICE}", file=sys.stderr, flush=True)
         self._printed = True
 
     def on_end(self, event: event.Event) -> None:
