@@ -66,7 +66,9 @@ def test_a_row_with_a_lost_value_is_a_gap_and_changes_no_other(flown: Recording,
     np.testing.assert_allclose(record.thrust, whole.thrust, rtol=1e-12)
     np.testing.assert_allclose(record.rate_body, whole.rate_body, rtol=1e-12)
     np.testing.assert_allclose(record.force[known], whole.force[known], rtol=1e-12)
-    np.testing.assert_allclose(record.thrust_ratio, whole.thrust_ratio, rtol=1e-3)  # the median is of a row less
+    np.testing.assert_allclose(
+        record.thrust_ratio, whole.thrust_ratio, rtol=1e-3
+    )  # the median is of a row less
 
 
 def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Recording) -> None:
