@@ -1,5 +1,7 @@
 """The structured solver finds the optimum that dense methods find, and keeps bounds when cut off."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -220,15 +222,27 @@ def test_at_the_least_rates_allowed_nearly_every_problem_is_solved(
     """Rate bounds let the updates of the active set cycle where many of them bind."""
     low = tunable_of(MpcParams.__dataclass_fields__[name]).low
     assert low is not None
-    params, models = MpcParams(), axis_chains(MpcParams(), vehicle)
-    step = np.full(3, scale * low * params.step / (1.0 - models[axis].transition[2, 2]))
+    assert solved(MpcParams(), vehicle, axis, scale * low) >= 190  # 95 %; at a tenth of these 40 % and fewer
+
+
+def test_at_a_high_bandwidth_most_problems_are_solved_by_some_more_recursions() -> None:
+    """At 12 rad/s and the default rate; inputs updated one by one after three recursions solved 76 %."""
+    params = replace(MpcParams(), bandwidth_z=12.0, iterations=30)
+    assert solved(params, CRAZYFLIE_2_0, 2, params.thrust_rate_max) >= 170  # 85 %
+
+
+def solved(params: MpcParams, vehicle: Vehicle, axis: int, rate: float) -> int:
+    """Return how many of 200 random problems are solved at a rate of the acceleration [m/s^3]."""
+    models = axis_chains(params, vehicle)
+    step = np.full(3, rate * params.step / (1.0 - models[axis].transition[2, 2]))
     shape, none = group_shape(1, (axis,), models, params.terminal), np.zeros(0, np.intp)
-    solved = 0
+    count = 0
     for seed in range(200):
         rng = np.random.default_rng(seed)
         asked = horizon(rng, 1, params.steps, 3.0, step)
         gusts = np.repeat(rng.normal(size=(1, params.steps // 4, 3)) * 1.5, 4, axis=1)
         asked = asked._replace(reference=0.0 * asked.reference, push=gusts)
         downwash = DownwashHorizon(gusts, none, none, np.zeros((0, params.steps, 3, 3)))
-        solved += solve(joint_problem(shape, np.array([0]), asked, downwash)).converged
-    assert solved >= 190  # 95 %; at a tenth of these rates 40 % and fewer
+        joint = joint_problem(shape, np.array([0]), asked, downwash)
+        count += solve(joint, iterations=params.iterations).converged
+    return count

@@ -7,9 +7,11 @@ Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is s
 input on a bound with a multiplier of the wrong sign is freed. The pattern of the last tick is nearly right,
 so one or two recursions suffice. If updating all inputs at once does not reduce the number of wrong guesses,
 they are updated one by one, last first. With bounds of inputs alone this cannot cycle; where many rate bounds
-bind, which depend on the state, it can, so MpcParams allows no rates at which that is frequent. Sources:
-Judice, Pires, Computers Oper. Res. 21 (1994), block principal pivoting; Rao, Wright, Rawlings, JOTA 99
-(1998), Riccati inside a QP of MPC.
+bind, which depend on the state, it can. MpcParams allows no rates at which that is frequent at the default
+bandwidth_z. A faster loop meets more bounds: at 12 rad/s, to which `correct` raises it, 68 % of random
+problems without a guess are solved in the default 12 recursions at the default rate (51 % at the least one
+allowed), and 90 % in 30 (70 %). Sources: Judice, Pires, Computers Oper. Res. 21 (1994), block principal
+pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati inside a QP of MPC.
 
     V_k(x) = x' P_k x + 2 p_k' x;   Quu = R + S + B' P B,   Qux = B' P A - S E,   Qu = B' (P c + p) - R u*
     free inputs  u = -Quu^-1 (Qux x + Qu);   multiplier of a bound  g = Quu u + Qux x + Qu
@@ -28,7 +30,7 @@ from q2q_control.mpc.solver.stage import last_cost, stage_cost, stage_policy, st
 from q2q_control.mpc.solver.workspace import Workspace, workspace
 from q2q_model.compiled import BORROWING, FAST, FAST_HOT, compiled
 
-PATIENCE = 3
+PATIENCE = 10
 """Recursions without fewer wrong guesses before inputs are updated one by one."""
 
 
