@@ -330,6 +330,22 @@ def test_faults_strike_the_fastest_vehicle_at_its_fastest_and_the_nearest_pair_a
     assert trials_after(grounded) == ()
 
 
+def test_of_vehicles_that_fly_one_after_another_the_fastest_is_hit_at_its_fastest():
+    log = hover(3)
+    for row, turn in enumerate((slice(100, 400), slice(400, 600), slice(600, 900))):
+        height = log.pos[turn, row, 2].copy()
+        log.pos[:, row, 2] = 0.0
+        log.pos[turn, row, 2] = height
+    log.pos[:, 1, 1] = 5.0  # the first is the nearest to the last, at y = 0 and 2 m
+    log.vel[700, 2, 0] = 2.0
+    swap, lost = (
+        next(one for one in trials_after(log) if one.kind == kind)
+        for kind in (TrialKind.SWAP, TrialKind.LOST)
+    )
+    assert (swap.vehicle, swap.other, swap.start) == (2, 0, pytest.approx(log.t[700]))
+    assert (lost.vehicle, lost.start) == (2, pytest.approx(log.t[700]))
+
+
 def test_a_landing_in_the_first_second_is_disturbed_from_the_start():
     log = hover()
     early = replace(log, pos=np.concatenate([log.pos[400:440], 0.0 * log.pos[40:]]))  # in the air until 0.4 s

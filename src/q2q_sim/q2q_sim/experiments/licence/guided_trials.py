@@ -1,10 +1,12 @@
 """Trials with a fault, guided by the flight without: each at an instant where that has its least margins.
 
-The instants are those of the largest speed, of the smallest distance of two vehicles, half a second after
-the take-off, and one second before the landing (0 s if that is in the first second).
+The instants are those of the largest speed, of the smallest distance of two vehicles in the air (if they fly
+one after another, of the largest speed), half a second after the take-off, and one second before the landing
+(0 s if that is in the first second).
 """
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -61,11 +63,19 @@ def _span(log: LicenceLog, row: int) -> tuple[float, float]:
 
 def _nearest(log: LicenceLog, rows: list[int]) -> tuple[int, int, float]:
     """Return the two vehicles that are nearest to each other in the air, and when [s]."""
-    pairs = [(i, j) for k, i in enumerate(rows) for j in rows[k + 1 :]]
-    gaps = [_gap(log, i, j) for i, j in pairs]
-    best = int(np.argmin([gap.min() for gap in gaps]))
-    i, j = pairs[best]
-    return i, j, float(log.t[int(np.argmin(gaps[best]))])
+    pairs = list(combinations(rows, 2))
+    gaps = np.stack([_gap(log, i, j) for i, j in pairs])  # (pairs, T)
+    best, tick = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
+    if np.isinf(gaps[best, tick]):
+        return _nearest_to_fastest(log, rows)
+    return *pairs[int(best)], float(log.t[tick])
+
+
+def _nearest_to_fastest(log: LicenceLog, rows: list[int]) -> tuple[int, int, float]:
+    """Return the fastest vehicle, the one nearest to it then, in the air or not, and when that is [s]."""
+    fast, t = _fastest(log)
+    distance = np.linalg.norm(log.pos - log.pos[:, [fast]], axis=-1)[log.t == t][0]  # (n,)
+    return fast, min((row for row in rows if row != fast), key=distance.__getitem__), t
 
 
 def _gap(log: LicenceLog, i: int, j: int) -> Array:
