@@ -10,6 +10,7 @@ import pytest
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.experiments.licence.commands.client_commands import CommandKind, client_command
+from q2q_sim.experiments.licence.commands.setpoint_words import setpoint_words
 from q2q_sim.experiments.licence.crazyswarm import server_packets
 from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
     check_ellipsoid_collisions,
@@ -234,3 +235,19 @@ def test_motors_count_as_running_while_a_controller_of_the_height_may_run_them()
     pilot.fly(0.1)
     one.rows.memory[MOTOR : MOTOR + 4] = 0.0
     assert not may_run_motors(one)
+
+
+def test_the_words_of_a_setpoint_name_a_yaw_and_a_yaw_rate_that_are_not_zero():
+    at_rest = ((0.1, 0.0, 0.5), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    right = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 1.0, 0.0, 450.0, 40000))
+    for packet, words in (
+        (server_packets.hover(0.1, 0.0, 7.0, 0.7), "vx 0.10 m/s, vy 0.00 m/s, z 0.70 m, yaw rate 401 deg/s"),
+        (server_packets.hover(0.0, 0.0, 0.0, 0.7), "vx 0.00 m/s, vy 0.00 m/s, z 0.70 m"),
+        (server_packets.position((0.1, -0.2, 0.3), 45.0), "x 0.10 m, y -0.20 m, z 0.30 m, yaw 45 deg"),
+        (
+            server_packets.full_state(FullStateArguments(*at_rest, 0.0, (1.0, 0.0, -7.0))),
+            "x 0.10 m, y 0.00 m, z 0.50 m, yaw rate -401 deg/s",
+        ),
+        (right, "thrust 0, roll 1.0 and pitch 0.0 deg, yaw rate -450 deg/s"),  # the thrust is locked
+    ):
+        assert setpoint_words(requested(packet)) == f"setpoint {words}"

@@ -14,9 +14,10 @@ from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
 from q2q_sim.experiments.licence.commands.plan_reach import reach_violation
+from q2q_sim.experiments.licence.commands.setpoint_words import asked_position, setpoint_words
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerAnswer, PlanState
-from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Three
 from q2q_sim.firmware.firmware import Firmware
 
 _VERTICAL, _GO, _GO_2 = struct.Struct("<Bff?f"), struct.Struct("<BB5f"), struct.Struct("<BBB5f")
@@ -201,30 +202,7 @@ def _setpoint(firmware: Firmware) -> Asked:
         return Asked(CommandKind.OFF, "setpoint of thrust 0")
     refused = "" if firmware.supervisor.may_fly else "the vehicle is not armed"
     lifts = moved or one.thrust_pwm >= LIFTING
-    return Asked(CommandKind.SETPOINT, _axes(one), _position(one), refused=refused, lifts=lifts)
-
-
-def _position(one: Setpoint) -> Three | None:
-    if Mode.ABS not in (one.x, one.y, one.z):
-        return None
-    modes = (one.x, one.y, one.z)
-    x, y, z = (v if mode == Mode.ABS else math.nan for v, mode in zip(one.pos, modes, strict=True))
-    return x, y, z
-
-
-def _axes(one: Setpoint) -> str:
-    """Return the controlled axes of a setpoint in words."""
-    parts = []
-    for axis, mode, pos, vel in zip("xyz", (one.x, one.y, one.z), one.pos, one.vel, strict=True):
-        if mode == Mode.ABS:
-            parts.append(f"{axis} {pos:.2f} m")
-        elif mode == Mode.VELOCITY:
-            parts.append(f"v{axis} {vel:.2f} m/s")
-    if one.z == Mode.DISABLE:
-        parts.append(f"thrust {one.thrust_pwm:.0f}")
-    if Mode.DISABLE not in (one.roll, one.pitch):
-        parts.append(f"roll {one.attitude_deg[0]:.1f} and pitch {one.attitude_deg[1]:.1f} deg")
-    return f"setpoint {', '.join(parts)}"
+    return Asked(CommandKind.SETPOINT, setpoint_words(one), asked_position(one), refused=refused, lifts=lifts)
 
 
 def _planned(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:
