@@ -202,6 +202,16 @@ def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitu
         assert found == impossible
 
 
+@pytest.mark.parametrize("port", [(Port.SUPERVISOR, 1), (Port.LOCALIZATION, 1)])
+def test_the_emergency_stop_and_its_watchdog_have_two_ports(port: tuple[Port, int]) -> None:
+    pilot = Pilot(np.zeros((1, 4)))
+    kinds = []
+    for first in (3, 4, 5):
+        asked = client_command(Packet(*port, bytes([first])), [], pilot.firmware())
+        kinds.append(asked.kind if asked is not None else None)
+    assert kinds == [CommandKind.EMERGENCY, CommandKind.WATCHDOG, None]
+
+
 def test_a_thrust_that_the_firmware_takes_for_none_is_reported_and_no_thrust_is_not():
     pilot = Pilot(np.zeros((1, 4)))
     pilot.fly(1.0)

@@ -1,5 +1,7 @@
 """Cause of what a vehicle did: the command, or the silence, before it."""
 
+import numpy as np
+
 from q2q_sim.experiments.licence.commands.client_commands import FLIGHT, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.firmware.supervisor.rules import State
@@ -10,10 +12,15 @@ SHUT = frozenset((State.FREE_FALL, State.LOCKED))
 ENDS = frozenset((CommandKind.OFF, CommandKind.EMERGENCY))
 WATCHDOG_S = 2.0
 """Age of a setpoint at which the firmware stops the motors [s]."""
+FED_S = 1.0
+"""Time in which the watchdog of the emergency stop, once started, is to be fed [s]."""
 
 
 def failure_cause(log: LicenceLog, row: int, t: float) -> str:
     """Return why a vehicle did at t [s] what it did, in words."""
+    starved = starved_watchdog(log, row, t)
+    if starved:
+        return starved
     ending = _ending(log, row, t)
     if ending is not None:
         return _closed_by_error(log, ending) or ending.words
@@ -25,6 +32,19 @@ def failure_cause(log: LicenceLog, row: int, t: float) -> str:
         return ignored
     last = log.last(row, t)
     return f"the last command was {last.words}" if last else "there was no command"
+
+
+def starved_watchdog(log: LicenceLog, row: int, t: float) -> str:
+    """Return that the watchdog of the emergency stop had stopped a vehicle by t [s]; or nothing."""
+    tick = float(log.t[0])
+    shut = np.isin(log.state[: round(t / tick), row], list(SHUT))
+    if not shut.any():
+        return ""
+    stopped = float(log.t[np.argmax(shut)])
+    fed = log.last(row, stopped, lambda one: one.asked.kind == CommandKind.WATCHDOG)
+    if fed is None or stopped - fed.t < FED_S - tick:  # it counts from the tick before
+        return ""
+    return f"no other came for {FED_S:.0f} s after {fed.words}"
 
 
 def _closed_by_error(log: LicenceLog, ending: ClientCommand) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, Mask, Names
-from q2q_sim.experiments.licence.commands.client_commands import ClientCommand
+from q2q_sim.experiments.licence.commands.client_commands import ClientCommand, CommandKind
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
 AIRBORNE = 0.06
@@ -17,6 +17,11 @@ AIRBORNE = 0.06
 def escaped(text: str) -> str:
     """Return a text of a program that can be written as UTF-8."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def acts(one: ClientCommand) -> bool:
+    """Return whether a command changes what a vehicle does; feeding a watchdog does not."""
+    return one.asked.kind != CommandKind.WATCHDOG
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +106,7 @@ class LicenceLog:
         return tuple(one for one in self.commands if one.vehicle == vehicle)
 
     def last(
-        self, vehicle: int, t: float, which: Callable[[ClientCommand], bool] = lambda _: True
+        self, vehicle: int, t: float, which: Callable[[ClientCommand], bool] = acts
     ) -> ClientCommand | None:
         """Return the last command of a kind to a vehicle up to t [s]; None if there is none."""
         return next((one for one in reversed(self.of(vehicle)) if one.t <= t and which(one)), None)

@@ -90,6 +90,10 @@ class Supervisor:
         """Start or feed the emergency stop watchdog."""
         self._fed_ms = now_ms
 
+    def is_starved(self, now_ms: int) -> bool:
+        """Return whether the emergency stop watchdog was started, and not fed in time."""
+        return self._fed_ms is not None and now_ms >= self._fed_ms + FED_MS
+
     def request_arming(self, *, arm: bool) -> bool:
         """Arm or disarm; return whether it was permitted."""
         if arm and not self.armed and self.state != State.CHECKS_PASSED:
@@ -137,7 +141,7 @@ class Supervisor:
 
     def _conditions(self, look: SupervisorInput, parameters: Parameters) -> Condition:
         age = look.now_ms - look.setpoint_ms
-        starved = self._fed_ms is not None and look.now_ms >= self._fed_ms + FED_MS
+        starved = self.is_starved(look.now_ms)
         self.tumbled = self._is_tumbled(look) and parameters.flag("supervisor.tmblChckEn")
         flags = {
             Condition.ARMED: self.armed,

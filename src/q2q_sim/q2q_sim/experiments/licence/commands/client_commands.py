@@ -27,6 +27,19 @@ _STARTS = {5: 3, 13: 4}
 """Commands that start a trajectory: place of its number among their fields."""
 _UNMASKED = (0, 6)
 """Commands without a mask of groups: to set it, to define a trajectory."""
+_STOPS = (
+    (Port.SUPERVISOR, supervisor_port.COMMAND, bytes([supervisor_port.STOP])),
+    (Port.LOCALIZATION, localization.GENERIC, bytes([localization.EMERGENCY_STOP])),
+)
+_FEEDS = (
+    (Port.SUPERVISOR, supervisor_port.COMMAND, bytes([supervisor_port.FEED])),
+    (Port.LOCALIZATION, localization.GENERIC, bytes([localization.STOP_WATCHDOG])),
+)
+_ARMS = (
+    (Port.SUPERVISOR, supervisor_port.COMMAND, bytes([supervisor_port.ARM])),
+    (Port.PLATFORM, platform.COMMAND, bytes([supervisor_port.ARM])),
+)
+"""Commands to the supervisor: port, channel and first byte."""
 NAMES = {
     0: "group mask", 1: "takeoff", 2: "land", 3: "high-level stop", 4: "go_to", 5: "start_trajectory",
     6: "define_trajectory", 7: "takeoff", 8: "land", 9: "takeoff", 10: "land", 11: "spiral", 12: "go_to",
@@ -52,6 +65,8 @@ class CommandKind(StrEnum):
     RELAX = "relax"
     """Setpoints stop; the high-level commander may take over."""
     EMERGENCY = "emergency"
+    WATCHDOG = "watchdog"
+    """Starts or feeds the watchdog of the emergency stop."""
     OTHER = "other"
     """Arming, group mask, definition of a trajectory."""
 
@@ -120,7 +135,7 @@ def client_command(packet: Packet, answers: list[Packet], firmware: Firmware) ->
         case Port.HIGH_LEVEL if packet.data:
             asked = _planned(packet.data, answers, firmware)
         case _:
-            asked = _stopped(packet) or _arming(packet)
+            asked = _supervised(packet)
     if asked is None or asked.impossible or not _needs_position(asked, firmware):
         return asked
     return replace(asked, impossible=_without_position(firmware) or _out_of_reach(asked, firmware))
@@ -163,22 +178,17 @@ def malformed_command(packet: Packet) -> Asked | None:
     return Asked(kind, words, refused="a number is not finite", impossible="a number that is not finite")
 
 
-def _stopped(packet: Packet) -> Asked | None:
-    """Return the emergency stop in a packet; None if it is another one."""
-    stops: dict[tuple[int, int], int] = {
-        (Port.SUPERVISOR, supervisor_port.COMMAND): supervisor_port.STOP,
-        (Port.LOCALIZATION, 1): localization.EMERGENCY_STOP,
-    }
-    number = stops.get((packet.port, packet.channel))
-    stop = number is not None and packet.data[:1] == bytes([number])
-    return Asked(CommandKind.EMERGENCY, "emergency stop") if stop else None
-
-
-def _arming(packet: Packet) -> Asked | None:
-    commands = {(Port.SUPERVISOR, supervisor_port.COMMAND), (Port.PLATFORM, platform.COMMAND)}
-    if (packet.port, packet.channel) not in commands or packet.data[:1] != bytes([supervisor_port.ARM]):
-        return None
-    return Asked(CommandKind.OTHER, "arming request" if any(packet.data[1:2]) else "disarming request")
+def _supervised(packet: Packet) -> Asked | None:
+    """Return the command to the supervisor in a packet; None if it is another one."""
+    to_supervisor = packet.port, packet.channel, packet.data[:1]
+    for kind, words, packets in (
+        (CommandKind.EMERGENCY, "emergency stop", _STOPS),
+        (CommandKind.WATCHDOG, "feeding of the emergency stop watchdog", _FEEDS),
+        (CommandKind.OTHER, f"{'' if any(packet.data[1:2]) else 'dis'}arming request", _ARMS),
+    ):
+        if to_supervisor in packets:
+            return Asked(kind, words)
+    return None
 
 
 def _thrust(packet: Packet, firmware: Firmware) -> Asked | None:
@@ -200,7 +210,7 @@ def _setpoint(firmware: Firmware) -> Asked:
         return Asked(CommandKind.OFF, "stop setpoint")
     if not moved and one.thrust_pwm == 0.0:
         return Asked(CommandKind.OFF, "setpoint of thrust 0")
-    refused = "" if firmware.supervisor.may_fly else "the vehicle is not armed"
+    refused = _grounded(firmware)
     lifts = moved or one.thrust_pwm >= LIFTING
     return Asked(CommandKind.SETPOINT, setpoint_words(one), asked_position(one), refused=refused, lifts=lifts)
 
@@ -264,9 +274,17 @@ def _refusal(answers: list[Packet], firmware: Firmware) -> str:
     """Return why a command of the high-level commander has no effect; empty if it has."""
     result = answers[-1].data[3] if answers and len(answers[-1].data) > 3 else PlannerAnswer.OK
     if not firmware.supervisor.may_fly:
-        return "the vehicle is not armed"
+        return _grounded(firmware)
     if result != PlannerAnswer.OK:
         return f"the vehicle answered {PlannerAnswer(result).name}"
     if firmware.commander.priority == Priority.CLIENT:
         return "setpoints have priority until notify_setpoint_stop"
     return ""
+
+
+def _grounded(firmware: Firmware) -> str:
+    """Return why a vehicle may not fly; empty if it may."""
+    if firmware.supervisor.may_fly:
+        return ""
+    starved = firmware.supervisor.is_starved(firmware.now_ms)
+    return "the emergency stop watchdog was not fed for 1 s" if starved else "the vehicle is not armed"

@@ -1,0 +1,63 @@
+"""The watchdog of the emergency stop is the reason of what it does."""
+
+from math import inf
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
+
+from q2q_sim.experiments.licence.commands.client_commands import CommandKind
+from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
+from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.trials import LicenceTrial
+
+FED = """
+import time
+import cflib.crtp
+from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
+
+cflib.crtp.init_drivers()
+with SyncCrazyflie("radio://0/80/2M/E7E7E7E7E7") as scf:
+    commander, watchdog = scf.cf.high_level_commander, scf.cf.supervisor.send_emergency_stop_watchdog
+    {flight}
+    commander.land(0.0, 1.0)
+    time.sleep(1.5)
+    commander.stop()
+"""
+
+
+def flown(folder: Path, flight: str) -> FlownTrial:
+    file = folder / "fed.py"
+    file.write_text(FED.format(flight=flight))
+    order = FlightOrder(Program(file), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
+    (found,) = fly_trials([order], LicenceOptions(), until=inf)
+    return found
+
+
+def test_motors_that_a_watchdog_stops_are_blamed_on_its_last_feeding(tmp_path: Path):
+    """Also of a vehicle that another command came to since, and that has a stop command while it falls."""
+    fed = "commander.takeoff(0.8, 1.0); time.sleep(1.0); watchdog(); time.sleep(0.9); watchdog()"
+    flight = flown(tmp_path, f"{fed}; commander.go_to(0, 0, 0.8, 0, 2); time.sleep(1.2); commander.stop()")
+    assert flight.log is not None
+    last = [one.t for one in flight.log.commands if one.asked.kind == CommandKind.WATCHDOG][-1]
+    why = f"no other came for 1 s after feeding of the emergency stop watchdog at {last:.2f} s, line 9"
+    assert [(one.rule, one.why) for one in flight.findings] == [("motors", why), ("landing", why)]
+    assert flight.findings[0].t == pytest.approx(last + 1.0, abs=0.05)  # the supervisor looks every 0.04 s
+
+
+def test_a_vehicle_that_a_watchdog_has_locked_on_the_floor_is_not_armed_for_that_reason(tmp_path: Path):
+    flight = flown(tmp_path, "watchdog(); time.sleep(1.5); commander.takeoff(0.8, 1.0)")
+    (idle,) = flight.findings
+    assert (idle.rule, idle.why.partition(", ")[0]) == (
+        "idle",
+        "the emergency stop watchdog was not fed for 1 s",
+    )
+
+
+def test_a_watchdog_that_is_fed_to_the_end_is_no_cause_of_a_fall(tmp_path: Path):
+    cut = "commander.takeoff(0.8, 1.0); time.sleep(1.0); watchdog(); time.sleep(0.5); commander.stop()"
+    flight = flown(tmp_path, f"{cut}; time.sleep(2.0)")
+    assert [one.rule for one in flight.findings] == ["motors", "landing"]
+    assert flight.findings[0].why.startswith("high-level stop at ")
