@@ -143,7 +143,8 @@ def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool
     pieces = () if compressed and (scale != 1.0 or how[2]) else _uploaded(firmware.uploads.memory, one)
     if not pieces:
         return PlannerAnswer.UNKNOWN
-    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2])
+    where = None if compressed else one
+    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2], uploaded=where)
     return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1] and not compressed)
 
 

@@ -12,9 +12,13 @@ from enum import StrEnum
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
-from q2q_sim.crtp.ports import generic, localization, platform, rpyt, supervisor_port
+from q2q_sim.crtp.ports import generic, localization, memory, platform, rpyt, supervisor_port
 from q2q_sim.experiments.licence.commands.plan_reach import reach_violation
 from q2q_sim.experiments.licence.commands.setpoint_words import asked_position, setpoint_words
+from q2q_sim.experiments.licence.commands.uploaded_trajectories import (
+    absent_trajectory,
+    overwritten_trajectory,
+)
 from q2q_sim.firmware.commander.commander import Priority
 from q2q_sim.firmware.commander.planner import PlannerAnswer, PlanState
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Three
@@ -134,6 +138,9 @@ def client_command(packet: Packet, answers: list[Packet], firmware: Firmware) ->
             asked = _setpoint(firmware)
         case Port.HIGH_LEVEL if packet.data:
             asked = _planned(packet.data, answers, firmware)
+        case Port.MEMORY if packet.channel == memory.WRITE:
+            flown = overwritten_trajectory(packet.data, firmware)
+            asked = Asked(CommandKind.OTHER, "upload", impossible=flown) if flown else None
         case _:
             asked = _supervised(packet)
     if asked is None or asked.impossible or not _needs_position(asked, firmware):
@@ -227,7 +234,8 @@ def _planned(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:
     if number in _GO_TO:
         return _go_to(number, fields, refused)
     if number in (*_STARTS, *_OTHER_PLANS):
-        absent = _absent_trajectory(number, fields, firmware)
+        starts = number in _STARTS and not refused
+        absent = absent_trajectory(fields[_STARTS[number]], firmware) if starts else ""
         return Asked(CommandKind.PLAN, NAMES[number], refused=refused, impossible=absent)
     return Asked(CommandKind.OTHER, NAMES.get(number, "unknown command"))
 
@@ -260,14 +268,6 @@ def _go_to(number: int, fields: bytes, refused: str) -> Asked:
     by = "by" if relative else "to"
     words = f"{NAMES[number]} {by} ({x:.2f}, {y:.2f}, {z:.2f}) m in {duration:.1f} s"
     return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw, refused=refused)
-
-
-def _absent_trajectory(number: int, fields: bytes, firmware: Firmware) -> str:
-    """Return a trajectory that is started but was not defined, which the firmware answers OK; or nothing."""
-    place = _STARTS.get(number, len(fields))
-    if place >= len(fields) or fields[place] in firmware.uploads.defined:
-        return ""
-    return f"trajectory {fields[place]}, which is not defined"
 
 
 def _refusal(answers: list[Packet], firmware: Firmware) -> str:

@@ -6,8 +6,8 @@ ball
     |p' - p - v T + g T^2 / 2 e_z| <= F/m T^2 / 2
 
 so that a piece whose end is outside leaves the vehicle behind by the difference at least, whatever the
-controller. Between two pieces T is 0: a trajectory must not jump. A plan of 0 s or less is its end at once:
-it must not be away from the goal before it.
+controller. Between two pieces T is 0: a trajectory must not jump, nor begin away from the goal before it. A
+plan of 0 s or less is its end at once.
 """
 
 from itertools import pairwise
@@ -34,6 +34,9 @@ def reach_violation(plan: Piecewise, here: Array, vehicle: Vehicle) -> str:
     jump = max((_jump(one, other) for one, other in pairwise(plan.pieces)), default=0.0)
     if jump > BEHIND:
         return f"a trajectory that jumps by {jump:.2f} m between two pieces"
+    away = _away(plan, here)
+    if plan.duration > 0.0 and away > BEHIND:
+        return f"a trajectory that begins {away:.2f} m from where it is"
     behind = _behind(plan, here, vehicle)
     return f"a place that is {behind:.2f} m farther than full thrust takes it in that time" if behind else ""
 
@@ -41,12 +44,17 @@ def reach_violation(plan: Piecewise, here: Array, vehicle: Vehicle) -> str:
 def _behind(plan: Piecewise, here: Array, vehicle: Vehicle) -> float:
     """Return by how much a plan leaves a vehicle behind first [m]; 0 if by no more than BEHIND."""
     if plan.duration <= 0.0:
-        behind = [float(np.linalg.norm(plan.goal(plan.begin).pos - here))]
+        behind = [_away(plan, here)]
     elif plan.backwards:
         behind = []
     else:
         behind = [beyond_reach(piece, plan.timescale, vehicle) for piece in plan.pieces]
     return next((one for one in behind if one > BEHIND), 0.0)
+
+
+def _away(plan: Piecewise, here: Array) -> float:
+    """Return the distance from a place to the begin of a plan [m]."""
+    return float(np.linalg.norm(plan.goal(plan.begin).pos - here))
 
 
 def beyond_reach(piece: Piece, timescale: float, vehicle: Vehicle) -> float:

@@ -1,0 +1,38 @@
+"""Uploaded trajectories that are not there when they are started, or change while they are flown.
+
+The firmware starts whatever its memory holds: nothing, the pieces that have arrived, or those of before.
+"""
+
+import struct
+
+from q2q_sim.crtp.ports.high_level import PIECE_BYTES
+from q2q_sim.firmware.firmware import Firmware
+
+_PLACE = struct.Struct("<BI")
+"""Memory and address of a packet that writes."""
+TRAJECTORIES = 0
+"""Memory of the trajectories."""
+
+
+def absent_trajectory(number: int, firmware: Firmware) -> str:
+    """Return what is absent of a trajectory that has been started and was answered OK; or nothing."""
+    if number not in firmware.uploads.defined:
+        return f"trajectory {number}, which is not defined"
+    plan = firmware.planner.trajectory
+    pieces = () if plan is None else plan.pieces
+    absent = sum(piece.duration == 0.0 and not piece.coefficients.any() for piece in pieces)
+    return (
+        f"trajectory {number}, of which {absent} of {len(pieces)} pieces are not uploaded" if absent else ""
+    )
+
+
+def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
+    """Return that a packet to the memory has changed the trajectory that is flown; or nothing."""
+    plan = firmware.planner.trajectory
+    if plan is None or plan.uploaded is None or firmware.planner.finished(firmware.seconds):
+        return ""
+    memory, at = _PLACE.unpack_from(data)
+    begin, end = plan.uploaded.offset, plan.uploaded.offset + plan.uploaded.pieces * PIECE_BYTES
+    overlaps = at < end and at + len(data) - _PLACE.size > begin
+    changes = "a change of the trajectory that it flies"
+    return changes if memory == TRAJECTORIES and overlaps else ""
