@@ -1,11 +1,13 @@
 """Campaign of flights with random faults, each judged by the safety policies."""
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from q2q.argument_checks import check_whole_number, folder_to_write
 from q2q.scenario_choice import AirName, air_name
 from q2q_sim.air.air_names import check_air
+from q2q_sim.experiments.campaign.campaign_flight import fly_and_judge
 from q2q_sim.experiments.campaign.engine import run_outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 
@@ -19,7 +21,8 @@ def campaign(
         runs: number of runs, 1 or more.
         seed: of the first run, 0 or above; it defines scenario, controller and faults, the others follow it.
         air: air in place of the scenarios' wake and disturbance: a name as for `q2q.scenario`.
-        jobs: processes; above 1, call it under `if __name__ == "__main__":` in a script.
+        jobs: flights at a time: 1 in this process; above, in others, so call it under
+            `if __name__ == "__main__":` in a script.
         out: folder for scenario and bag of each run that violates a policy.
 
     Raises:
@@ -31,4 +34,7 @@ def campaign(
         check_whole_number(name, number, least)
     if named := air_name(air):
         check_air(named)
-    return run_outcomes("local", range(seed, seed + runs), jobs, folder_to_write("out", out), named)
+    kept, seeds = folder_to_write("out", out), range(seed, seed + runs)
+    if jobs == 1:
+        return map(partial(fly_and_judge, kept=kept, air=named), seeds)
+    return run_outcomes("local", seeds, jobs, kept, named)

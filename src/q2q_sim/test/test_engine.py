@@ -35,17 +35,24 @@ def test_after_an_interruption_no_process_works_on() -> None:
     assert multiprocessing.active_children() == []
 
 
+@pytest.mark.parametrize("jobs", [1, 2])
 def test_only_work_that_kills_its_process_alone_counts_as_died(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "deadly_work.py").write_text(DEADLY)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(engine, "freeze_imports", gc.freeze)  # without the imports of a campaign
     work = import_module("deadly_work").work
-    assert sorted(spread_work(TWO, work, range(6), lambda number: -number)) == [-3, 0, 1, 2, 4, 5]
+    done = spread_work(ParallelRuns("local", jobs), work, range(6), lambda number: -number)
+    assert sorted(done) == [-3, 0, 1, 2, 4, 5]
 
 
 def test_an_error_of_work_is_raised_as_it_is_by_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engine, "freeze_imports", gc.freeze)
     with pytest.raises(OSError, match="Bad file descriptor"):
         list(spread_work(TWO, os.close, [9999], lambda _: pytest.fail("counted as died")))
+
+
+def test_an_unknown_engine_is_refused() -> None:
+    with pytest.raises(ValueError, match="unknown engine 'ray': choose one of local, dask"):
+        spread_work(ParallelRuns("ray", 1), abs, [1], abs)

@@ -60,9 +60,6 @@ def spread_work(
 
 
 def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
-    if jobs == 1:
-        yield from map(work, numbers)
-        return
     for begin in range(0, len(numbers), jobs * RECYCLE):
         yield from _by_pools(work, numbers[begin : begin + jobs * RECYCLE], jobs, died)
 
