@@ -14,7 +14,7 @@ from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import UavTrajectory
-from q2q_sim.experiments.licence.program.standard_calls import EPOCH
+from q2q_sim.experiments.licence.program.standard_clocks import EPOCH
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 
 MASK, BYTE, MOST = 255, 255, 2**32 - 1

@@ -1,65 +1,39 @@
-"""Sleeping, clocks, locks and threads of Python by the turns of a program (CPython 3.11 and 3.12).
+"""Locks and threads of Python by the turns of a program (CPython 3.11 and 3.12), with its clocks.
 
-Replaced are the names through which Python's own modules and programs reach them: time.sleep, the clocks of
-`time` and `datetime`, the locks of `threading` (with them events, conditions, timers, queues and executors,
+Replaced are the names through which Python's own modules and programs reach them: sleeping and the clocks
+(standard_clocks), the locks of `threading` (with them events, conditions, timers, queues and executors,
 which are made of locks), the start and end of threads, and the waiting of `selectors` (and so of asyncio).
 Not replaced: other waiting for sockets, processes, and waiting inside C code, during which the clock of the
 program stands still.
 
-Reading a clock takes CALL_S, so that a loop that waits for a time by reading the clock ends. A main thread
-that computes for BUSY_S of processor time without waiting, such as a loop that waits for a variable, spends
-that time on the clock and lets the other threads go on.
+A main thread that computes for BUSY_S of processor time without waiting, such as a loop that waits for a
+variable, spends that time on the clock and lets the other threads go on.
 """
 
 import _thread
-import datetime as dt
 import math
 import queue
 import selectors
 import signal
 import threading
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from types import FrameType, TracebackType
-from typing import Self
 
 from q2q_sim.experiments.licence.program.program_turns import Turns
+from q2q_sim.experiments.licence.program.standard_clocks import replace_clocks
 
-CALL_S = 1e-5
-"""Time that reading a clock takes [s]."""
 BUSY_S = 0.2
 """Processor time between two looks at the main thread [s]."""
-EPOCH = 1_767_225_600.0
-"""time.time() at the start: 2026-01-01 UTC [s]."""
 
 _start_thread = _thread.start_new_thread
 
 
 def use_turns(turns: Turns) -> None:
     """Replace the calls for the rest of this process; the calling thread is the program's main thread."""
-    _replace_clocks(turns)
+    replace_clocks(turns)
     _replace_locks(turns)
     _replace_threads(turns)
     _replace_selectors(turns)
-
-
-class TurnDatetime(dt.datetime):
-    """Date and time whose present is that of `time.time`."""
-
-    @classmethod
-    def now(cls, tz: dt.tzinfo | None = None) -> Self:
-        """Return the present."""
-        return cls.fromtimestamp(time.time(), tz)
-
-    @classmethod
-    def today(cls) -> Self:
-        """Return the present."""
-        return cls.now()
-
-    @classmethod
-    def utcnow(cls) -> Self:
-        """Return the present in UTC, without a zone."""
-        return cls.now(dt.UTC).replace(tzinfo=None)
 
 
 class TurnLock:
@@ -102,36 +76,6 @@ class TurnLock:
     ) -> None:
         """Release the lock."""
         self.release()
-
-
-def _replace_clocks(turns: Turns) -> None:
-    check = time.sleep
-
-    def sleep(seconds: float) -> None:
-        check(min(seconds, 0.0))  # raises what Python does for a time below 0, NaN, or no number
-        turns.sleep(seconds)
-
-    def read() -> float:
-        turns.spend(CALL_S)
-        return turns.now
-
-    def read_ns() -> int:
-        return round(read() * 1e9)
-
-    replaced: Mapping[str, Callable[..., object]] = {
-        "sleep": sleep,
-        "time": lambda: EPOCH + read(),
-        "time_ns": lambda: round(EPOCH) * 10**9 + read_ns(),
-        "monotonic": read,
-        "monotonic_ns": read_ns,
-        "perf_counter": read,
-        "perf_counter_ns": read_ns,
-    }
-    for name, call in replaced.items():
-        setattr(time, name, call)
-    setattr(dt, "datetime", TurnDatetime)  # noqa: B010
-    for module, name in ((threading, "_time"), (queue, "time")):
-        setattr(module, name, lambda: turns.now)  # deadlines of waits, which are no calls of the program
 
 
 def _replace_locks(turns: Turns) -> None:

@@ -1,0 +1,44 @@
+"""Every clock of a program is that of the room."""
+
+from math import inf
+from pathlib import Path
+
+from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials
+from q2q_sim.experiments.licence.licence_room import LicenceParams
+from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.trials import LicenceTrial
+
+READ = """
+import calendar, time, timeit
+from timeit import default_timer
+NS = ("time_ns", "monotonic_ns", "perf_counter_ns")
+CLOCKS = {
+    **{name: getattr(time, name) for name in ("time", "monotonic", "perf_counter")},
+    **{name: lambda name=name: getattr(time, name)() / 1e9 for name in NS},
+    **{f"{clock}": lambda clock=clock: time.clock_gettime(clock) for clock in (0, 1, 4, 7)},
+    "clock_gettime_ns": lambda: time.clock_gettime_ns(time.CLOCK_REALTIME) / 1e9,
+    "localtime": lambda: time.mktime(time.localtime()),
+    "gmtime": lambda: calendar.timegm(time.gmtime(None)),
+    "ctime": lambda: time.mktime(time.strptime(time.ctime())),
+    "asctime": lambda: time.mktime(time.strptime(time.asctime())),
+    "strftime": lambda: time.mktime(time.strptime(time.strftime("%Y %j %X"), "%Y %j %X")),
+    "timeit": default_timer,
+}
+began = {name: read() for name, read in CLOCKS.items()}
+time.sleep(40.0)
+print([name for name, read in CLOCKS.items() if abs(read() - began[name] - 40.0) > 1.1])
+computed = time.clock_gettime(time.CLOCK_PROCESS_CPUTIME_ID)
+print(computed < 40.0, time.process_time() < 40.0, time.gmtime(0).tm_year)
+"""
+"""40 s of every clock: names of those that are not as long (those of whole seconds by a second), then what is
+not replaced."""
+
+
+def test_every_clock_of_time_goes_by_the_clock_of_the_room(tmp_path: Path) -> None:
+    file = tmp_path / "clocks.py"
+    file.write_text(READ)
+    order = FlightOrder(Program(file), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 60.0)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
+    assert flight.log is not None
+    assert flight.findings == ()
+    assert flight.log.output.splitlines() == ["[]", "True True 1970"]
