@@ -62,6 +62,17 @@ def test_a_program_that_opens_more_vehicles_than_a_radio_has_fails(tmp_path: Pat
     assert [one.sentence.partition(" s ")[2] for one in nominal.failures] == [what]
 
 
+def test_without_time_the_vehicles_that_a_program_opens_are_not_flown(tmp_path: Path):
+    file = tmp_path / "two.py"
+    file.write_text(OPENED.format(count=2))
+    found = licence(Program(file), LicenceOptions(budget=0.0))
+    (flight,) = found.flights
+    assert [one.what for one in flight.failures] == [
+        "there is no time left to fly all vehicles that the program opens"
+    ]
+    assert (found.passed, found.judged, found.left_out) == (False, True, ())
+
+
 @pytest.mark.parametrize(("starts", "count", "vehicles"), [(1, 2, "2 vehicles"), (2, 1, "1 vehicle")])
 def test_starts_that_are_not_as_many_as_the_vehicles_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], starts: int, count: int, vehicles: str

@@ -64,7 +64,7 @@ class LicenceOptions:
     """Longest flight without faults [s]."""
     jobs: int = 2
     budget: float = 540.0
-    """Wall time after which no further flight starts [s]."""
+    """Wall time after which no flight but the first starts [s]."""
 
     def params(self, count: int) -> LicenceParams:
         """Return the room with `count` vehicles."""
@@ -168,7 +168,8 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
     start_warm_parent()
     LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
     began = monotonic()
-    nominal = _nominal(program, options)
+    until = began + options.budget
+    nominal = _nominal(program, options, until)
     flights, left_out = [nominal], []
     if nominal.passed and nominal.log is not None:
         log = nominal.log
@@ -177,27 +178,35 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
         limit = log.end.t + LONGER_S
         trials = trials_after(log)
         orders = [replace(_first_order(program, options, log.uris), trial=one, limit=limit) for one in trials]
-        flights += fly_trials(orders, options, began + options.budget)
+        flights += fly_trials(orders, options, until)
         done = {one.trial for one in flights}
         left_out = [one for one in trials if one not in done]
     return Licence(program, tuple(flights), tuple(left_out), monotonic() - began)
 
 
-def _nominal(program: Program, options: LicenceOptions) -> FlownTrial:
+def _nominal(program: Program, options: LicenceOptions, until: float) -> FlownTrial:
     """Return the flight without faults, with as many vehicles as the program opens."""
     order = _first_order(program, options, tuple(one.uri for one in options.served))
-    (flown,) = fly_trials([order], options, inf)
+    flown = _fly(order, options, inf)
     if not _unknown(flown):
         return flown
     survey = replace(order, params=options.params(MOST_VEHICLES), survey=True)
-    (flown,) = fly_trials([survey], options, inf)
+    flown = _fly(survey, options, until)
     uris = flown.log.uris if flown.log is not None else ()
     while flown.log is not None:  # each flight ends where it opens a vehicle that the ones before did not
-        (flown,) = fly_trials([_first_order(program, options, tuple(sorted(uris)))], options, inf)
+        flown = _fly(_first_order(program, options, tuple(sorted(uris))), options, until)
         if not _unknown(flown) or len(uris) == MOST_VEHICLES:
             break
         uris = (*uris, _unknown(flown))
     return flown
+
+
+def _fly(order: FlightOrder, options: LicenceOptions, until: float) -> FlownTrial:
+    """Return a flight without faults; after `until` (monotonic [s]) one that fails for want of time."""
+    for flown in fly_trials([order], options, until):
+        return flown
+    what = "there is no time left to fly all vehicles that the program opens"
+    return FlownTrial(order.trial, (BrokenRule("program", 0.0, what),), None, 0.0)
 
 
 def _unknown(flown: FlownTrial) -> str:
