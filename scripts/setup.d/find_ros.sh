@@ -1,12 +1,25 @@
 # Which ROS and which Python carry q2q: sourced by scripts/setup. Sets ROS_KIND (sourced | wheels) and PYTHON.
 
-# Print a colon-separated list without the entries inside this checkout, so that a shell made by env.sh is
-# judged as it was before.
-outside_checkout() {
-  local entry entries kept=() IFS=:
+# Set CHECKOUTS: this one, and those whose env.sh made this shell, which have their .venv on PATH.
+find_checkouts() {
+  local entry entries
+  CHECKOUTS=("$ROOT")
+  IFS=: read -ra entries <<<"$PATH"
+  for entry in "${entries[@]}"; do
+    [ ! -f "${entry%/bin}/q2q/origin" ] || CHECKOUTS+=("${entry%/.venv/bin}")
+  done
+}
+
+# Print a colon-separated list without the entries inside CHECKOUTS, so that a shell made by env.sh is judged as it
+# was before.
+outside_checkouts() {
+  local entry entries checkout kept=() IFS=:
   read -ra entries <<<"$1"
   for entry in "${entries[@]}"; do
-    [[ $entry == "$ROOT"/* ]] || kept+=("$entry")
+    for checkout in "${CHECKOUTS[@]}"; do
+      [[ $entry != "$checkout"/* ]] || continue 2
+    done
+    kept+=("$entry")
   done
   printf '%s' "${kept[*]}"
 }
@@ -56,11 +69,11 @@ choose_python() {
 }
 
 find_ros() {
-  PATH=$(outside_checkout "$PATH")
-  PYTHONPATH=$(outside_checkout "${PYTHONPATH:-}")
-  AMENT_PREFIX_PATH=$(outside_checkout "${AMENT_PREFIX_PATH:-}")
-  CMAKE_PREFIX_PATH=$(outside_checkout "${CMAKE_PREFIX_PATH:-}")
-  export PATH PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH
+  local list
+  find_checkouts
+  for list in PATH PYTHONPATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH LD_LIBRARY_PATH; do
+    export "$list=$(outside_checkouts "${!list:-}")"
+  done
   unset _ROS_WHEELS_BOOTSTRAP_COMPLETE COLCON_PREFIX_PATH VIRTUAL_ENV PYTHONHOME
   if ros_is_sourced; then
     ROS_KIND=sourced
