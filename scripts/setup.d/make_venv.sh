@@ -80,7 +80,7 @@ install_flight_packages() {
 }
 
 make_venv() {
-  rm -rf -- "$VENV" "$ROOT/build" "$ROOT/install"
+  set_aside
   MAKING=$VENV
   logged "python -m venv failed" "$PYTHON" -m venv ${1:+"$1"} "$VENV"
   mkdir -p "$STAMPS"
@@ -98,6 +98,7 @@ ensure_venv() {
   install_flight_packages
   stamp venv "$(venv_hash)"
   MAKING=
+  rm -rf -- "$REPLACED"
 }
 
 ensure_dev() {

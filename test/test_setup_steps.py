@@ -1,0 +1,69 @@
+"""scripts/setup: the .venv that a failure leaves; a shell script stands for Python, venv and pip."""
+
+import pytest
+from fresh_checkout import BASE_PYTHON, Checkout
+
+PYTHON = """for last; do :; done
+case "$*" in
+  *"-m venv"*) mkdir -p "$last/bin" && cp "$0" "$last/bin/python" ;;
+  *"-m pip"*) {pip} ;;
+  *sys.executable*) echo "$0" ;;
+  *rclpy*) exit 1 ;;
+  *repair_cmake_exports*) ;;
+  *) exec "{python}" "$@" ;;
+esac"""
+NO_NETWORK = "echo Network is unreachable; exit 1"
+WHOLE = (".venv/q2q/kept", "build/kept", "install/kept")
+
+
+@pytest.fixture
+def bare(checkout: Checkout) -> Checkout:
+    """Return a checkout whose compilers are found and whose pip fails for lack of a network."""
+    checkout.env.update(CC="true", CXX="true")
+    set_pip(checkout, NO_NETWORK)
+    return checkout
+
+
+def set_pip(checkout: Checkout, script: str) -> None:
+    """Let pip be a line of shell."""
+    checkout.tool("python3", PYTHON.format(pip=script, python=BASE_PYTHON))
+
+
+def add_set_up(checkout: Checkout) -> None:
+    """Write a complete set-up on another Python."""
+    for name in WHOLE:
+        (checkout.root / name).parent.mkdir(parents=True)
+        (checkout.root / name).touch()
+    (checkout.root / ".venv/q2q/origin").write_text("wheels of another Python\n")
+    (checkout.root / ".venv/q2q/venv").write_text("of its requirements\n")
+
+
+def kept(checkout: Checkout) -> list[str]:
+    """Return the files of `add_set_up` that are there, and any that is set aside."""
+    found = (path.relative_to(checkout.root) for path in checkout.root.rglob("kept"))
+    return sorted(map(str, (*found, *checkout.root.glob(".replaced"))))
+
+
+def test_a_set_up_is_kept_where_its_successor_cannot_be_made(bare: Checkout) -> None:
+    add_set_up(bare)
+    done = bare.setup()
+    assert "no network" in done.stderr
+    assert kept(bare) == [*WHOLE]
+
+
+def test_a_set_up_is_kept_also_where_its_successor_was_killed_before(bare: Checkout) -> None:
+    add_set_up(bare)
+    set_pip(bare, "kill -KILL $PPID")
+    bare.setup()
+    assert not (bare.root / ".venv/q2q/venv").exists()
+    set_pip(bare, NO_NETWORK)
+    bare.setup()
+    assert kept(bare) == [*WHOLE]
+
+
+def test_a_set_up_goes_when_its_successor_is_complete(bare: Checkout) -> None:
+    add_set_up(bare)
+    set_pip(bare, "exit 0")
+    assert "colcon build failed" in bare.setup().stderr
+    assert (bare.root / ".venv/q2q/venv").exists()
+    assert kept(bare) == []
