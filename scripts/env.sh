@@ -23,10 +23,9 @@ _q2q_enter() {
   export VIRTUAL_ENV=$venv
   export ROS_AUTOMATIC_DISCOVERY_RANGE=${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}
   # What env.sh of another checkout set is no choice of the user.
-  [ ! -d "${NUMBA_CACHE_DIR%/build/numba}/.venv/q2q" ] || unset NUMBA_CACHE_DIR
   [ ! -d "${Q2Q_DATA%/../shared/data}/.venv/q2q" ] || unset Q2Q_DATA
-  export NUMBA_CACHE_DIR=${NUMBA_CACHE_DIR:-$_q2q_root/build/numba}
   export Q2Q_DATA=${Q2Q_DATA:-$_q2q_root/../shared/data}
+  export NUMBA_CACHE_DIR=$(sh "$_q2q_root/scripts/setup.d/numba_cache.sh" "$_q2q_root")
   # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.
   COLCON_PYTHON_EXECUTABLE=$(readlink -f "$venv/bin/python")
   . "$_q2q_root/install/local_setup.$shell"

@@ -22,7 +22,6 @@ workspace_environment() {
   # colcon's script calls Python unquoted: the real interpreter's path has no space where the checkout's has.
   COLCON_PYTHON_EXECUTABLE=$(readlink -f "$VENV/bin/python")
   . "$ROOT/install/local_setup.bash"
-  export NUMBA_CACHE_DIR=$ROOT/build/numba
 }
 
 colcon_build() (

@@ -1,15 +1,17 @@
-# build/numba: the machine code of all compiled functions; sourced by scripts/setup.
+# The machine code of all compiled functions; sourced by scripts/setup. Sets NUMBA_CACHE_DIR, its folder.
 
-# What the machine code is made of: every source that makes a kernel. A constant that it reads from elsewhere is
-# not seen here; its kernel is compiled when a node starts.
+export NUMBA_CACHE_DIR=$(sh "$ROOT/scripts/setup.d/numba_cache.sh" "$ROOT")
+
+# Where the machine code is, and what it is made of: every source that makes a kernel. A constant that it reads from
+# elsewhere is not seen here; its kernel is compiled when a node starts.
 kernels_hash() {
   {
-    venv_hash
+    echo "$NUMBA_CACHE_DIR" && venv_hash
     cd "$ROOT/src" && grep -rlZ --include='*.py' 'q2q_model.compiled import' . | sort -z | xargs -0 cat
   } | sha256sum
 }
 
-kernels_are_compiled() { fresh kernels "$(kernels_hash)" && [ -d "$ROOT/build/numba" ]; }
+kernels_are_compiled() { fresh kernels "$(kernels_hash)" && [ -d "$NUMBA_CACHE_DIR" ]; }
 
 compile_kernels() (
   workspace_environment
@@ -19,9 +21,8 @@ compile_kernels() (
 # A failure is no reason to refuse a shell: nodes compile what they lack when they start.
 ensure_kernels() {
   kernels_are_compiled && return
-  report "machine code of the kernels, in build/numba (first time: several minutes)"
-  mkdir -p "$ROOT/build/numba"
-  if in_log compile_kernels; then
+  report "machine code of the kernels, in ${NUMBA_CACHE_DIR#"$ROOT/"} (first time: several minutes)"
+  if in_log mkdir -p "$NUMBA_CACHE_DIR" && in_log test -w "$NUMBA_CACHE_DIR" && in_log compile_kernels; then
     stamp kernels "$(kernels_hash)"
   else
     report "warning: kernels are left to be compiled when a node starts: $(last_step | tail -n 1) (all of it in $LOG)"
