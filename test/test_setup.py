@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -72,6 +73,15 @@ def test_a_checkout_of_another_user_is_left_alone(checkout: Checkout):
     assert done.returncode == 1
     assert f"{checkout.root} cannot be written by" in error_line(done.stderr)
     assert kept.exists()
+
+
+@pytest.mark.parametrize("name", ["höuse", "家"])
+def test_a_path_that_ros_cannot_build_in_is_refused_at_once(checkout: Checkout, name: str):
+    """Its messages failed to build, after everything had been fetched."""
+    house = checkout.root.rename(checkout.root.parent / name)
+    done = replace(checkout, root=house).setup(CC="no-such-compiler", LANG="C.UTF-8")
+    assert f"{house} has letters outside ASCII" in error_line(done.stderr)
+    assert not (house / "log").exists()
 
 
 @pytest.mark.parametrize(("hidden", "language"), [(("cc",), "C"), (("c++",), "C++")])
