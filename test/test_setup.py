@@ -109,6 +109,21 @@ def test_a_shim_that_does_not_run_is_passed_over_and_said(checkout: Checkout):
     assert not (checkout.root / ".venv").exists()
 
 
+@pytest.mark.parametrize("script", ["exit 127", None])
+@pytest.mark.parametrize("command", ["scripts/setup", "scripts/site"])
+def test_a_chosen_python_is_taken_or_refused(checkout: Checkout, command: str, script: str | None):
+    """Another one was taken, silently."""
+    if script:
+        checkout.tool("chosen", script)
+    chosen = str(checkout.bin / "chosen")
+    done = checkout.shell(command, CC="true", CXX="true", Q2Q_PYTHON=chosen, **UNREACHABLE)
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert f"Q2Q_PYTHON: {chosen} does not run" in line
+    assert "or unset Q2Q_PYTHON" in line
+    assert not list(checkout.root.glob(".venv*"))
+
+
 def test_an_old_python_is_refused_with_its_version(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "version_info", (3, 9, 2, "final", 0))
     assert python_problem()() == "is Python 3.9, and 3.11 or 3.12 is needed"

@@ -32,6 +32,8 @@ python_problem() {
   return 1
 }
 
+path_of_python() { "$1" -I -c 'import sys; print(sys.executable)'; }
+
 # Succeed when a ROS prefix can build messages: it has the generators, and its exports name folders that exist.
 ros_builds_messages() {
   local prefix
@@ -56,12 +58,15 @@ ros_is_sourced() {
 
 choose_python() {
   local candidate problem problems=
-  for candidate in ${Q2Q_PYTHON:+"$Q2Q_PYTHON"} python3 python3.11 python3.12; do
+  if [ -n "${Q2Q_PYTHON:-}" ]; then
+    problem=$(python_problem "$Q2Q_PYTHON") ||
+      die "Q2Q_PYTHON: $problem. Name a Python 3.11 or 3.12 with venv and headers, or unset Q2Q_PYTHON"
+    PYTHON=$(path_of_python "$Q2Q_PYTHON")
+    return
+  fi
+  for candidate in python3 python3.11 python3.12; do
     command -v "$candidate" >/dev/null || continue
-    if problem=$(python_problem "$candidate"); then
-      PYTHON=$("$candidate" -I -c 'import sys; print(sys.executable)')
-      return
-    fi
+    problem=$(python_problem "$candidate") && PYTHON=$(path_of_python "$candidate") && return
     problems="$problems; $problem"
   done
   die "no usable Python${problems/#;/:}. Install Python 3.11 or 3.12 with venv and headers" \
@@ -87,7 +92,7 @@ find_python() {
     choose_python
     return
   fi
-  PYTHON=$(python3 -c 'import sys; print(sys.executable)')
+  PYTHON=$(path_of_python python3)
   local problem
   problem=$(python_problem "$PYTHON") || die "the Python of the sourced ROS 2: $problem"
 }
