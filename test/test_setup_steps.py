@@ -101,3 +101,21 @@ def test_machine_code_goes_where_nodes_look_for_it(bare: Checkout) -> None:
         assert done.returncode == 0, done.stderr
     assert (bare.root / "compiled").read_text().splitlines() == [str(own), str(chosen), str(own)]
     assert chosen.is_dir()
+
+
+def test_cflib_is_left_out_where_it_does_not_fit_and_asked_for_again_after_a_network_failure(
+    bare: Checkout,
+) -> None:
+    stamp = bare.root / ".venv/q2q/dev"
+    set_pip(bare, f'case "$*" in *radio.txt*) {NO_NETWORK} ;; esac')
+    done = bare.setup("--dev")
+    assert done.returncode == 1
+    assert "setup: error: no network" in done.stderr
+    assert stamp.read_text() == "incomplete\n"
+
+    set_pip(bare, 'case "$*" in *radio.txt*) echo ResolutionImpossible; exit 1 ;; esac')
+    (bare.bin / "python3").rename(bare.root / ".venv/bin/python")
+    done = bare.setup("--dev")
+    assert done.returncode == 0
+    assert "cflib does not go with this Python's packages" in done.stderr
+    assert stamp.read_text() != "incomplete\n"

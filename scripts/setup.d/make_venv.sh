@@ -109,8 +109,10 @@ ensure_dev() {
   begin dev
   logged "the packages of requirements/dev.txt could not be installed" \
     pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
-  in_log pip_install -r "$ROOT/requirements/radio.txt" ||
+  in_log pip_install -r "$ROOT/requirements/radio.txt" || {
+    die_without_network
     report "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
+  }
   report "step 2c of 3: torch, CPU build"
   in_log pip_install -r "$ROOT/requirements/train.txt" ||
     in_log pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" ||
