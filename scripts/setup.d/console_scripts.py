@@ -6,10 +6,11 @@ shell line that Python reads as a string) works everywhere.
 """
 
 import sys
-from configparser import ConfigParser
+from importlib.metadata import EntryPoint, PathDistribution
 from pathlib import Path
 
 MADE_BY_SETUPTOOLS = "load_entry_point"
+MADE_HERE = '"""Start {}\'s '
 LONGEST = 120
 """Longest path of an interpreter that every kernel takes from a first line."""
 SCRIPT = '''{first}
@@ -29,25 +30,25 @@ PORTABLE = """#!/bin/sh
 
 
 def rewrite(root: Path, python: str) -> None:
-    """Rewrite the scripts `install/PKG/lib/PKG/EXE` of a checkout's packages."""
+    """Rewrite the scripts `install/PKG/lib/PKG/EXE` of a checkout; remove those that no entry point has."""
     first = (PORTABLE if " " in python or len(python) > LONGEST else PLAIN).format(python=python)
-    for listed in (root / "build").glob("*/*.egg-info/entry_points.txt"):
-        package = listed.parts[-3]
-        for name, target in _entries(listed).items():
-            path = root / "install" / package / "lib" / package / name
-            if path.is_file() and MADE_BY_SETUPTOOLS in path.read_text(encoding="utf-8"):
-                module, _, function = target.partition(":")
-                text = SCRIPT.format(
-                    first=first, package=package, name=name, module=module, function=function
-                )
-                path.write_text(text, encoding="utf-8")
+    for info in (root / "build").glob("*/*.egg-info"):
+        package = info.parts[-2]
+        entries = {
+            one.name: one for one in PathDistribution(info).entry_points.select(group="console_scripts")
+        }
+        for path in (root / "install" / package / "lib" / package).glob("*"):
+            text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+            if path.name not in entries and (MADE_BY_SETUPTOOLS in text or MADE_HERE.format(package) in text):
+                path.unlink()
+            elif MADE_BY_SETUPTOOLS in text:
+                path.write_text(_script(first, package, entries[path.name]), encoding="utf-8")
 
 
-def _entries(listed: Path) -> dict[str, str]:
-    """Return the console scripts of an entry_points.txt: name -> module:function."""
-    parser = ConfigParser(delimiters=("=",))
-    parser.read(listed, encoding="utf-8")
-    return dict(parser["console_scripts"]) if parser.has_section("console_scripts") else {}
+def _script(first: str, package: str, entry: EntryPoint) -> str:
+    return SCRIPT.format(
+        first=first, package=package, name=entry.name, module=entry.module, function=entry.attr
+    )
 
 
 if __name__ == "__main__":
