@@ -11,6 +11,7 @@ from documentation import blocks
 from fresh_checkout import ROOT
 
 from q2q_model.files.find_model import find_model
+from q2q_model.flights.flight import Flight
 from q2q_model.identification.selection.candidates import FORMS
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.air.find_air import find_air
@@ -24,6 +25,7 @@ COLUMN = ROOT / "docs/tutorials/add_an_interaction_model.md"
 IDENTIFY = ROOT / "docs/tutorials/identify_your_bag.md"
 REAL_FLIGHTS = ROOT / "docs/real_flights.md"
 TUTORIAL = ROOT / "docs/tutorials/fly_your_scenario.md"
+WORDS = " ".join(TUTORIAL.read_text(encoding="utf-8").split())
 QUOTED = re.compile(
     r"`cf2` has a height error of (\d+) mm rms and sinks by (\d+) cm.*?Aware of it, the error is (\d+) mm",
     re.DOTALL,
@@ -40,10 +42,14 @@ OTHERS: tuple[tuple[str, Mode, str, str], ...] = (
 
 def flown(path: Path, mode: Mode, controller: str = "pid", replan: str = "none") -> VehicleMetrics:
     """Return the metrics of cf2."""
+    return measure(recorded(path, mode, controller, replan), library.load(str(path)).vehicle).vehicles["cf2"]
+
+
+def recorded(path: Path, mode: Mode, controller: str = "pid", replan: str = "none") -> Flight:
+    """Return the flight of a scenario's file."""
     scenario = library.load(str(path))
     model, air = find_model(scenario.model).interaction, find_air(scenario.air)
-    options = FlightOptions(mode, controller, replan, model=model, air=air)
-    return measure(fly(scenario, options), scenario.vehicle).vehicles["cf2"]
+    return fly(scenario, FlightOptions(mode, controller, replan, model=model, air=air))
 
 
 def test_the_errors_of_the_tutorials_first_two_flights_are_those_quoted(tmp_path: Path) -> None:
@@ -68,6 +74,22 @@ def test_the_errors_of_its_replanners_and_mpc_are_those_quoted(
     assert found is not None
     error = flown(path, mode, controller, replan).z_rmse_m
     assert 1000.0 * error == pytest.approx(float(found[1]), abs=0.5)
+
+
+def test_the_papers_gains_fly_this_scenario_as_quoted(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    text = next(one.text for one in blocks(TUTORIAL) if one.action == "write")
+    path.write_text(re.sub(r"^  pid: .*\n", "", text, flags=re.MULTILINE))
+    words = r"`cf1`, in clear air, is ([\d.]+) m off \(rms\), and `cf2` ([\d.]+) m: .* floor at ([\d.]+) s"
+    quoted = re.search(words, WORDS)
+    assert quoted is not None
+    flight = recorded(path, "ignoring")
+    errors = measure(flight, library.load(str(path)).vehicle).vehicles
+    for name, error in zip(("cf1", "cf2"), quoted.groups(), strict=False):
+        assert errors[name].z_rmse_m == pytest.approx(float(error), abs=0.005)  # quoted to the last digit
+    lowest = int(np.argmin(flight.true_pos[:, 1, 2]))
+    assert flight.true_pos[lowest, 1, 2] < 0.01
+    assert flight.t[lowest] == pytest.approx(float(quoted[3]), abs=0.05)
 
 
 def test_the_error_with_its_faults_is_that_quoted(tmp_path: Path) -> None:
