@@ -76,6 +76,22 @@ def test_the_errors_of_its_replanners_and_mpc_are_those_quoted(
     assert 1000.0 * error == pytest.approx(float(found[1]), abs=0.5)
 
 
+def test_the_mpc_raises_its_thrust_as_long_before_the_downwash_as_quoted_and_does_not_climb(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(next(one.text for one in blocks(TUTORIAL) if one.action == "write"))
+    quoted = re.search(r"thrust ([\d.]+) s before `cf2` enters.*?(\d) mm lower", WORDS)
+    assert quoted is not None
+    aware, ignoring = (recorded(path, mode, "mpc") for mode in ("aware", "ignoring"))
+    enters = int(np.flatnonzero(aware.eta[:, 1, 2] < -0.1)[0])  # the threshold of the zone [m/s^2]
+    raises = int(np.flatnonzero(aware.thrust[:, 1] > ignoring.thrust[:, 1] + 0.002)[0])  # 0.6 % of the weight
+    assert aware.t[enters] - aware.t[raises] == pytest.approx(float(quoted[1]), abs=0.05)
+    higher = (aware.true_pos - ignoring.true_pos)[:enters, 1, 2]
+    assert higher.max() < 1e-4  # both fly alike until the prediction shows the downwash
+    assert -1000.0 * higher.min() == pytest.approx(float(quoted[2]), abs=0.5)
+
+
 def test_the_papers_gains_fly_this_scenario_as_quoted(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     text = next(one.text for one in blocks(TUTORIAL) if one.action == "write")
