@@ -171,7 +171,7 @@ class SafeReplanner:
         committed, traffic = traffic_at(committed, reference, growth, external, params)
         wanted = wanted_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
-        choice = self._choice(committed, traffic, wanted)
+        choice = _choice(committed, traffic, wanted, self._proven, _rule(params, self._turn))
         self._committed, decision = decide(committed, wanted, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
         broken = (choice == BROKEN) | off | decision.outside | unheard
@@ -200,15 +200,25 @@ class SafeReplanner:
         proven[both] = self._proven[np.ix_(rows[rows >= 0], columns[columns >= 0])]
         self._known, self._proven = (own, external), proven
 
-    def _choice(self, committed: CommittedMotion, traffic: TrafficTable, wanted: WantedMotion) -> Choices:
-        """Return the choice of each vehicle of the swarm, (n,); what is proven is updated in place."""
-        params = self._grown
-        if not (params.enabled and len(traffic.pairs.i)):
-            return np.full(traffic.own, NEW, dtype=np.int8)
-        law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
-        rule = ChoiceRule(law, FLOOR, params.hold, self._turn)
-        whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
-        return choices_at(committed.rows, wanted, whole, self._proven, rule)
+
+def _rule(params: SafeReplannerParams, turn: int) -> ChoiceRule | None:
+    """Return the rule of a tick; None if the replanner is off."""
+    law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
+    return ChoiceRule(law, FLOOR, params.hold, turn) if params.enabled else None
+
+
+def _choice(
+    committed: CommittedMotion,
+    traffic: TrafficTable,
+    wanted: WantedMotion,
+    proven: Proven,
+    rule: ChoiceRule | None,
+) -> Choices:
+    """Return the choice of each vehicle of the swarm, (n,); `proven` is updated in place."""
+    if rule is None or not len(traffic.pairs.i):
+        return np.full(traffic.own, NEW, dtype=np.int8)
+    whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
+    return choices_at(committed.rows, wanted, whole, proven, rule)
 
 
 def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
