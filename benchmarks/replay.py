@@ -12,7 +12,7 @@ from time import perf_counter
 
 from playwright.sync_api import Browser, sync_playwright
 
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.replay_page import ReplayRun, replay_html, replay_run

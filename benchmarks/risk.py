@@ -18,8 +18,8 @@ import numpy as np
 
 from q2q_model.commands.command_line import CommandLine
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
-from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Ellipsoid, Zone
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, vehicle_by_name
 from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, plan_swap, random_swap

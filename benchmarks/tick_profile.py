@@ -88,7 +88,7 @@ def _profile(way: str, scenario: str, out: Path) -> int:
 
 
 def _fly_pure(name: str) -> int:
-    from q2q_model.files.find_model import find_model
+    from q2q_model.model_files.find_model import find_model
     from q2q_sim.loop.closed_loop import FlightOptions, fly
     from q2q_sim.scenarios import library
 

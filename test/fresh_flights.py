@@ -27,9 +27,9 @@ from q2q_model.compiled import COMPILED, twice_compiled, uncalled_kernels
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.model_files.find_model import find_model
 from q2q_model.node.rehearsal import rehearse
 from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.signals.cdr import SignalReader, encode

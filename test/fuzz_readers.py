@@ -23,8 +23,8 @@ import numpy as np
 
 with atheris.instrument_imports(include=["q2q_model", "q2q_planner", "q2q_sim", "yaml", "rosbags"]):
     from q2q_model.bag import BagError, BagReader, BagWriter
-    from q2q_model.files import model_file
-    from q2q_model.files.find_model import find_model
+    from q2q_model.model_files import model_file
+    from q2q_model.model_files.find_model import find_model
     from q2q_model.node.rehearsal import rehearsal
     from q2q_model.signals.cdr import decode, encode
     from q2q_model.signals.layout import LAYOUTS

@@ -14,7 +14,7 @@ from room_node import RoomNode, Servers
 from std_srvs.srv import Trigger
 
 from q2q_control.flight_procedure.steps import Call
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.node.reply import Reply
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode

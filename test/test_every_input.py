@@ -25,7 +25,7 @@ from q2q_msgs.msg import Plan, Prediction
 from rclpy.clock import Clock
 from std_msgs.msg import String
 
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.node.rehearsal import rehearsal
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.online_identification import OnlineIdentification

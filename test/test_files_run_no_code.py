@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from q2q_model.files.model_names import shipped_models
+from q2q_model.model_files.model_names import shipped_models
 from q2q_model.trajectory import plan_file
 from q2q_sim.air.air_names import air_path
 from q2q_sim.loop import flight_blocks
 from q2q_sim.scenarios import library
 
 READERS = {
-    ".q2q": "q2q_model.files.model_file",
+    ".q2q": "q2q_model.model_files.model_file",
     ".json": "q2q_model.trajectory.plan_file",
     ".air": "q2q_sim.air.air_file",
     ".yaml": "q2q_sim.scenarios.library",

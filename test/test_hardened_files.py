@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_model.bag import BagError, BagReader
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_names import ModelFileError
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.trajectory import plan_file
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
 from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document

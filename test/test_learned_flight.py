@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.commands import identify
-from q2q_model.files.model_file import load
+from q2q_model.model_files.model_file import load
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.scenarios import library
 

@@ -14,9 +14,9 @@ from rclpy.node import Node
 from q2q_control.mpc.prediction.time_slots import RATE_HZ
 from q2q_model.bag import BagReader, read_facts
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_names import ModelFileError
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.ros.node.ready import offer_ready
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES

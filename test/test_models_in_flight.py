@@ -8,8 +8,8 @@ from room_node import RoomNode
 from std_msgs.msg import String
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import ModelFile, encode
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import ModelFile, encode
 from q2q_model.node.health import Health, Level, health_report
 from q2q_model.ros import interference_node
 from q2q_model.ros.node.tick_wiring import TickWiring

@@ -198,7 +198,7 @@ def test_an_unknown_vehicle_is_refused_with_the_known_ones() -> None:
 
 
 def test_a_model_file_cut_in_half_is_refused_by_name(tmp_path: Path) -> None:
-    from q2q_model.files.model_names import shipped_models
+    from q2q_model.model_files.model_names import shipped_models
 
     whole = (shipped_models() / "paper_law.q2q").read_text()
     cut = tmp_path / "cut.q2q"

@@ -15,8 +15,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import decode, load, save
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import decode, load, save
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.processes.processes import find_executable

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import Fit, ModelFile, RoleScores, load
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import Fit, ModelFile, RoleScores, load
 from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal

@@ -24,7 +24,7 @@ from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import full_states, level_rpyt, rpyt_setpoints
 from q2q_control.radio.vehicle_record import Phase
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at

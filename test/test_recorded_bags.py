@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from q2q_model.bag import BagReader, read_facts, read_flight
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.outliers import find_outliers
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame, TrackStatus
 from q2q_sim.flight.scenario_flight import FlightRequest, facts_of

@@ -11,7 +11,7 @@ import pytest
 import yaml
 from two_hosts import ADDRESS, DESK, ROOM
 
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
 from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.loop.closed_loop import fly as fly_pure

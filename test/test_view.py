@@ -11,8 +11,8 @@ from fresh_checkout import ROOT
 from open_ports import addresses_of
 from visualization_msgs.msg import Marker, MarkerArray
 
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode

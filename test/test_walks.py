@@ -13,7 +13,7 @@ from fresh_checkout import ROOT
 
 from q2q_model.commands import identify
 from q2q_model.compiled import KERNELS
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_model.tools import identify_flights
 from q2q_sim.loop.closed_loop import FlightOptions, fly
@@ -46,7 +46,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
     "q2q_model/documents/sealed_json.py",
-    "q2q_model/files/model_bounds.py",
+    "q2q_model/model_files/model_bounds.py",
     "q2q_model/flights/unit_check.py",
     "q2q_model/flights/up_axis.py",
     "q2q_model/forked.py",

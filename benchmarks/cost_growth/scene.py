@@ -12,7 +12,7 @@ from math import ceil, sqrt
 from time import process_time
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import (

@@ -29,9 +29,9 @@ from q2q.simulation import fly
 from q2q_control.inputs.controller import Controller
 from q2q_model.compilation_notice import give_notice_of_compilation
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.identification import Identification
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.wake import AirSetup, Push, Sources, Wake

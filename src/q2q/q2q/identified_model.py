@@ -11,11 +11,11 @@ from threadpoolctl import threadpool_limits
 from q2q.argument_checks import check_positive
 from q2q.checked_model import CheckedModel
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.files import model_file
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import MODELS, ModelFile
 from q2q_model.identification.identification import Identification, ProcedureParams
 from q2q_model.identification.identification import identify as identify_recordings
+from q2q_model.model_files import model_file
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import MODELS, ModelFile
 from q2q_model.recordings.bag_recordings import recordings_of_bags, topic_map
 from q2q_model.tools.bag_vehicle import common_vehicle
 

@@ -7,7 +7,7 @@ import pytest
 
 import q2q
 from q2q_control.pid.pid import Pid
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_sim.air.air_names import AirError
 from q2q_sim.loop.closed_loop import FlightOptions

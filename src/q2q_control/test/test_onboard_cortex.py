@@ -9,7 +9,7 @@ import pytest
 
 from q2q_control.onboard.app_folder import CORE, write_app
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, Jet
-from q2q_model.files.model_file import ModelFile
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 GCC, QEMU = "arm-none-eabi-gcc", "qemu-system-arm"

@@ -11,7 +11,6 @@ from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.files.model_file import RoleScores
 from q2q_model.flights.flight import of_vehicle
 from q2q_model.identification.downwash_evidence import DownwashEvidence, has_exposure, is_lower, largest_gap
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
@@ -24,6 +23,7 @@ from q2q_model.identification.selection.candidates import (
     score_candidates,
 )
 from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
+from q2q_model.model_files.model_file import RoleScores
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, SwarmState
 from q2q_model.vehicle.altitude_loop import AltitudeLoop

@@ -12,9 +12,9 @@ from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.roles import BLEND
-from q2q_model.files.model_bounds import CLIMB, LARGEST, check_model
-from q2q_model.files.model_file import ModelFile, decode, encode, load, save
-from q2q_model.files.model_names import ModelFileError
+from q2q_model.model_files.model_bounds import CLIMB, LARGEST, check_model
+from q2q_model.model_files.model_file import ModelFile, decode, encode, load, save
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.vehicle.constants import CONTACT
 
 RISING = Jet(strength=20.0, decay="exponential", decay_rate=-5.0, reference_gap=0.0, range=10.0)

@@ -12,10 +12,10 @@ from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
-from q2q_model.files.model_names import ModelFileError, shipped_models
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import Fit, ModelFile, RoleScores, decode, encode, load, save
+from q2q_model.model_files.model_names import ModelFileError, shipped_models
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 
 

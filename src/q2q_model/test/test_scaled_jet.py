@@ -11,8 +11,8 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MOVING_LAW
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.scaled_jet import AIR_DENSITY, CRAZYFLIE, SCALING_STD, QuadrotorSize, scaled_jet
-from q2q_model.files.model_file import ModelFile, load, save
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.model_files.model_file import ModelFile, load, save
 from q2q_model.vehicle.constants import GRAVITY
 
 TWICE = QuadrotorSize(mass=8.0 * CRAZYFLIE.mass, rotor_radius=2.0 * CRAZYFLIE.rotor_radius)

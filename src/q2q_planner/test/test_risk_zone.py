@@ -11,7 +11,7 @@ from scipy.stats import norm
 
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.interaction_model import pairs_at_rest
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.plan_file import load_with_facts
 from q2q_planner.commands.plan import main
 from q2q_planner.offline.certified_file import load_plan

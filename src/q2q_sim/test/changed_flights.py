@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.loop.closed_loop import FlightOptions, fly

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly

@@ -7,8 +7,8 @@ import numpy as np
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.metrics import measure

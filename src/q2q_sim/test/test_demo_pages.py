@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW
-from q2q_model.files.find_model import find_model
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_model.identification.push.push_samples import PushSamples, PushScore
+from q2q_model.model_files.find_model import find_model
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.loop.closed_loop import FlightOptions, fly

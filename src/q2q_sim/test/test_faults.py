@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from q2q_model.documents.plain_values import from_plain
-from q2q_model.files.find_model import find_model
 from q2q_model.geometry.rotations import matrix_from_quat
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, random_faults

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.recording import FlightRecording

@@ -12,7 +12,7 @@ import pytest
 from q2q_control.onboard.app_folder import write_app
 from q2q_control.onboard.native_app import AppBuildError, AppLibrary, compile_app
 from q2q_model.downwash.jet import MEASURED_LAW
-from q2q_model.files.model_file import ModelFile
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at

@@ -11,11 +11,11 @@ import pytest
 
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import PidParams
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import ModelFile
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from q2q_model.documents.plain_values import to_plain
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan

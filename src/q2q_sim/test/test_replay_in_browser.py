@@ -14,7 +14,7 @@ import pytest
 from matplotlib.image import imread
 from playwright.sync_api import Browser, sync_playwright
 
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.loop.closed_loop import FlightOptions, fly

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from q2q_model.bag import BagWriter, FlightFacts
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_sim.commands import policies, report
 from q2q_sim.flight.scenario_flight import FlightRequest, facts_of

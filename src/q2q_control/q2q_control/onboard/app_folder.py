@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from q2q_control.onboard.model_header import AppRates, model_header
-from q2q_model.files.model_file import ModelFile
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.vehicle.constants import Vehicle
 
 SOURCES = Path(__file__).parent / "firmware_app"

@@ -17,7 +17,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import STEEPEST, Jet
 from q2q_model.downwash.roles import BLEND
 from q2q_model.downwash.source_strength import HALF_SPAN_S, PAIRS_ALONE, source_terms
-from q2q_model.files.model_file import ModelFile
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 

@@ -20,7 +20,7 @@ from q2q_control.pid.pid import Pid, PidParams
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring

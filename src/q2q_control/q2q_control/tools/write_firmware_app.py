@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from q2q_control.onboard.app_folder import write_app
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import vehicle_by_name
 
 

@@ -24,7 +24,7 @@ from q2q_model.commands.command_line import (
     run_command,
 )
 from q2q_model.commands.recording_options import add_recording_options
-from q2q_model.files.model_names import model_path
+from q2q_model.model_files.model_names import model_path
 
 EXAMPLE = "  ros2 run q2q_model evaluate --model model.q2q flight1 flight2 --json scores.json"
 

@@ -16,7 +16,7 @@ from q2q_model.commands.command_line import (
     run_command,
 )
 from q2q_model.commands.recording_options import add_recording_options
-from q2q_model.files.model_names import check_model_name
+from q2q_model.model_files.model_names import check_model_name
 
 EXAMPLE = """  ros2 run q2q_model identify bags/table2_* --out model.q2q --json report.json
   ros2 run q2q_model identify flight1 flight2 --out model.q2q --model-type jet

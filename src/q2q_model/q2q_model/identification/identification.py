@@ -12,7 +12,6 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
-from q2q_model.files.model_file import Fit, ModelFile
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
@@ -39,6 +38,7 @@ from q2q_model.identification.selection.candidates import (
     with_deviation,
 )
 from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
+from q2q_model.model_files.model_file import Fit, ModelFile
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, Vehicle

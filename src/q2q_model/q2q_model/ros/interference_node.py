@@ -10,9 +10,9 @@ from std_msgs.msg import String
 from q2q_model.downwash.correction.corrected_predictor import CorrectedPredictor
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import ModelFile, decode
-from q2q_model.files.model_names import ModelFileError
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import ModelFile, decode
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.node.health import Health
 from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.measured_ticks import receive_measured_ticks

@@ -6,7 +6,6 @@ from pathlib import Path
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from q2q_model.files.model_file import Fit, ModelFile, encode, save
 from q2q_model.identification.carried_weight import CarriedWeight
 from q2q_model.identification.online_refinement import (
     OnlineEstimate,
@@ -15,6 +14,7 @@ from q2q_model.identification.online_refinement import (
     PublishedGain,
     limit_reached,
 )
+from q2q_model.model_files.model_file import Fit, ModelFile, encode, save
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run

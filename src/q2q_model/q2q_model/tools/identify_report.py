@@ -6,13 +6,13 @@ from dataclasses import asdict, fields
 from q2q_model.counted import counted
 from q2q_model.documents.plain_values import Plain
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.model_file import RoleScores
 from q2q_model.identification.deviation import DeviationParams
 from q2q_model.identification.downwash_evidence import every_record
 from q2q_model.identification.identification import Identification
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.loading import usable_loading
 from q2q_model.identification.selection.candidates import Trial
+from q2q_model.model_files.model_file import RoleScores
 from q2q_model.tunable import tunable_of
 
 UNITS = {one.name: tunable_of(one).unit for one in fields(Jet)} | {"slowness": "s/m"}

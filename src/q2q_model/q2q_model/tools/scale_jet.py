@@ -6,9 +6,9 @@ from dataclasses import replace
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.scaled_jet import QuadrotorSize, scaled_jet
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_file import Fit, ModelFile, save
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import Fit, ModelFile, save
 
 
 def run(args: Namespace) -> int:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.same_flight import IN_FIT, is_among
 from q2q_model.identification.push.push_samples import (
     FEWEST_FREE,
@@ -19,6 +18,7 @@ from q2q_model.identification.push.push_samples import (
 )
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
+from q2q_model.model_files.find_model import find_model
 from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags, topic_map
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.tools.bag_vehicle import common_vehicle

@@ -18,7 +18,7 @@ from q2q_model.commands.command_line import (
     require_existing,
     run_command,
 )
-from q2q_model.files.model_names import check_model_name
+from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json

@@ -7,8 +7,8 @@ from math import isfinite
 from time import process_time
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Zone
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts

@@ -5,7 +5,7 @@ from argparse import Namespace
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import push_at_range
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import CONTACT, GRAVITY, Vehicle
 from q2q_planner.offline.convex_zone import ConvexZone
 from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone

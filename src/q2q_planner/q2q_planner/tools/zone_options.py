@@ -4,9 +4,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.downwash.level_set import level_set
-from q2q_model.files.find_model import find_model
-from q2q_model.files.model_names import NONE
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_names import NONE
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams

@@ -14,7 +14,7 @@ from q2q_model.commands.command_line import (
     run_command,
     whole_number,
 )
-from q2q_model.files.model_names import check_model_name
+from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios import scenario_files

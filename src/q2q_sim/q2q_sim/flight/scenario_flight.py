@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from q2q_model.bag import FlightFacts, facts_as_text
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.topic_names import PREDICTIONS
 from q2q_model.trajectory import plan_file

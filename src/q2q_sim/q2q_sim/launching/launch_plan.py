@@ -11,7 +11,7 @@ from pathlib import Path
 
 from q2q_control.pid.gains_file import TUNED, load_gains
 from q2q_model.bag import FlightFacts, facts_as_text
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, Vehicle, firmware_of, vehicle_by_name
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK

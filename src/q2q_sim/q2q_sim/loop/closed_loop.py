@@ -42,7 +42,7 @@ class FlightOptions:
     seed: int = 0
     model: InteractionModel = field(default_factory=NoInteraction)
     """Interaction model of the predictor; the scenario's own is find_model(scenario.model).interaction
-    (q2q_model.files.find_model)."""
+    (q2q_model.model_files.find_model)."""
     air: FlownAir | None = None
     """Air in place of the scenario's air, or wake and disturbance."""
     plan: SwarmPlan | None = None

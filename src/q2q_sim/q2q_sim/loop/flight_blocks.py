@@ -22,8 +22,8 @@ from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.files.model_file import ModelFile
 from q2q_model.geometry.zone import Zone
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import SwarmImu
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones

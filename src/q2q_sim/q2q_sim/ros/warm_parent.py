@@ -23,7 +23,7 @@ REHEARSED_S = 0.05
 
 def rehearse() -> None:
     """Fly a few ticks with each controller."""
-    from q2q_model.files.find_model import find_model
+    from q2q_model.model_files.find_model import find_model
     from q2q_sim.loop.closed_loop import FlightOptions, fly
     from q2q_sim.scenarios import library
 

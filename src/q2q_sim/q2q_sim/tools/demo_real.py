@@ -13,10 +13,10 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.files.model_file import Fit, ModelFile, save
 from q2q_model.identification.push.held_out_flights import HeldOutScores, held_out_scores
 from q2q_model.identification.push.push_samples import FEWEST_FREE, PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.model_files.model_file import Fit, ModelFile, save
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
 from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
 from q2q_model.vehicle.constants import Vehicle

@@ -22,9 +22,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
 from q2q_model import palette
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.rotations import rotate
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_sim.air.find_air import find_air
 from q2q_sim.loop.closed_loop import FlightOptions, fly

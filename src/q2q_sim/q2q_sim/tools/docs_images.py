@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from q2q_model import palette
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Interference, SwarmState, TrackStatus
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import plan_of

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.model_file import ModelFile, decode, encode
+from q2q_model.model_files.model_file import ModelFile, decode, encode
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import Case
 from q2q_sim.experiments.ablation.learned_models import MOST, LearnedModel

@@ -15,7 +15,7 @@ import numpy as np
 
 from q2q_control.onboard.app_folder import write_app
 from q2q_control.onboard.native_app import AppLibrary, compile_app
-from q2q_model.files.model_file import ModelFile
+from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at

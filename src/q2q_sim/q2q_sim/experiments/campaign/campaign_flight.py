@@ -12,7 +12,7 @@ import yaml
 
 from q2q_model.bag import BagWriter
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.files.find_model import find_model
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.experiments.campaign.random_run import Run, draw_run

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.loop.closed_loop import FlightOptions, fly

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import FlightFacts, read_facts, read_flight
-from q2q_model.files.model_names import check_model_name
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.model_names import check_model_name
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.files.find_model import find_model
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, SetpointStatus
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at

@@ -14,8 +14,8 @@ import numpy as np
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import Jet
-from q2q_model.files.find_model import find_model
 from q2q_model.flights.flight import Flight
+from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_sim.air.find_air import find_air

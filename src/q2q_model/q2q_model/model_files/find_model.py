@@ -1,8 +1,8 @@
 """Lookup of interaction models by name or path."""
 
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.files.model_file import ModelFile, load
-from q2q_model.files.model_names import model_path
+from q2q_model.model_files.model_file import ModelFile, load
+from q2q_model.model_files.model_names import model_path
 
 
 def find_model(name: str) -> ModelFile:

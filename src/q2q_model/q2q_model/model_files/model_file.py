@@ -24,9 +24,9 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.files.model_bounds import check_model
-from q2q_model.files.model_names import ModelFileError
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
+from q2q_model.model_files.model_bounds import check_model
+from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FORMAT = FileFormat(name="q2q-model", noun="q2q model", version=3, maker="identify")
