@@ -26,9 +26,9 @@ from q2q_sim.experiments.guided import attack_record, bug_score, guided_campaign
 from q2q_sim.experiments.guided.attack_case import read_case
 from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
-from q2q_sim.flight.resident import ResidentNodes
-from q2q_sim.flight.scenario_flight import FlightRequest, node_specs
 from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_in_lockstep
+from q2q_sim.node_flights.resident import ResidentNodes
+from q2q_sim.node_flights.scenario_flight import FlightRequest, node_specs
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.tools.judge_bags import evidence_in

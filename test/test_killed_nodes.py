@@ -7,9 +7,9 @@ import pytest
 
 from q2q_model.bag import BagReader
 from q2q_model.signals.values import CommandStatus, SwarmCommand
-from q2q_sim.flight.process_faults import ProcessFault, Waiting, fly_with_process_faults
-from q2q_sim.flight.scenario_flight import FlightRequest
 from q2q_sim.monitors.policies import POLICIES, Circumstances, Evidence, judge
+from q2q_sim.node_flights.process_faults import ProcessFault, Waiting, fly_with_process_faults
+from q2q_sim.node_flights.scenario_flight import FlightRequest
 from q2q_sim.scenarios import library
 from q2q_sim.tools.judge_bags import evidence_in
 

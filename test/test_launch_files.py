@@ -9,7 +9,6 @@ import pytest
 from fresh_checkout import ROOT
 
 from q2q_model.trajectory import plan_file
-from q2q_sim.flight.scenario_flight import FlightRequest
 from q2q_sim.launching.launch_plan import (
     COMMON_ARGUMENTS,
     CRAZYSWARM_ARGUMENTS,
@@ -25,6 +24,7 @@ from q2q_sim.launching.launch_plan import (
     undeclared,
 )
 from q2q_sim.loop import flight_blocks
+from q2q_sim.node_flights.scenario_flight import FlightRequest
 from q2q_sim.processes.processes import NodeSpec, find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.scenarios import library

@@ -24,14 +24,14 @@ from q2q_model.ros.topics.qos import EVERY_TICK
 from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
-from q2q_sim.flight import scenario_flight
-from q2q_sim.flight.running_nodes import running_nodes
-from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.simulator_params import SimulatorParams
+from q2q_sim.node_flights import scenario_flight
+from q2q_sim.node_flights.running_nodes import running_nodes
+from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
 from q2q_sim.ros.flight_director import STILL_S
 from q2q_sim.scenarios import library

@@ -12,8 +12,8 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.flight.nodes_on_bag import replay
 from q2q_sim.loop.room import Room
+from q2q_sim.node_flights.nodes_on_bag import replay
 from q2q_sim.scenarios import library
 
 SCENARIO = str(Path(__file__).parent / "scenarios" / "short_room.yaml")

@@ -13,13 +13,13 @@ from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOu
 from q2q_model.identification.push.push_samples import PushSamples, PushScore
 from q2q_model.model_files.find_model import find_model
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import verdict_of
 from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.report.run_table import run_notes
 from q2q_sim.scenarios import library
 from q2q_sim.tools import demo_real

@@ -9,13 +9,13 @@ import pytest
 
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
-from q2q_sim.flight.run_json import runs_json
-from q2q_sim.flight.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.exposure import exposed
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import held_thrust, measure
+from q2q_sim.node_flights.run_json import runs_json
+from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.report.run_table import HEAD as TERMINAL_HEAD
 from q2q_sim.scenarios import library
 from q2q_sim.tools.report_bags import TRACKING

@@ -10,8 +10,8 @@ from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_sim.commands import policies, report
-from q2q_sim.flight.scenario_flight import FlightRequest, facts_of
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.node_flights.scenario_flight import FlightRequest, facts_of
 from q2q_sim.scenarios import library
 
 SCENARIO = replace(library.load("table6"), duration=3.0)

@@ -18,7 +18,7 @@
 | weak_rotor | rotor 1 gives less thrust | fraction of its thrust lost [-] |
 
 A fault acts on the ticks with start <= t < start + duration, at least one; without named vehicles on all.
-Faults of processes (a node killed or stopped) are not part of the room: q2q_sim.flight.process_faults.
+Faults of processes (a node killed or stopped) are not part of the room: q2q_sim.node_flights.process_faults.
 """
 
 from collections.abc import Mapping, Sequence

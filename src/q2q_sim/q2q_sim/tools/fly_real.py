@@ -26,7 +26,7 @@ from q2q_model.identification.push.push_samples import (
 from q2q_model.identification.push.recorded_push import motion_of, push_of_log
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import FLIGHTS, flights_folder
-from q2q_sim.flight.nodes_on_bag import replay
+from q2q_sim.node_flights.nodes_on_bag import replay
 from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
 from q2q_sim.tools.import_table import write_bag

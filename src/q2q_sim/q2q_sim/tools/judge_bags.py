@@ -15,7 +15,6 @@ from q2q_model.bag.flight_in_bag import topics_by_name
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import TrackStatus
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
-from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.monitors.policies import (
     NEEDS,
     POLICIES,
@@ -27,6 +26,7 @@ from q2q_sim.monitors.policies import (
     judge,
     policies_without_evidence,
 )
+from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.scenarios import library
 
 VIOLATED, NOT_JUDGED = 1, 2

@@ -17,10 +17,10 @@ from q2q_model.recordings.recording_files import flight_of_bag
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.flight.run_json import Json, finite
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
+from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.replay_page import MOST_RUNS, replay_element, replay_run
 from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, draw

@@ -24,10 +24,10 @@ from q2q_sim.experiments.campaign.campaign_flight import (
 )
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
-from q2q_sim.flight.resident import ResidentNodes
-from q2q_sim.flight.scenario_flight import FlightRequest, fly, load_scenario, node_specs
-from q2q_sim.flight.unfinished_bag import why_unfinished
 from q2q_sim.monitors.policies import Evidence, Violation, evidence_in_lockstep, judge
+from q2q_sim.node_flights.resident import ResidentNodes
+from q2q_sim.node_flights.scenario_flight import FlightRequest, fly, load_scenario, node_specs
+from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.tools.judge_bags import evidence_in
 
 TWIN_M = 1e-9

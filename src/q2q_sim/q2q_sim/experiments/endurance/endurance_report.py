@@ -19,8 +19,8 @@ from q2q_model.counted import counted
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.endurance.growth import Growth, WatchedQuantity, growth
 from q2q_sim.experiments.endurance.long_flight import LongFlight
-from q2q_sim.flight.run_json import Json
-from q2q_sim.flight.unfinished_bag import REMEDY
+from q2q_sim.node_flights.run_json import Json
+from q2q_sim.node_flights.unfinished_bag import REMEDY
 
 MEGABYTE = 1e6
 MEMORY_MB, COUNT, RATE_SHARE, DRIFT_S = 20.0, 1.0, 0.05, 0.036

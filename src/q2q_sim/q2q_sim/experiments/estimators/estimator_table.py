@@ -10,7 +10,7 @@ from q2q_model.counted import counted
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
 from q2q_sim.firmware.estimator import DT
-from q2q_sim.flight.run_json import Json, finite
+from q2q_sim.node_flights.run_json import Json, finite
 
 MILLIMETRE = 1000.0
 UNBOUNDED = 10_000

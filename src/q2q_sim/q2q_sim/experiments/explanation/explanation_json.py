@@ -2,7 +2,7 @@
 
 from q2q_sim.experiments.explanation.explanation import Explanation
 from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
-from q2q_sim.flight.run_json import Json
+from q2q_sim.node_flights.run_json import Json
 
 
 def explanation_json(found: Explanation, difference: float) -> Json:

@@ -17,7 +17,7 @@ from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.program_flight import Program
-from q2q_sim.flight.run_json import Json
+from q2q_sim.node_flights.run_json import Json
 
 
 def judge_program(args: Namespace) -> int:

@@ -18,7 +18,7 @@ from q2q_sim.experiments.licence.licence_reports import verdict_words
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.program_flight import Program
-from q2q_sim.flight.run_json import Json
+from q2q_sim.node_flights.run_json import Json
 
 SOUND, BUGGY = "sound", "buggy"
 KINDS = (SOUND, BUGGY)

@@ -11,7 +11,7 @@ from matplotlib.image import imread
 
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 from q2q_sim.experiments.paper.paper_numbers import PaperNumber
-from q2q_sim.flight.run_json import Json, finite
+from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.report.html_page import Grid, Part, Picture, page
 
 TITLE = "Reproduction of the paper"

@@ -27,7 +27,7 @@ from q2q_sim.experiments.promise.tracking_tube import (
     learn_tube,
     read_tube,
 )
-from q2q_sim.flight.run_json import Json
+from q2q_sim.node_flights.run_json import Json
 
 
 def run(args: Namespace) -> int:

@@ -12,7 +12,7 @@ from scipy.special import betaincinv
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord
 from q2q_sim.experiments.promise.tracking_tube import TrackingTube
-from q2q_sim.flight.run_json import Json, finite
+from q2q_sim.node_flights.run_json import Json, finite
 
 CONFIDENCE = 0.95
 

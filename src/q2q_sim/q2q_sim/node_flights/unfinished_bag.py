@@ -8,8 +8,8 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, BagReader, read_flight
 from q2q_model.flights.flight import Flight
-from q2q_sim.flight.running_nodes import RECORDER
 from q2q_sim.monitors.flight_verdict import Finding
+from q2q_sim.node_flights.running_nodes import RECORDER
 
 REMEDY = "make room or choose another disk, and fly again"
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, read_flight
 from q2q_model.flights.flight import Flight
-from q2q_sim.flight.running_nodes import RECORDER, running_nodes
-from q2q_sim.flight.unfinished_bag import REMEDY, why_unfinished
+from q2q_sim.node_flights.running_nodes import RECORDER, running_nodes
+from q2q_sim.node_flights.unfinished_bag import REMEDY, why_unfinished
 from q2q_sim.processes.processes import NodeSpec
 
 PLAYER = "bag_play"

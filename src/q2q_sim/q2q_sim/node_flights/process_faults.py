@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from q2q_sim.flight.running_nodes import running_nodes
-from q2q_sim.flight.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.node_flights.running_nodes import running_nodes
+from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.frozen_threads import FrozenThreads
 from q2q_sim.processes.processes import NodeSpec, Processes
 

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from q2q_sim.flight.scenario_flight import FlightRun
 from q2q_sim.monitors.metrics import VehicleMetrics
+from q2q_sim.node_flights.scenario_flight import FlightRun
 
 Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 

@@ -17,8 +17,6 @@ from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.bag_topics.topics import PREDICTION_TYPE
-from q2q_sim.flight.running_nodes import RECORDER, running_nodes
-from q2q_sim.flight.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.scenario_air import air_of
@@ -30,6 +28,8 @@ from q2q_sim.loop.scenario_node_parameters import (
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_finding, with_lost_ticks
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.node_flights.running_nodes import RECORDER, running_nodes
+from q2q_sim.node_flights.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.processes.cores import allowed_cores
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
