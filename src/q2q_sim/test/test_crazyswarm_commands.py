@@ -9,16 +9,16 @@ import pytest
 
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.experiments.licence.commands.client_commands import CommandKind, client_command
-from q2q_sim.experiments.licence.commands.setpoint_words import setpoint_words
-from q2q_sim.experiments.licence.crazyswarm import server_packets
-from q2q_sim.experiments.licence.crazyswarm.ellipsoids import (
+from q2q_sim.experiments.licence.client_commands.client_command import CommandKind, client_command
+from q2q_sim.experiments.licence.client_commands.setpoint_words import setpoint_words
+from q2q_sim.experiments.licence.crazyflie_py import server_packets
+from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
     check_ellipsoid_collisions,
     poisson_disk_sample,
 )
-from q2q_sim.experiments.licence.crazyswarm.message_fields import real, three, whole
-from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
-from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import real, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
+from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom, OpenLink, may_run_motors
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint

@@ -13,7 +13,7 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.air.air_names import AirError
-from q2q_sim.experiments.licence.commands.client_commands import CommandKind
+from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
 from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, fly_trials, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.licence.commands.client_commands import CommandKind
-from q2q_sim.experiments.licence.crazyswarm.modules import CONNECT_S
-from q2q_sim.experiments.licence.crazyswarm.pilot_input import PRESS_AFTER_S, PRESS_S
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import (
+from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
+from q2q_sim.experiments.licence.crazyflie_py.modules import CONNECT_S
+from q2q_sim.experiments.licence.crazyflie_py.pilot_input import PRESS_AFTER_S, PRESS_S
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import (
     STOCK_PARAMETERS,
     ServedVehicle,
     stock_vehicles,

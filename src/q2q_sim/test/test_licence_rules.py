@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from q2q_sim.experiments.licence.commands.client_commands import Asked, ClientCommand, CommandKind
+from q2q_sim.experiments.licence.client_commands.client_command import Asked, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd

@@ -8,9 +8,9 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.crtp.packets.packet import Packet, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.experiments.licence.commands.client_commands import client_command
-from q2q_sim.experiments.licence.commands.plan_reach import beyond_reach, reach_violation
-from q2q_sim.experiments.licence.crazyswarm import server_packets
+from q2q_sim.experiments.licence.client_commands.client_command import client_command
+from q2q_sim.experiments.licence.client_commands.plan_reach import beyond_reach, reach_violation
+from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import PlanState
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at_rest, piece_between

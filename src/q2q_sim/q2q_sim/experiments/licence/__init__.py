@@ -10,9 +10,9 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | simulator_errors | errors of the simulator itself, which are not the program's |
 | link_host | where the links of a program end |
 | emulated_link | link driver for cflib that ends at the vehicles |
-| crazyswarm | stand-in for Crazyswarm2's crazyflie_py and its server |
+| crazyflie_py | stand-in for Crazyswarm2's crazyflie_py and its server |
 | licence_room | vehicles, their motion capture and faults, with the log of a flight |
-| commands | commands in the packets of a program, in words; plans that no vehicle can follow |
+| client_commands | commands in the packets of a program, in words; plans that no vehicle can follow |
 | licence_log | log of a flight as arrays, commands and the end of the program |
 | program_flight | one flight of a program |
 | trials | flights of a licence, with the faults' times from the flight without faults |

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_sim.experiments.licence.commands.client_commands import FLIGHT, ClientCommand, CommandKind
+from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.firmware.supervisor.rules import State
 

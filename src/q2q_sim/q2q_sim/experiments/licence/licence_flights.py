@@ -15,7 +15,7 @@ from signal import strsignal
 from time import monotonic
 
 from q2q_model.counted import counted
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, Start
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, Start
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom

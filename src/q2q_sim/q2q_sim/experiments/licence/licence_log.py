@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, Mask, Names
-from q2q_sim.experiments.licence.commands.client_commands import ClientCommand, CommandKind
+from q2q_sim.experiments.licence.client_commands.client_command import ClientCommand, CommandKind
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
 AIRBORNE = 0.06

@@ -5,7 +5,7 @@ import math
 from argparse import Namespace
 from pathlib import Path
 
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import vehicles_from_file
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import vehicles_from_file
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,

@@ -16,7 +16,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.packets.packet import MalformedError, packet_of
-from q2q_sim.experiments.licence.commands.client_commands import (
+from q2q_sim.experiments.licence.client_commands.client_command import (
     ClientCommand,
     client_command,
     malformed_command,

@@ -11,7 +11,7 @@
 | setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
 | spin | it turns faster than 500 deg/s for 0.2 s |
 | yaw | the high-level commander, whose unit is rad, is asked for more than a turn, half a turn at once |
-| command | it is asked for what no vehicle can follow (commands) |
+| command | it is asked for what no vehicle can follow (client_commands) |
 | end | it still flies 5 s after the end of the program, or at the time limit |
 | program | the program fails, dies, does not end, or opens more vehicles than there are |
 | idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
@@ -31,7 +31,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import CONTACT
-from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
+from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
 from q2q_sim.experiments.licence.licence_causes import failure_cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind

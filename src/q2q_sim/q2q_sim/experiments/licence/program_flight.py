@@ -26,9 +26,9 @@ from types import FrameType
 from typing import NoReturn
 
 from q2q_model.signals.stamps import TICK_S
-from q2q_sim.experiments.licence.commands.client_commands import FLIGHT
-from q2q_sim.experiments.licence.crazyswarm.modules import SwarmHost, install_modules
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle, stock_vehicles
+from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
+from q2q_sim.experiments.licence.crazyflie_py.modules import SwarmHost, install_modules
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, stock_vehicles
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd, escaped
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.link_host import LinkHost

@@ -10,21 +10,21 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import ModuleType
 
-from q2q_sim.experiments.licence.crazyswarm import ellipsoids
-from q2q_sim.experiments.licence.crazyswarm.absent import Absence, AbsentModule
-from q2q_sim.experiments.licence.crazyswarm.pilot_input import Joystick, KeyPoller
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
-from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
-from q2q_sim.experiments.licence.crazyswarm.swarm_calls import CrazyflieServer
-from q2q_sim.experiments.licence.crazyswarm.time_helper import TimeHelper
-from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import (
+from q2q_sim.experiments.licence.crazyflie_py import ellipsoids
+from q2q_sim.experiments.licence.crazyflie_py.absent import Absence, AbsentModule
+from q2q_sim.experiments.licence.crazyflie_py.pilot_input import Joystick, KeyPoller
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
+from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
+from q2q_sim.experiments.licence.crazyflie_py.swarm_calls import CrazyflieServer
+from q2q_sim.experiments.licence.crazyflie_py.time_helper import TimeHelper
+from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import (
     Polynomial,
     Polynomial4D,
     TrajectoryOutput,
     UavTrajectory,
     normalize,
 )
-from q2q_sim.experiments.licence.crazyswarm.vehicle_calls import CrazyflieCalls
+from q2q_sim.experiments.licence.crazyflie_py.vehicle_calls import CrazyflieCalls
 from q2q_sim.experiments.licence.program.link_host import LinkHost
 
 PACKAGE = "crazyflie_py"

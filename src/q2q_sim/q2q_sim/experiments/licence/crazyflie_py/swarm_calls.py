@@ -1,12 +1,12 @@
 """Class CrazyflieServer: all vehicles, and commands to all at once."""
 
-from q2q_sim.experiments.licence.crazyswarm import server_packets
-from q2q_sim.experiments.licence.crazyswarm.absent import Absence
-from q2q_sim.experiments.licence.crazyswarm.connection import NUMBERS, connect
-from q2q_sim.experiments.licence.crazyswarm.message_fields import flag, real, seconds, three, whole
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
-from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
-from q2q_sim.experiments.licence.crazyswarm.vehicle_calls import (
+from q2q_sim.experiments.licence.crazyflie_py import server_packets
+from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
+from q2q_sim.experiments.licence.crazyflie_py.connection import NUMBERS, connect
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import flag, real, seconds, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
+from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
+from q2q_sim.experiments.licence.crazyflie_py.vehicle_calls import (
     BYTE,
     MASK,
     CrazyflieCalls,

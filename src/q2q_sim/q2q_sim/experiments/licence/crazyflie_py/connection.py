@@ -8,10 +8,10 @@ from collections.abc import Mapping
 
 from q2q_sim.crtp.tables.log_table import VARIABLES
 from q2q_sim.crtp.tables.number_types import TYPES
-from q2q_sim.experiments.licence.crazyswarm import server_packets
-from q2q_sim.experiments.licence.crazyswarm.reports import POSE, POSE_VARIABLES, STATUS, STATUS_VARIABLES
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
-from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
+from q2q_sim.experiments.licence.crazyflie_py import server_packets
+from q2q_sim.experiments.licence.crazyflie_py.reports import POSE, POSE_VARIABLES, STATUS, STATUS_VARIABLES
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
+from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 
 NUMBERS: Mapping[str, int] = {one.name: number for number, one in enumerate(TABLE)}

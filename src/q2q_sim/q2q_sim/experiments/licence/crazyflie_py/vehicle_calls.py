@@ -5,15 +5,15 @@ from typing import Protocol
 import numpy as np
 
 from q2q_sim.crtp.packets.packet import Packet
-from q2q_sim.experiments.licence.crazyswarm import server_packets
-from q2q_sim.experiments.licence.crazyswarm.absent import Absence
-from q2q_sim.experiments.licence.crazyswarm.connection import NUMBERS
-from q2q_sim.experiments.licence.crazyswarm.message_fields import flag, real, seconds, three, whole
-from q2q_sim.experiments.licence.crazyswarm.reports import Pose, Status, report_in_packet
-from q2q_sim.experiments.licence.crazyswarm.served_vehicles import ServedVehicle
-from q2q_sim.experiments.licence.crazyswarm.server_links import ServerLinks
-from q2q_sim.experiments.licence.crazyswarm.server_packets import FullStateArguments
-from q2q_sim.experiments.licence.crazyswarm.uav_trajectory import UavTrajectory
+from q2q_sim.experiments.licence.crazyflie_py import server_packets
+from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
+from q2q_sim.experiments.licence.crazyflie_py.connection import NUMBERS
+from q2q_sim.experiments.licence.crazyflie_py.message_fields import flag, real, seconds, three, whole
+from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, Status, report_in_packet
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
+from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
+from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
+from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import UavTrajectory
 from q2q_sim.experiments.licence.program.standard_clocks import EPOCH
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 

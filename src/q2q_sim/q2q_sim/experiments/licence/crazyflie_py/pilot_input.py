@@ -7,8 +7,8 @@ key are the same.
 import time
 from typing import Self
 
-from q2q_sim.experiments.licence.crazyswarm.absent import Absence
-from q2q_sim.experiments.licence.crazyswarm.time_helper import TimeHelper
+from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
+from q2q_sim.experiments.licence.crazyflie_py.time_helper import TimeHelper
 
 PRESS_AFTER_S, PRESS_S = 3.0, 0.2
 LOOK_S = 0.01

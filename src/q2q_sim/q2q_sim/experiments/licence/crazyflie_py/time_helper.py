@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-from q2q_sim.experiments.licence.crazyswarm.absent import Absence
+from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
 
 
 class TimeHelper(Absence):

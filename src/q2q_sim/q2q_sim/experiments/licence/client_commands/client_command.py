@@ -13,9 +13,9 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import generic, localization, memory, platform, rpyt, supervisor_port
-from q2q_sim.experiments.licence.commands.plan_reach import reach_violation
-from q2q_sim.experiments.licence.commands.setpoint_words import asked_position, setpoint_words
-from q2q_sim.experiments.licence.commands.uploaded_trajectories import (
+from q2q_sim.experiments.licence.client_commands.plan_reach import reach_violation
+from q2q_sim.experiments.licence.client_commands.setpoint_words import asked_position, setpoint_words
+from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import (
     absent_trajectory,
     overwritten_trajectory,
 )
