@@ -72,7 +72,7 @@ def warnings(node: Node) -> list[str]:
 def test_a_name_that_cannot_begin_a_topic_has_no_topics_and_the_others_have(node: Node) -> None:
     writers = VehiclePublishers(node, {"pose": PoseStamped}, 10.0, ("cf-1", "", "2cf", "né"))
     for _ in range(6):
-        writers.meet(("cf-1", "wand 1", "cf2"))
+        writers.create_next(("cf-1", "wand 1", "cf2"))
     made = {one.topic_name for one in node.publishers}
     assert "/cf2/pose" in made
     assert not made & {"/pose", "/cf-1/pose"}

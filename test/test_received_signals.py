@@ -6,7 +6,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from q2q_model.node.health import Health
 from q2q_model.node.rehearsal import rehearsal
-from q2q_model.ros.topics.listening import listener
+from q2q_model.ros.topics.subscriptions import listener
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.values import SwarmState
 

@@ -47,16 +47,16 @@ def test_those_of_known_vehicles_are_there_before_the_first_tick(node: Node) -> 
 def test_those_of_others_are_made_one_vehicle_a_tick(node: Node) -> None:
     writers, counts = VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1",)), []
     for names in (("cf1",), *(("cf1", "cf2", "cf3"),) * 4, ("cf3", "cf4")):
-        writers.meet(names)
+        writers.create_next(names)
         counts.append(len(node.made))
     assert counts == [2, 4, 6, 6, 6, 8]
 
 
 def test_only_vehicles_that_somebody_reads_are_published(node: Node) -> None:
     writers = VehiclePublishers(node, TOPICS, RATE_HZ, ("cf1", "cf2"))
-    assert writers.read("cf1", 0) == writers.read("stranger", 0) == ()
+    assert writers.with_subscribers("cf1", 0) == writers.with_subscribers("stranger", 0) == ()
     node.made["cf2/speed"].readers = 1
-    assert writers.read("cf2", 0) == (node.made["cf2/pose"], node.made["cf2/speed"])
+    assert writers.with_subscribers("cf2", 0) == (node.made["cf2/pose"], node.made["cf2/speed"])
 
 
 def due(writers: VehiclePublishers, ticks: range, names: tuple[str, ...] = ("cf1",)) -> list[int]:

@@ -6,9 +6,9 @@ from rclpy.node import Node
 
 from q2q_model.node.health import Health
 from q2q_model.ros.node.bus_node import bus_of
-from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import SENSOR
+from q2q_model.ros.topics.subscriptions import listener
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import SwarmImu
 

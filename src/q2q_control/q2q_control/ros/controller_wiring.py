@@ -73,7 +73,7 @@ class LegacyTopics:
             return
         rows = legacy_twists(command, self._scale, DEFAULT_BACKEND).tolist()
         for name, (x, y, yaw_rate, pwm) in zip(command.names, rows, strict=True):
-            for writer in self._writers.read(name, stamp_ns):
+            for writer in self._writers.with_subscribers(name, stamp_ns):
                 writer.publish(Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate)))
 
 

@@ -21,9 +21,9 @@ from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.topic_writers import TopicWriters
-from q2q_model.ros.topics.listening import subscribe_signals
 from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
+from q2q_model.ros.topics.subscriptions import subscribe_signals
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts

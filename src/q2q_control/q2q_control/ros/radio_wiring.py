@@ -17,7 +17,7 @@ from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.topic_writers import TopicWriters
-from q2q_model.ros.topics.listening import subscribe_signals
+from q2q_model.ros.topics.subscriptions import subscribe_signals
 from q2q_model.signals.layout import Signal
 
 

@@ -5,9 +5,9 @@ from functools import partial
 
 from rclpy.node import Node
 
-from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_SAMPLE, EVERY_TICK
+from q2q_model.ros.topics.subscriptions import listener
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState

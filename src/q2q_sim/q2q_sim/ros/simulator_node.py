@@ -29,9 +29,9 @@ from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.topic_writers import SeveralWriters, writers_of
-from q2q_model.ros.topics.audience import Audience
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
+from q2q_model.ros.topics.subscriber_check import SubscriberCheck
 from q2q_model.signals.cdr import encode_stamp
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
@@ -78,7 +78,7 @@ class Simulator:
         }
         self._clock = node.create_publisher(Clock, CLOCK, TICK)
         self._clocks = SeveralWriters(node, CLOCK)
-        self._clock_audience = Audience((self._clock,))
+        self._clock_check = SubscriberCheck((self._clock,))
         self._summary = node.create_publisher(String, FLIGHT_SUMMARY, LATCHED)
         if not params.crtp:
             self._listen()
@@ -138,7 +138,7 @@ class Simulator:
     def _publish(self, output: Output) -> None:
         for topic, signal, stamp_ns in output.signals:
             self._writers[topic].post(stamp_ns, signal)
-        if output.clock_ns is not None and self._clock_audience.listens(output.clock_ns):
+        if output.clock_ns is not None and self._clock_check.has_subscribers(output.clock_ns):
             self._clock.publish(encode_stamp(output.clock_ns))
         if output.refusal:
             self._node.get_logger().error(f"command refused: {output.refusal}", throttle_duration_sec=1.0)

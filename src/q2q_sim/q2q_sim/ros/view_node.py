@@ -16,10 +16,10 @@ from q2q_model.node.health import Health
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
-from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.plan_message import decode_plan
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE
+from q2q_model.ros.topics.subscriptions import listener
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import PLAN
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState

@@ -7,8 +7,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from q2q_model.ros.node.bus_node import bus_of
-from q2q_model.ros.topics.audience import Audience
 from q2q_model.ros.topics.messages import MESSAGES
+from q2q_model.ros.topics.subscriber_check import SubscriberCheck
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 
@@ -22,7 +22,7 @@ class SignalPublisher(Generic[S]):
         self._topic = topic
         self._bus = bus_of(node)
         self._publisher = node.create_publisher(MESSAGES[signal], topic, quality)
-        self._audience = Audience((self._publisher,))
+        self._check = SubscriberCheck((self._publisher,))
 
     def post(self, stamp_ns: int, signal: S) -> None:
         """Deliver a signal within the process, then publish it with its stamp [ns]."""
@@ -30,5 +30,5 @@ class SignalPublisher(Generic[S]):
 
     def publish(self, stamp_ns: int, signal: S) -> None:
         """Publish a signal on ROS; without subscribers it is not even encoded."""
-        if self._audience.listens(stamp_ns):
+        if self._check.has_subscribers(stamp_ns):
             self._publisher.publish(encode(signal, stamp_ns))

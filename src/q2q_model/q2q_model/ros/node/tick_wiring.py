@@ -18,9 +18,9 @@ from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.topic_writers import TopicWriters
-from q2q_model.ros.topics.listening import listener
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK, TICK_WRITER
+from q2q_model.ros.topics.subscriptions import listener
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Names

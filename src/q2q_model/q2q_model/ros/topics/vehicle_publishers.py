@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from q2q_model.node.decimation import Decimation
-from q2q_model.ros.topics.audience import Audience
+from q2q_model.ros.topics.subscriber_check import SubscriberCheck
 from q2q_model.signals.values import Names
 from q2q_model.signals.vehicle_name import VEHICLE_NAME
 
@@ -37,9 +37,9 @@ class VehiclePublishers:
         self._topics = topics if rate_hz > 0.0 else {}
         self._due = Decimation(rate_hz)
         self._made: dict[str, tuple[Publisher, ...]] = {}
-        self._audiences: dict[str, Audience] = {}
-        self._audience = Audience(())
-        self._met: Names = ()
+        self._checks: dict[str, SubscriberCheck] = {}
+        self._check = SubscriberCheck(())
+        self._complete: Names = ()  # all of these have publishers
         for name in names:
             self._make(name)
 
@@ -51,23 +51,23 @@ class VehiclePublishers:
             stamp_ns: the same as a stamp [ns].
             names: publishers of new ones may come later.
         """
-        self.meet(names)
-        return self._due(t) and self._audience.listens(stamp_ns)
+        self.create_next(names)
+        return self._due(t) and self._check.has_subscribers(stamp_ns)
 
-    def meet(self, names: Names) -> None:
+    def create_next(self, names: Names) -> None:
         """Create the publishers of the first of these vehicles that has none."""
-        if names == self._met:
+        if names == self._complete:
             return
         new = next((name for name in names if name not in self._made), None)
         if new is None:
-            self._met = names
+            self._complete = names
         else:
             self._make(new)
 
-    def read(self, name: str, stamp_ns: int) -> tuple[Publisher, ...]:
-        """Return a vehicle's publishers in the order of the topics; empty without subscribers."""
-        audience = self._audiences.get(name)
-        return self._made[name] if audience is not None and audience.listens(stamp_ns) else ()
+    def with_subscribers(self, name: str, stamp_ns: int) -> tuple[Publisher, ...]:
+        """Return a vehicle's publishers in the order of the topics; none if nobody subscribes to any."""
+        check = self._checks.get(name)
+        return self._made[name] if check is not None and check.has_subscribers(stamp_ns) else ()
 
     def _make(self, name: str) -> None:
         make, topics = self._node.create_publisher, self._topics
@@ -76,5 +76,5 @@ class VehiclePublishers:
             self._node.get_logger().warning(f"no {name!r}/{'|'.join(topics)}: topics have {allowed}")
             topics = {}
         self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in topics.items())
-        self._audiences[name] = Audience(self._made[name], ASK_EVERY_NS)
-        self._audience = Audience(chain.from_iterable(self._made.values()), ASK_EVERY_NS)
+        self._checks[name] = SubscriberCheck(self._made[name], ASK_EVERY_NS)
+        self._check = SubscriberCheck(chain.from_iterable(self._made.values()), ASK_EVERY_NS)

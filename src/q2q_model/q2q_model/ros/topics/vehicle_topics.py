@@ -33,9 +33,9 @@ class VehicleTopics:
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
         for row, name in enumerate(state.names):
-            if not (read := self._writers.read(name, stamp_ns)):
+            if not (publishers := self._writers.with_subscribers(name, stamp_ns)):
                 continue
-            pose, odom = read
+            pose, odom = publishers
             header = header_at(stamp_ns)
             where = _pose(state.pos[row], state.quat[row])
             pose.publish(PoseStamped(header=header, pose=where))

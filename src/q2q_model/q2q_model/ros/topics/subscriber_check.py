@@ -12,15 +12,15 @@ ASK_EVERY_NS = 100_000_000
 
 
 class Subscribed(Protocol):
-    """What an audience asks of a publisher."""
+    """What the check asks of a publisher."""
 
     def get_subscription_count(self) -> int:
         """Return the number of its subscribers."""
         ...
 
 
-class Audience:
-    """Subscribers of some publishers."""
+class SubscriberCheck:
+    """Whether anyone subscribes to some publishers."""
 
     def __init__(self, publishers: Iterable[Subscribed], interval_ns: int = ASK_EVERY_NS) -> None:
         """Ask again `interval_ns` [ns] after each answer."""
@@ -28,12 +28,12 @@ class Audience:
         self._interval = interval_ns
         self._asked: int | None = None
         self._last = 0
-        self._listens = False
+        self._found = False
 
-    def listens(self, stamp_ns: int) -> bool:
+    def has_subscribers(self, stamp_ns: int) -> bool:
         """Return whether anyone subscribes; asked anew if a stamp [ns] is late, or comes again."""
         if self._asked is None or stamp_ns <= self._last or stamp_ns - self._asked >= self._interval:
-            self._listens = any(one.get_subscription_count() for one in self._publishers)
+            self._found = any(one.get_subscription_count() for one in self._publishers)
             self._asked = stamp_ns
         self._last = stamp_ns
-        return self._listens
+        return self._found
