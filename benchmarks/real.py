@@ -1,4 +1,4 @@
-"""Vertical force of real flights, each predicted by jets fitted to other flights.
+"""Vertical push of real flights, each predicted by jets fitted to other flights.
 
 One jet is fitted to other flights of the same family; its form is chosen by cross-validation among those
 flights, so that no flight is scored by a model that it helped to fit or to choose. The other jet is fitted to
@@ -97,7 +97,7 @@ def _flights(tables: Sequence[Path]) -> list[_Flight]:
 def _flight(recording: Recording) -> _Flight:
     record = push_record(recording, CRAZYFLIE_2_1, CRAZYFLIE_2_1.thrust_lag)
     if record is None or recording.log is None:
-        raise ValueError(f"{recording.flight.name} has no measured force")
+        raise ValueError(f"{recording.flight.name} has no measured push")
     samples, lines = push_samples(record), recording.log.column("fa_ff") / MASS
     return _Flight(recording.flight.name, samples, [lines[:, one.vehicle] for one in samples])
 

@@ -135,7 +135,7 @@ def test_commands_that_answer_gusts_do_not_move_the_thrust_lag():
     assert found.file.gains is not None
     assert found.file.gains.lag == CRAZYFLIE_2_0.thrust_lag
     (message,) = (one for one in found.remarks if "thrust lag" in one)
-    assert message == f"force of {len(flights)} flights is from imu and command, with a thrust lag of 0.07 s"
+    assert message == f"push of {len(flights)} flights is from imu and command, with a thrust lag of 0.07 s"
 
 
 def test_a_zone_that_ends_at_the_models_range_is_reported():

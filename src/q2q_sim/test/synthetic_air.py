@@ -15,7 +15,7 @@ from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 DT = 0.01
 MASS = 0.034
 NOISE = 0.1
-"""White noise of the measured force [m/s^2]."""
+"""White noise of the measured push [m/s^2]."""
 
 
 def wide_jet() -> JetTerm:
@@ -65,7 +65,7 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         samples=(),
         measured=whole,
         clear=whole & rows_alone(motion.pos, ALONE),
-        force=np.broadcast_to([0.0, 0.0, GRAVITY], (*shape, 3)).copy(),
+        specific_force=np.broadcast_to([0.0, 0.0, GRAVITY], (*shape, 3)).copy(),
         command=weight,
         thrust=weight,
         thrust_ratio=np.ones(shape),

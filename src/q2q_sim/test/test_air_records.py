@@ -11,7 +11,7 @@ from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
-from q2q_sim.air.learning.lateral import lateral_force
+from q2q_sim.air.learning.lateral import lateral_push
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors, air_records
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
@@ -65,7 +65,7 @@ def test_a_row_with_a_lost_value_is_a_gap_and_changes_no_other(flown: Recording,
     assert (record.measured == known[:, None]).all()
     np.testing.assert_allclose(record.thrust, whole.thrust, rtol=1e-12)
     np.testing.assert_allclose(record.rate_body, whole.rate_body, rtol=1e-12)
-    np.testing.assert_allclose(record.force[known], whole.force[known], rtol=1e-12)
+    np.testing.assert_allclose(record.specific_force[known], whole.specific_force[known], rtol=1e-12)
     np.testing.assert_allclose(
         record.thrust_ratio, whole.thrust_ratio, rtol=1e-3
     )  # the median is of a row less
@@ -88,11 +88,14 @@ def test_terms_of_accelerations_and_rates_are_not_learned_without_them() -> None
     motors = Motors(np.full((*shape, 4), 0.65), np.full(shape, 3.7))
     made = [flown_under(f"pair{k}", orbit(30.0, (0.6, 1.0), k), Wake(jet), k) for k in range(6)]
     felt = [replace(one, motors=motors) for one in made]
-    blind = [replace(one, force=one.force * np.nan, rate_body=one.rate_body * np.nan) for one in felt]
+    blind = [
+        replace(one, specific_force=one.specific_force * np.nan, rate_body=one.rate_body * np.nan)
+        for one in felt
+    ]
     for records, known in ((felt, True), (blind, False)):
         found = (
             edge_torque_term(records, jet, CRAZYFLIE_2_0),
-            lateral_force(records, jet),
+            lateral_push(records, jet),
             rotor_drag_term(records),
             vehicle_term(records, CRAZYFLIE_2_0),
         )

@@ -197,9 +197,9 @@ def test_the_ground_effect_is_found_from_a_flight_close_to_the_ground() -> None:
         "ground", Motion(t, pos, np.gradient(pos, DT, axis=0), np.eye(3)[[2]][None] + 0.0 * pos)
     )
     gain = 1.0 + 0.7 * (ROTOR_RADIUS / np.maximum(pos[:, :, 2], ROTOR_RADIUS)) ** 2
-    noisy = record.force.copy()
+    noisy = record.specific_force.copy()
     noisy[..., 2] = GRAVITY * gain + 0.2 * np.random.default_rng(0).standard_normal(gain.shape)
-    found = ground_term([replace(record, force=noisy)])
+    found = ground_term([replace(record, specific_force=noisy)])
     assert_within(found.values, "ground.coefficient", 0.7)
 
 

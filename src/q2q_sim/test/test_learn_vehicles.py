@@ -50,10 +50,10 @@ def battery_flight(k: int, offset: float) -> AirRecord:
     hover = 3.8 - 0.1 * k - 0.002 * t
     duty = _duty(load, hover)
     volts = hover - 0.5 * (duty - 2.4 / hover)
-    force = record.force.copy()
+    force = record.specific_force.copy()
     force[..., 2] += offset
     motors = Motors(np.repeat(duty[:, None, None], 4, axis=2), volts[:, None])
-    return replace(record, lag=0.0, force=force, thrust_ratio=load[:, None], motors=motors)
+    return replace(record, lag=0.0, specific_force=force, thrust_ratio=load[:, None], motors=motors)
 
 
 def _duty(load: Array, hover: Array) -> Array:
@@ -95,12 +95,12 @@ def test_what_each_motor_works_at_hover_is_found() -> None:
     assert found.term.motor_std == pytest.approx(np.std(work, ddof=1), rel=1e-6)
 
 
-def test_the_drag_of_rotors_is_found_from_the_force_across_their_thrust() -> None:
+def test_the_drag_of_rotors_is_found_from_the_specific_force_across_their_thrust() -> None:
     record = still_record("drag", orbit(60.0, (0.6, 1.0), 4))
     vel = record.motion.vel
-    force = record.force + np.array([0.05, -0.02, 0.0])  # the bias of an accelerometer
+    force = record.specific_force + np.array([0.05, -0.02, 0.0])  # the bias of an accelerometer
     force[..., :2] -= 0.41 * vel[..., :2]
-    felt = replace(record, force=force, clear=np.ones_like(record.clear))
+    felt = replace(record, specific_force=force, clear=np.ones_like(record.clear))
     found = rotor_drag_term([felt])
     assert found is not None
     assert found.term.per_s == pytest.approx(0.41)

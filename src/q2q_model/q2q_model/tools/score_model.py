@@ -60,14 +60,14 @@ def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, lis
     for one in recordings:
         record = push_record(one, vehicle, vehicle.thrust_lag)
         if record is None:
-            print(f"evaluate: {one.flight.name} has no measured force: not scored", file=sys.stderr)
+            print(f"evaluate: {one.flight.name} has no measured push: not scored", file=sys.stderr)
         elif remark := remark_on_unmeasured(record):
             print(f"evaluate: {remark}", file=sys.stderr)
         measured = measured or record is not None
         found[one.flight.name] = [] if record is None else push_samples(record)
     if not measured:
         raise ValueError(
-            "no flight has a measured force: record imu and command, or a log with faz_est, gap and pwm1-4"
+            "no flight has a measured push: record imu and command, or a log with faz_est, gap and pwm1-4"
         )
     if not any(found.values()):
         raise ValueError(

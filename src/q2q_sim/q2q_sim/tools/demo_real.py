@@ -101,7 +101,7 @@ def _family(flight: str) -> str:
 def score_flights(flights: DemoFlights) -> HeldOutScores:
     """Return the model of the taught flights, and the scores of all flights without it."""
     vehicle = vehicle_of_flights(flights.taught).vehicle
-    _print_note(f"a force that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
+    _print_note(f"a push that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
     taught = _samples(flights.taught, vehicle)
     further = _samples(flights.further, vehicle) if flights.further else {}
     scores = held_out_scores(taught, further)
@@ -115,7 +115,7 @@ def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[PushSamp
     """Return the samples of every flight with a measured push."""
     recordings, notes = recordings_of_paths(paths)
     records = {one.flight.name: push_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
-    unmeasured = [f"{name} has no measured force: left out" for name, one in records.items() if one is None]
+    unmeasured = [f"{name} has no measured push: left out" for name, one in records.items() if one is None]
     for note in (*notes, *unmeasured):
         _print_note(note)
     return {name: push_samples(one) for name, one in records.items() if one is not None}

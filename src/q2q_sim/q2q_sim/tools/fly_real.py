@@ -1,6 +1,6 @@
 """Replay of a real recorded flight: its mocap through the nodes of filter and interference, and model score.
 
-The observed downwash is the vertical force in the flight's log by
+The observed downwash is the vertical push in the flight's log by
 q2q_model.identification.push.push_samples; the predicted one is the output of the node `interference`.
 """
 

@@ -68,7 +68,7 @@ def held_out_scores(
     if len(known) < FEWEST:
         raise ValueError(
             f"{len(known)} of {len(taught)} flights have a vehicle 0.1 to 1.2 m under another with a "
-            f"measured force; leaving one out needs {FEWEST}"
+            f"measured push; leaving one out needs {FEWEST}"
         )
     found = []
     for name, samples in known.items():

@@ -50,20 +50,20 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
     """
     check_upright(one.flight)
     check_weight(one.flight, vehicle)
-    if one.log is not None and is_force_log(one.log):
+    if one.log is not None and has_push_columns(one.log):
         return push_of_log(one.flight.name, one.log, motion_of(one.flight))
     return push_of_sensors(one.flight, vehicle, lag)
 
 
 def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
     """Return a note on the thrust lag [s] if the push of any flight is that of sensors and command."""
-    count = sum(not _has_force_log(one) for one in recordings)
-    note = f"force of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
+    count = sum(not _has_push_log(one) for one in recordings)
+    note = f"push of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
     return [note] if count else []
 
 
-def _has_force_log(one: Recording) -> bool:
-    return one.log is not None and is_force_log(one.log)
+def _has_push_log(one: Recording) -> bool:
+    return one.log is not None and has_push_columns(one.log)
 
 
 def check_weight(flight: Flight, vehicle: Vehicle) -> None:
@@ -80,8 +80,8 @@ def check_weight(flight: Flight, vehicle: Vehicle) -> None:
             )
 
 
-def is_force_log(log: FlightLog) -> bool:
-    """Return whether a log has the columns of the vertical force and of its validity."""
+def has_push_columns(log: FlightLog) -> bool:
+    """Return whether a log has what push_of_log reads: the vertical force, its gaps, the motors."""
     return {"faz_est", "gap", *MOTORS} <= set(log.columns)
 
 
@@ -110,8 +110,8 @@ class RecordedAcceleration:
     """Recorded acceleration and command of a flight."""
 
     t: Array
-    force: Array
-    """(R f_body)_z [m/s^2], (T, n)."""
+    specific_force: Array
+    """Vertical, (R f_body)_z [m/s^2], (T, n)."""
     thrust: Array
     """Commanded U1 [N], (T, n)."""
     thrust_gain: Array
@@ -122,20 +122,24 @@ class RecordedAcceleration:
     def push(self, lag: float) -> Array:
         """Return the push [m/s^2], (T, n), for a thrust lag [s]; 0 where unknown."""
         return np.where(
-            self.whole, self.force - first_order_lag(self.thrust, self.t, lag) * self.thrust_gain, 0.0
+            self.whole,
+            self.specific_force - first_order_lag(self.thrust, self.t, lag) * self.thrust_gain,
+            0.0,
         )
 
 
 def recorded_acceleration(flight: Flight, vehicle: Vehicle) -> RecordedAcceleration | None:
     """Return acceleration and command of a flight; None if it lacks either."""
-    force = rotate(flight.quat, flight.specific_force_body)[..., 2]
+    specific_force = rotate(flight.quat, flight.specific_force_body)[..., 2]
     thrust_gain = rotate(flight.quat, UP)[..., 2] / vehicle.mass
     whole = (
-        np.isfinite(force * thrust_gain) & np.isfinite(flight.thrust) & np.isfinite(flight.pos).all(axis=-1)
+        np.isfinite(specific_force * thrust_gain)
+        & np.isfinite(flight.thrust)
+        & np.isfinite(flight.pos).all(axis=-1)
     )
     if not whole.any():
         return None
-    return RecordedAcceleration(flight.t, force, flight.thrust, thrust_gain, np.asarray(whole))
+    return RecordedAcceleration(flight.t, specific_force, flight.thrust, thrust_gain, np.asarray(whole))
 
 
 def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> PushRecord | None:

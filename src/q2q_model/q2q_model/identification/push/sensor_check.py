@@ -84,21 +84,22 @@ def _agreements(flight: Flight, vehicle: Vehicle) -> list[_Agreement]:
     if found is None or record is None:
         return []
     free = [scored_rows(record, i).free for i in range(len(flight.names))]
-    lift = found.force - record.push
+    felt = found.specific_force
+    lift = felt - record.push
     return [
-        _Agreement(float(np.median(record.push[rows, i])), _slopes(lift[rows, i], found.force[rows, i]))
+        _Agreement(float(np.median(record.push[rows, i])), _slopes(lift[rows, i], felt[rows, i]))
         for i, rows in enumerate(free)
         if rows.sum() >= FEWEST_FREE
     ]
 
 
-def _slopes(lift: Array, force: Array) -> tuple[float, float]:
+def _slopes(lift: Array, felt: Array) -> tuple[float, float]:
     """Return the slopes of both regression lines; 0 and infinite if the two may not rise together."""
-    lift, force = lift - lift.mean(), force - force.mean()
-    along = float(lift @ force)
+    lift, felt = lift - lift.mean(), felt - felt.mean()
+    along = float(lift @ felt)
     if along <= 0.0:
         return 0.0, np.inf
-    wide = float(np.sqrt((force @ force) / (lift @ lift)))
+    wide = float(np.sqrt((felt @ felt) / (lift @ lift)))
     r, doubt = along / float(lift @ lift) / wide, float(np.tanh(Z95 * np.sqrt(CORRELATED / lift.size)))
     rising = (r - doubt) / (1.0 - r * doubt)  # tanh(artanh r - artanh doubt)
     return (rising * wide, wide / rising) if rising > 0.0 else (0.0, np.inf)

@@ -75,4 +75,4 @@ def _flying(record: AirRecord) -> Mask:
 def _ratio(record: AirRecord, i: int) -> Array:
     """Return acceleration over thrust [1/kg], (T,)."""
     lift = np.maximum(record.thrust[:, i] * record.motion.axis[:, i, 2], np.finfo(float).tiny)
-    return np.asarray(record.force[:, i, 2] / lift)
+    return np.asarray(record.specific_force[:, i, 2] / lift)

@@ -1,4 +1,4 @@
-"""Lateral force under a wake: the mean of the radial acceleration not due to thrust, by radius.
+"""Lateral push under a wake: the mean of the radial acceleration not due to thrust, by radius.
 
     radial = n . [(R f)_xy - T b_xy / m - its median in clear air],   n: unit vector to the jet's axis
 
@@ -26,7 +26,7 @@ FEWEST_CLEAR = 100
 PATH = "largest radial mean"
 
 
-def lateral_force(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
+def lateral_push(records: Sequence[AirRecord], jet: JetTerm) -> Fitted | None:
     """Return the mean radial acceleration [m/s^2] of the ring where it is largest, positive inwards."""
     parts = [p for p in rows_under_one(records) if p.record.felt[:, p.one.vehicle].sum() >= FEWEST_CLEAR]
     if not parts:
@@ -52,5 +52,5 @@ def _lateral(part: WakeRows) -> Array:
     """Return the horizontal acceleration not due to thrust [m/s^2], world, (k, 2)."""
     record, i = part.record, part.one.vehicle
     lift = GRAVITY * record.thrust_ratio[:, i, None] * record.motion.axis[:, i, :2]
-    left = record.force[:, i, :2] - lift
+    left = record.specific_force[:, i, :2] - lift
     return np.asarray(left[part.rows] - np.median(left[record.felt[:, i]], axis=0))

@@ -15,7 +15,7 @@ from q2q_sim.air.learning.ground_term import ground_term
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
 from q2q_sim.air.learning.jet.other_flights import leave_out_groups
-from q2q_sim.air.learning.lateral import lateral_force
+from q2q_sim.air.learning.lateral import lateral_push
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.residual_term import residual_term
@@ -107,7 +107,7 @@ def _wakes(
     torque = edge_torque_term(records, jet.term, vehicle, load.nms if load else 0.0)
     share = momentum_share(jet.term, REFERENCE)
     momentum = Fitted("momentum of one jet", share, None, None, 0, "1: four rotor disks take all of m g")
-    checks = (momentum, sum_of_two(records, jet.term), lateral_force(records, jet.term))
+    checks = (momentum, sum_of_two(records, jet.term), lateral_push(records, jet.term))
     return _Wakes(jet, absorption, residual, torque, tuple(check for check in checks if check))
 
 

@@ -32,11 +32,11 @@ def rotor_drag_term(records: Sequence[AirRecord]) -> LearnedTerm[RotorDragTerm] 
             rows = record.felt[:, i]
             if rows.sum() < FEWEST:
                 continue
-            force, speed = (
+            felt, moved = (
                 rotate_inverse(record.quat[rows, i], values[rows, i])[:, :2]
-                for values in (record.force, record.motion.vel)
+                for values in (record.specific_force, record.motion.vel)
             )
-            felt, moved = force - force.mean(axis=0), speed - speed.mean(axis=0)
+            felt, moved = felt - felt.mean(axis=0), moved - moved.mean(axis=0)
             if np.sqrt((moved**2).mean()) > LEAST_SPEED:
                 products.append(np.stack([-(felt * moved).sum(axis=1), (moved**2).sum(axis=1)], axis=1))
                 places.append(Row(record.name, record.motion.t[rows]))

@@ -74,7 +74,7 @@ def _offsets(records: Sequence[AirRecord], vehicle: Vehicle) -> Array:
             rows = record.felt[:, i]
             if rows.sum() >= FEWEST_CLEAR:
                 lift = record.command[rows, i] * record.motion.axis[rows, i, 2] / vehicle.mass
-                found.append(float(np.median(record.force[rows, i, 2] - lift)))
+                found.append(float(np.median(record.specific_force[rows, i, 2] - lift)))
     return np.array(found)
 
 

@@ -1,4 +1,4 @@
-"""Gusts in clear air: the part of the measured vertical force that stays correlated for longer than noise.
+"""Gusts in clear air: the part of the measured vertical push that stays correlated for longer than noise.
 
     E y(t) y(t + l) = s^2 exp(-l / T)        for lags l beyond the correlation of sensor and rotor noise
 

@@ -1,1 +1,1 @@
-"""Recorded flights as the terms of an air need them: motion, forces and torques, thrust of the motors."""
+"""Recorded flights as the terms of an air need them: motion, pushes and rates, thrust of the motors."""

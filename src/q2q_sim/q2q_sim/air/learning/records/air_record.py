@@ -55,7 +55,7 @@ class AirRecord:
     """Rows known by the scoring rule, without a saturated motor of this vehicle, at any height, (T, n)."""
     clear: Mask
     """Those above the ground effect with no vehicle near horizontally, (T, n)."""
-    force: Array
+    specific_force: Array
     """Accelerometer in the world frame, (a + g e_z) [m/s^2], (T, n, 3)."""
     command: Array
     """Commanded thrust after the thrust lag [N], (T, n)."""
@@ -80,7 +80,7 @@ class AirRecord:
     @property
     def felt(self) -> Mask:
         """Return the clear rows of vehicles with an accelerometer, (T, n)."""
-        return np.asarray(self.clear & np.isfinite(self.force).all(axis=-1))
+        return np.asarray(self.clear & np.isfinite(self.specific_force).all(axis=-1))
 
 
 def air_records(
@@ -98,7 +98,7 @@ def air_records(
         record = _record(one, vehicle, lag)
         if record is None:
             notes.append(
-                f"{one.flight.name} has no measured force: record imu and command, or faz_est, gap and pwm1-4"
+                f"{one.flight.name} has no measured push: record imu and command, or faz_est, gap and pwm1-4"
             )
         elif not record.measured.any():
             notes.append(
@@ -124,8 +124,8 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     flight, t = one.flight, one.flight.t
     command = first_order_lag(flight.thrust, t, lag)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
-    force = rotate(flight.quat, flight.specific_force_body)
-    lost = ~np.isfinite(thrust) | _lost(force) | _lost(flight.gyro_body)
+    specific_force = rotate(flight.quat, flight.specific_force_body)
+    lost = ~np.isfinite(thrust) | _lost(specific_force) | _lost(flight.gyro_body)
     pushes = replace(pushes, whole=pushes.whole & ~lost)
     thrust = _filled(t, thrust[..., None])[..., 0]
     measured: Mask = known_rows(pushes) & ~pushes.saturated
@@ -136,7 +136,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
         samples=_samples(pushes),
         measured=measured,
         clear=clear,
-        force=force,
+        specific_force=specific_force,
         command=command,
         thrust=thrust,
         thrust_ratio=_thrust_ratio(thrust, clear, measured),
