@@ -135,31 +135,39 @@ class Guard:
             repeated = self._repeated(last, setpoint.t)
             if repeated is not None:
                 return repeated
-            last = self._last
         self._clock_reset.reset()
-        if last is not None and (not self._was_nominal or self._evasion.active):
-            cut = tuple(self._names[row] for row in np.flatnonzero(self._is_cut))
-            absent = InFallback(self._blind(state, self._missing or last), cut)
-            setpoint = self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
+        setpoint = self._evaded(state, setpoint)
         self._missing = None
         self._braking.advance(state, interference, setpoint.t)
         flown = self._braking.predicted(state) if np.count_nonzero(state.status) else state  # TRACKED is 0
         command = self._controller.update(flown, setpoint, interference)
-        known = command.t - state.t + self._lateness(command.t)
-        age = state.age if state.names == command.names else _ages(state, command.names)
-        if self._is_nominal(command, state, age, known):
-            self._braking.record_nominal(state, command)
-            self._last, self._was_nominal = command, True
-            return command
-        self._was_nominal = False
-        fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
-        self._last = self._braking.update(state, fallback)
+        self._last = self._guarded(state, command)
         return self._last
 
     def without_tick(self, age: float) -> SwarmCommand | None:
         """Return the command due `age` [s] after the last tick; None before hold_s."""
         last, self._timed = self._last, True
         return None if last is None or age < self._params.hold_s else self._fallen_back(last, age)
+
+    def _evaded(self, state: SwarmState, setpoint: SwarmSetpoint) -> SwarmSetpoint:
+        """Return the setpoint after descent evasion; itself while nobody falls back nor evades."""
+        last = self._last
+        if last is None or (self._was_nominal and not self._evasion.active):
+            return setpoint
+        cut = tuple(self._names[row] for row in np.flatnonzero(self._is_cut))
+        absent = InFallback(self._blind(state, self._missing or last), cut)
+        return self._evasion.update(setpoint, state, absent, self._braking.reckoned(absent.blind))
+
+    def _guarded(self, state: SwarmState, command: SwarmCommand) -> SwarmCommand:
+        """Return the controller's command in a nominal tick, else what the fallback phases make of it."""
+        known = command.t - state.t + self._lateness(command.t)
+        age = state.age if state.names == command.names else _ages(state, command.names)
+        self._was_nominal = self._is_nominal(command, state, age, known)
+        if self._was_nominal:
+            self._braking.record_nominal(state, command)
+            return command
+        fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
+        return self._braking.update(state, fallback)
 
     def _fallen_back(self, last: SwarmCommand, age: float) -> SwarmCommand:
         """Return the command by the phases alone, `age` [s] after the last one."""

@@ -152,22 +152,39 @@ def group_roots(downwash: DownwashHorizon, n: int, most: int) -> Rows:
 
     Grouped are the vehicles below `n` that feel downwash, with those that cause it, at most `most` a group.
     """
-    root, size, coupling = np.full(n, -1), np.ones(n, np.intp), np.zeros(downwash.i.size)
-    for pair in range(downwash.i.size):
-        if downwash.i[pair] < n:
-            root[downwash.i[pair]] = downwash.i[pair]
-        coupling[pair] = np.abs(downwash.slope[pair]).sum()
-    for pair in np.argsort(-coupling):
-        a, b = downwash.i[pair], downwash.j[pair]
-        if a >= n or b >= n:
-            continue
-        old, new = root[a], root[b] if root[b] >= 0 else b
-        if old == new or size[old] + size[new] > most:
-            continue
-        root[b] = new
-        low, high = min(old, new), max(old, new)
-        size[low] += size[high]
-        for v in range(n):
-            if root[v] == high:
-                root[v] = low
+    root, size = np.full(n, -1), np.ones(n, np.intp)
+    for i in downwash.i:
+        if i < n:
+            root[i] = i
+    for pair in np.argsort(-_couplings(downwash)):
+        i, j = downwash.i[pair], downwash.j[pair]
+        if i < n and j < n:
+            _join_groups(root, size, (i, j), most)
     return root
+
+
+@compiled
+def _couplings(downwash: DownwashHorizon) -> Array:
+    """Return the coupling of each pair: the sum of the absolute slopes over the horizon."""
+    coupling = np.zeros(downwash.i.size)
+    for pair in range(downwash.i.size):
+        coupling[pair] = np.abs(downwash.slope[pair]).sum()
+    return coupling
+
+
+@compiled
+def _join_groups(root: Rows, size: Rows, pair: tuple[int, int], most: int) -> None:
+    """Join the groups of i, which feels downwash, and j; not beyond `most` vehicles.
+
+    `root` is that of `group_roots`, (n,); `size` are the vehicles of the group of each root, (n,).
+    """
+    i, j = pair
+    one, other = root[i], root[j] if root[j] >= 0 else j
+    if one == other or size[one] + size[other] > most:
+        return
+    root[j] = other
+    low, high = min(one, other), max(one, other)
+    size[low] += size[high]
+    for v in range(root.size):
+        if root[v] == high:
+            root[v] = low

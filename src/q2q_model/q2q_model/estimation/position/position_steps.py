@@ -118,32 +118,53 @@ def look_ahead(
         table: TRACK, (n,).
     """
     (t, period), tracks = tick, columns_of(table)
+    elapsed = _elapsed(t, period, tracks)
+    coasted, noise_var = np.minimum(elapsed, params.coast_s), params.position_noise**2
+    ahead = predict(MotionEstimate(tracks.state, tracks.cov), coasted, params.jerk_noise**2)
+    gates = _gates(elapsed, ahead, params, tracks)
+    samples, passed, frozen = screen(measured, repeated, gates)
+    own = passed & tracks.seen
+    thawed = _thawed(samples, ahead.state, own & ~repeated, tracks)
+    doubtful = own & _further(samples, ahead.state, params.jump_max)
+    return Prediction(
+        elapsed=elapsed,
+        state=ahead.state,
+        cov=ahead.cov,
+        K=gain(ahead, noise_var),
+        samples=samples,
+        own=own,
+        reach=np.minimum(gates.deviation, gates.reach),
+        lost=gates.lost,
+        repeated=repeated,
+        frozen=frozen,
+        thawed=thawed,
+        doubtful=doubtful,
+        nominal=bool((own & tracks.confirmed & ~thawed & ~doubtful).all()),
+    )
+
+
+@compiled
+def _elapsed(t: float, period: float, tracks: TrackColumns) -> Array:
+    """Return the time since each track's last sample [s], (n,): the steady period unless that is NaN."""
     elapsed = np.where(tracks.seen, t - tracks.time, 0.0)
     if not np.isnan(period):
         elapsed[:] = period
-    noise_var = params.position_noise**2
-    coasted = np.minimum(elapsed, params.coast_s)
-    ahead = predict(MotionEstimate(tracks.state, tracks.cov), coasted, params.jerk_noise**2)
+    return elapsed
+
+
+@compiled
+def _gates(elapsed: Array, ahead: MotionEstimate, params: TrackParams, tracks: TrackColumns) -> PositionGates:
+    """Return the gates around the tracks predicted to a tick."""
     stood = np.minimum(tracks.time - tracks.since, REPEATS_S)
-    gates = PositionGates(
+    return PositionGates(
         last=tracks.state[:, 0],
         moved=tracks.state[:, 1] * stood[:, None],
         expected=ahead.state[:, 0],
         reach=params.jump_max + params.speed_max * elapsed,
-        deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + noise_var),
+        deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + params.position_noise**2),
         lost=elapsed > params.coast_s + SAME_INSTANT,
         varies=(tracks.varied >= VARIED) & (elapsed <= params.frozen_s + SAME_INSTANT),
         pos_max=params.pos_max,
-    )
-    samples, passed, frozen = screen(measured, repeated, gates)
-    own, reach = passed & tracks.seen, np.minimum(gates.deviation, gates.reach)
-    thawed = _thawed(samples, ahead.state, own & ~repeated, tracks)
-    doubtful = own & _further(samples, ahead.state, params.jump_max)
-    nominal = bool((own & tracks.confirmed & ~thawed & ~doubtful).all())
-    K = gain(ahead, noise_var)
-    state, cov = ahead
-    return Prediction(
-        elapsed, state, cov, K, samples, own, reach, gates.lost, repeated, frozen, thawed, doubtful, nominal
     )
 
 

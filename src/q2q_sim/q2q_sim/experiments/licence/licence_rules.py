@@ -90,7 +90,9 @@ class BrokenRule:
     def sentence(self) -> str:
         """Return when, what, and why."""
         when = f"at {self.t:.2f} s " if self.t else ""
-        return f"{'remark: ' * self.remark}{when}{self.what}{f': {self.why}' if self.why else ''}"
+        why = f": {self.why}" if self.why else ""
+        said = f"{when}{self.what}{why}"
+        return f"remark: {said}" if self.remark else said
 
 
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
@@ -118,6 +120,14 @@ def _first_lasting(broken: Mask, ticks: int) -> int:
     return _first(np.asarray(np.convolve(broken, np.ones(ticks), mode="valid") >= ticks))
 
 
+def _broken(log: LicenceLog, row: int, rule: str, tick: int, what: Callable[[int], str]) -> BrokenRule | None:
+    """Return the rule that a vehicle breaks at a tick, and why; None if the tick is -1, as of `_first`."""
+    if tick < 0:
+        return None
+    t = float(log.t[tick])
+    return BrokenRule(rule, t, what(tick), failure_cause(log, row, t))
+
+
 def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     on, height = log.running[:, row], log.pos[:, row, 2]
     ticks = round(limits.stopped_s / float(log.t[0]))
@@ -125,22 +135,22 @@ def _motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | No
     runs_soon = np.asarray(ahead.any(axis=-1))
     stopped = np.zeros_like(on)
     stopped[1:] = on[:-1] & ~runs_soon[1:-1] & (height[1:] > limits.drop)
-    tick = _first(stopped)
-    if tick < 0:
-        return None
-    what = f"the motors of {log.name(row)} stop at a height of {height[tick]:.2f} m"
-    return BrokenRule("motors", float(log.t[tick]), what, failure_cause(log, row, float(log.t[tick])))
+
+    def what(tick: int) -> str:
+        return f"the motors of {log.name(row)} stop at a height of {height[tick]:.2f} m"
+
+    return _broken(log, row, "motors", _first(stopped), what)
 
 
 def _landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     height, climb = log.pos[:, row, 2], log.vel[:, row, 2]
     hit = np.zeros(len(height), dtype=np.bool_)
     hit[1:] = (height[1:] <= GROUND) & (climb[:-1] < -limits.landing)
-    tick = _first(hit)
-    if tick < 0:
-        return None
-    what = f"{log.name(row)} hits the floor at {-climb[tick - 1 : tick + 1].min():.1f} m/s"
-    return BrokenRule("landing", float(log.t[tick]), what, failure_cause(log, row, float(log.t[tick])))
+
+    def what(tick: int) -> str:
+        return f"{log.name(row)} hits the floor at {-climb[tick - 1 : tick + 1].min():.1f} m/s"
+
+    return _broken(log, row, "landing", _first(hit), what)
 
 
 def _outside(pos: Array, limits: LicenceLimits) -> Mask:
@@ -151,31 +161,19 @@ def _outside(pos: Array, limits: LicenceLimits) -> Mask:
 
 
 def _room(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
-    asked = next(
-        (
-            one
-            for one in log.of(row)
-            if one.asked.pos is not None and _outside(np.array(one.asked.pos), limits).item()
-        ),
-        None,
-    )
+    goals = (one for one in log.of(row) if one.asked.pos is not None)
+    asked = next((one for one in goals if _outside(np.array(one.asked.pos), limits).item()), None)
     tick = _first(_outside(log.pos[:, row], limits))
     left = float(log.t[tick]) if tick >= 0 else math.inf
     if asked is not None and asked.t <= left:
-        return BrokenRule(
-            "room", asked.t, f"{log.name(row)} is asked to leave the room", asked.words_without_time
-        )
-    if tick < 0:
-        return None
-    return BrokenRule("room", left, f"{log.name(row)} leaves the room", failure_cause(log, row, left))
+        what = f"{log.name(row)} is asked to leave the room"
+        return BrokenRule("room", asked.t, what, asked.words_without_time)
+    return _broken(log, row, "room", tick, lambda _: f"{log.name(row)} leaves the room")
 
 
 def _tumble(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     tick = _first(log.state[:, row] == State.CRASHED)
-    if tick < 0:
-        return None
-    t = float(log.t[tick])
-    return BrokenRule("tumble", t, f"{log.name(row)} tumbles", failure_cause(log, row, t))
+    return _broken(log, row, "tumble", tick, lambda _: f"{log.name(row)} tumbles")
 
 
 def _setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
@@ -192,11 +190,12 @@ def _setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None
 def _spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     spinning = log.airborne[:, row] & (np.abs(log.yaw_rate[:, row]) > limits.spin)
     tick = _first_lasting(spinning, round(limits.spun_s / float(log.t[0])))
-    if tick < 0:
-        return None
-    rate = math.degrees(abs(float(log.yaw_rate[tick, row])))
-    t = float(log.t[tick])
-    return BrokenRule("spin", t, f"{log.name(row)} spins at {rate:.0f} deg/s", failure_cause(log, row, t))
+
+    def what(tick: int) -> str:
+        rate_deg = math.degrees(abs(float(log.yaw_rate[tick, row])))
+        return f"{log.name(row)} spins at {rate_deg:.0f} deg/s"
+
+    return _broken(log, row, "spin", tick, what)
 
 
 def _yaw(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
