@@ -22,12 +22,18 @@ brakes once it flies level (q2q_control.failsafe.blind_flight). Measured vehicle
 reports as LOST move aside, also if another controller flies it: that takes the same fallback. Measured again,
 a vehicle returns to the height of its setpoint before it follows that (q2q_control.failsafe.evasion).
 
-A tick older than the last one gets the last command again, as HOLD, under its own stamp. A long enough run
-of rising old stamps is a clock that was set back (q2q_model.signals.clock_resets, as in the mocap filter):
-the controller is reset, ages continue. A jump back by more than SET_BACK_S is a new flight: everything is
-reset but an emergency. The same tick again gets the same command, and if it comes for level_s
-(stalled_stamps) that of a missing tick, short of landing: a simulator that is halted lets nobody fall. Live,
-where a timer asks for the commands of missing ticks, old and repeated ticks get the newest of these.
+A tick that is not newer than the last one:
+
+| its stamp | what it gets |
+|---|---|
+| the same | the same command |
+| older | the last command, as HOLD, under its own stamp |
+| older by more than SET_BACK_S | a new flight: everything is reset but an emergency |
+| older, in a long run of rising ones | the clock was set back: the controller is reset, ages continue |
+| not newer for level_s | that of a missing tick, LEVEL at most: in a halted simulator nobody lands |
+
+The runs are those of q2q_model.signals.clock_resets, as in the mocap filter; stalled_stamps counts level_s.
+Live, a timer asks for the commands of missing ticks: the same or an older tick gets the latest of these.
 """
 
 from collections.abc import Callable

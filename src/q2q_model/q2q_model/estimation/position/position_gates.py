@@ -21,10 +21,10 @@ A pose that equals a recent one bit for bit is an old one with a new stamp if on
 - the pose fails another gate;
 - noise has kept VARIED poses apart.
 
-A server sends such poses that holds the last pose of a body that it has lost. They count as no sample until
-the track is lost, and where there is noise, for frozen_s after the last sample. Poses rounded to millimetres
-repeat, too, but not three times above 0.05 m/s. Those of simulators without noise repeat where a vehicle
-stands.
+A motion capture server that has lost a body may send its last pose again and again. Such poses are no
+samples until the track is lost; where there is noise, until frozen_s after the last sample. Good poses repeat
+where a vehicle stands in a simulator without noise, and where they are rounded to millimetres; above 0.05 m/s
+none of these comes three times.
 """
 
 from typing import NamedTuple

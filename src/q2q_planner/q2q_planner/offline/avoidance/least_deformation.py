@@ -3,9 +3,10 @@
 A plane (i, j, s, n, level) requires n.(r_i(t_s) - r_j(t_s)) >= level. In the deviations y of
 `deviation_space` all planes together read A y >= b, and the least deviation is y = A'x, where the dual x >= 0
 minimises 1/2 x'AA'x - b'x. It is approached from a guess x_0 by proximal steps, with delta/2 ||x - x_0||^2
-added, so that contradictory planes do no harm. Two planes are coupled in AA' only if they share a vehicle, so
-AA' is sparse for a large swarm. PIQP solves it (Schwan, Jiang, Kuhn, Jones, PIQP: A proximal interior-point
-quadratic programming solver, 2023).
+added. The step's y satisfies A y >= b - delta (x - x_0): where planes contradict each other, the step falls
+short of them by that much, where without the term x would grow without bound. Two planes are coupled in AA'
+only if they share a vehicle, so AA' is sparse for a large swarm. PIQP solves it (Schwan, Jiang, Kuhn, Jones,
+PIQP: A proximal interior-point quadratic programming solver, 2023).
 """
 
 import numpy as np
