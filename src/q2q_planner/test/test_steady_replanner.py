@@ -134,9 +134,16 @@ def test_a_step_keeps_the_largest_acceleration_when_ticks_are_slow_or_lost(hold:
 
 @pytest.mark.parametrize(
     ("hold", "approach", "jerk", "step"),
-    [(0.02, 20.0, 20.0, 0.3), (0.2, 4.0, 20.0, 2.0), (0.5, 2.0, 20.0, 2.0), (0.5, 4.0, 100.0, 2.0)],
+    [
+        (0.02, 20.0, 20.0, 0.3),
+        (0.2, 4.0, 20.0, 2.0),
+        (0.5, 2.0, 20.0, 2.0),
+        (0.5, 4.0, 100.0, 2.0),
+        (0.02, 2.0, 3.0, 2.0),
+        (0.2, 20.0, 3.0, 2.0),
+    ],
 )
-def test_a_step_ends_without_overshoot_or_swing_at_any_hold_and_approach(
+def test_a_step_ends_without_overshoot_or_swing_at_any_hold_approach_and_jerk(
     hold: float, approach: float, jerk: float, step: float
 ) -> None:
     replanner = SafeReplanner(replace(PARAMS, hold=hold, approach=approach, jerk_max=jerk))

@@ -18,7 +18,7 @@ from q2q_planner.online.safe.committed_motion import (
     reference_rows,
 )
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
-from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
+from q2q_planner.online.safe.traffic import TrafficTable, limits_of, traffic_at
 
 
 def test_the_newest_state_of_a_vehicle_counts_by_the_time_it_was_measured() -> None:
@@ -225,3 +225,15 @@ def test_an_external_vehicle_that_keeps_the_law_certainly_brakes_from_its_hold_o
     rest = 1.0 / 3.0  # of 1 m/s
     slack = PARAMS.tracking - 1.5 * 0.02**2 - 3.0 * 0.02 * rest - SNAP_POS - SNAP_VEL * rest
     np.testing.assert_allclose(growth, [[slack, 0.0]] * 3, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("hold", "jerk", "pole"),
+    [(0.02, 0.0, 20.0), (0.02, 100.0, 8.0), (0.02, 20.0, 4.0), (0.15, 20.0, 8.0 / 3.0), (0.2, 5.0, 1.0)],
+)
+def test_pairs_are_searched_by_the_pole_that_bounded_jerk_leaves_to_the_barrier(
+    hold: float, jerk: float, pole: float
+) -> None:
+    """At most 0.4 / T and 1 / (T + 2 acc_max / jerk_max) with T = max(hold, 0.05 s)."""
+    params = replace(PARAMS, acc_max=2.0, hold=hold, jerk_max=jerk, approach=20.0)
+    assert limits_of(params).pole == pytest.approx(pole, rel=1e-12)

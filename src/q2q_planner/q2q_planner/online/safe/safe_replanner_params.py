@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.online.safe.stopping.approach_speed import LAG, followed_pole
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,7 @@ class SafeReplannerParams:
     approach: float = tunable(
         2.0,
         "both poles of the approach to a zone; if jerk_max is set, to the reference, too, and at most "
-        "0.4 / max(hold, 0.05 s)",
+        "0.4 / T and 1 / (T + 2 acc_max / jerk_max) with T = max(hold, 0.05 s)",
         unit="1/s",
         low=0.1,
         high=20.0,
@@ -63,6 +64,18 @@ class SafeReplannerParams:
     forget: float = tunable(
         2.0, "age at which an external vehicle's state is dropped", unit="s", low=0.1, high=600.0
     )
+
+    @property
+    def lag(self) -> float:
+        """Return the lag of the acceleration [s]: at least `hold`, so that none that is wanted is passed."""
+        return max(LAG, self.hold)
+
+    @property
+    def pole(self) -> float:
+        """Return both poles of an approach [1/s]: where jerk is bounded, no faster than it is followed."""
+        if self.jerk_max == 0.0:
+            return self.approach
+        return followed_pole(self.approach, self.lag, 2.0 * self.acc_max / self.jerk_max)
 
     @property
     def with_tube(self) -> "SafeReplannerParams":

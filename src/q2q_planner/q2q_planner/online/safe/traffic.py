@@ -99,7 +99,7 @@ class TrafficLimits(NamedTuple):
 def limits_of(params: SafeReplannerParams, passed: float = 0.0) -> TrafficLimits:
     """Return the limits of a replanner's parameters, `passed` [s] after the tick before."""
     steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
-    zone = params.eps, params.d, params.approach
+    zone = params.eps, params.d, params.pole
     return TrafficLimits(follow_bounds(params, passed), steady, params.hold, ramps, params.acc_max, *zone)
 
 

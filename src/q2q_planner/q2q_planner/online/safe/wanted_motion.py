@@ -16,12 +16,7 @@ from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apar
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, ReferenceRows, length
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.stopping.approach_speed import (
-    LAG,
-    ApproachLaw,
-    approach_speed,
-    followed_pole,
-)
+from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
 from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, rows_in_pairs
 
@@ -57,7 +52,7 @@ class _WantedLaw(NamedTuple):
     acc: float
     jerk: float
     lag: float
-    """Of the approach to the wanted acceleration [s]: at least `hold`, so that none is passed."""
+    """Of the approach to the wanted acceleration [s]."""
     keep: float
     """Distance to keep from the grown zone [m]."""
     back: ApproachLaw
@@ -79,8 +74,7 @@ def wanted_motion(
 
 
 def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
-    lag, steady = max(LAG, params.hold), params.jerk_max > 0.0
-    pole = followed_pole(params.approach, lag) if steady else params.approach
+    steady, pole = params.jerk_max > 0.0, params.pole
     poles = 2.0 * pole, pole**2
     barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, steady)
     return _WantedLaw(
@@ -88,7 +82,7 @@ def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
         params.k_d,
         params.acc_max,
         params.jerk_max,
-        lag,
+        params.lag,
         params.margin + FLOOR,
         ApproachLaw(pole, RETURN_BRAKE * params.acc_max),
         HEADROOM * params.speed_max,

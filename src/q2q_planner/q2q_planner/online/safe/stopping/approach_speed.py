@@ -10,9 +10,9 @@ from its reference shrinks so, e' = -w(|e|) e / |e|, by
     e'' = -p (e' + w e / |e|) - w' (e.e') e / |e|^2 - (w / |e|) (e' - (e.e') e / |e|^2)
 
 which within s_1 is e'' = -2 p e' - p^2 e. Where jerk is bounded, the acceleration lags by T = max(LAG, hold).
-From p T = 2 on the approach is unstable, and it overshoots well before, so p is at most 0.4 / T
-(`followed_pole`). A pole that also leaves time for a reversal of the acceleration,
-1 / (LAG + 2 acc_max / jerk_max), is 4/s at 2 m/s^2 and 20 m/s^3. Vehicles follow slow poles more closely.
+From p T = 2 on the approach is unstable, and it overshoots well before, so p is at most 0.4 / T. It also
+leaves time for a reversal of the acceleration: p is at most 1 / (T + 2 acc_max / jerk_max), which is 4/s at
+2 m/s^2 and 20 m/s^3 (`followed_pole`). Vehicles follow slow poles more closely.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -40,9 +40,12 @@ class ApproachLaw(NamedTuple):
     brake: float
 
 
-def followed_pole(pole: float, lag: float) -> float:
-    """Return a pole [1/s], or the fastest one that an acceleration follows without overshoot at a lag [s]."""
-    return min(pole, FOLLOWED / lag)
+def followed_pole(pole: float, lag: float, reversal: float) -> float:
+    """Return a pole [1/s], or the fastest one that an acceleration follows without overshoot.
+
+    It lags by `lag` [s], and takes `reversal` [s] from its largest value to the opposite one.
+    """
+    return min(pole, FOLLOWED / lag, 1.0 / (lag + reversal))
 
 
 @compiled
