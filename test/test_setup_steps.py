@@ -7,14 +7,34 @@ PYTHON = """for last; do :; done
 case "$*" in
   *"-m venv"*) mkdir -p "$last/bin" && cp "$0" "$last/bin/python" ;;
   *"-m pip"*) {pip} ;;
-  *"-m colcon"*) mkdir install && touch install/local_setup.bash ;;
+  *"-m colcon"*) {colcon} ;;
   *compile_kernels*) echo "$NUMBA_CACHE_DIR" >>"{root}/compiled" ;;
   *sys.executable*) echo "$0" ;;
   *rclpy*) exit 1 ;;
   *repair_cmake_exports*) ;;
   *) exec "{python}" "$@" ;;
 esac"""
+BUILT = "mkdir -p install && touch install/local_setup.bash"
+KILLED = "kill -KILL $PPID"
 NO_NETWORK = "echo Network is unreachable; exit 1"
+RETRY = "WARNING: Retrying (Retry(total=0)) after connection broken by '{}': /simple/cflib/\n"
+NO_VERSIONS = "ERROR: Could not find a version that satisfies the requirement cflib (from versions: none)"
+FAILURES = {
+    "Network is unreachable": "no network",
+    RETRY.format("ReadTimeoutError(Read timed out. (read timeout=1.0))") + NO_VERSIONS: "no network",
+    RETRY.format("ConnectionResetError(104, Connection reset by peer)") + NO_VERSIONS: "no network",
+    NO_VERSIONS: "cflib could not be fetched",  # as where the server answers 503
+    "ERROR: Could not install packages: [Errno 28] No space left on device": "the disk is full",
+}
+"""What pip says where it cannot fetch a package, and the error of the set-up."""
+UNFIT = (
+    "ERROR: ResolutionImpossible",
+    "ERROR: Package 'cflib' requires a different Python: 3.12.3 not in '<3.11'",
+    "ERROR: Could not find a version that satisfies the requirement cflib==9 (from versions: 0.1, 0.2)",
+    "ERROR: Ignored the following versions that require a different python version: 9\n" + NO_VERSIONS,
+    "ERROR: Failed building wheel for cflib",
+)
+"""What pip says where a package does not go with the others or with this Python."""
 WHOLE = (".venv/q2q/kept", "build/kept", "install/kept")
 
 
@@ -26,9 +46,16 @@ def bare(checkout: Checkout) -> Checkout:
     return checkout
 
 
-def set_pip(checkout: Checkout, script: str) -> None:
-    """Let pip be a line of shell."""
-    checkout.tool("python3", PYTHON.format(pip=script, python=BASE_PYTHON, root=checkout.root))
+def set_pip(checkout: Checkout, script: str, colcon: str = BUILT) -> None:
+    """Let pip and colcon be lines of shell."""
+    tool = PYTHON.format(pip=script, colcon=colcon, python=BASE_PYTHON, root=checkout.root)
+    checkout.tool("python3", tool)
+
+
+def set_pip_of_venv(checkout: Checkout, script: str, colcon: str = BUILT) -> None:
+    """Let pip and colcon of a .venv that is there be lines of shell."""
+    set_pip(checkout, script, colcon)
+    (checkout.bin / "python3").rename(checkout.root / ".venv/bin/python")
 
 
 def add_set_up(checkout: Checkout) -> None:
@@ -55,7 +82,7 @@ def test_a_set_up_is_kept_where_its_successor_cannot_be_made(bare: Checkout) -> 
 
 def test_a_set_up_is_kept_also_where_its_successor_was_killed_before(bare: Checkout) -> None:
     add_set_up(bare)
-    set_pip(bare, "kill -KILL $PPID")
+    set_pip(bare, KILLED)
     bare.setup()
     assert not (bare.root / ".venv/q2q/venv").exists()
     set_pip(bare, NO_NETWORK)
@@ -80,14 +107,27 @@ def test_an_update_that_was_killed_is_made_also_when_its_files_are_as_before(
     set_pip(bare, "exit 0")
     bare.setup("--dev")
     asked = bare.root / "asked"
-    python = bare.root / ".venv/bin/python"
-    for text, ending in ((before + "another\n", "kill -KILL $PPID"), (before, "exit 0")):
+    for text, ending in ((before + "another\n", KILLED), (before, "exit 0")):
         asked.unlink(missing_ok=True)
         requirements.write_text(text)
-        set_pip(bare, f'echo "$*" >>"{asked}"; {ending}')
-        (bare.bin / "python3").rename(python)
+        set_pip_of_venv(bare, f'echo "$*" >>"{asked}"; {ending}')
         bare.setup("--dev")
         assert name in asked.read_text()
+
+
+@pytest.mark.parametrize("name", ["run.txt", "dev.txt"])
+def test_without_a_network_an_update_leaves_the_set_up_of_the_files_before(bare: Checkout, name: str) -> None:
+    """It was lost, also after a return to them, until there was a network again."""
+    requirements = bare.root / "requirements" / name
+    before = requirements.read_text()
+    set_pip(bare, "exit 0")
+    bare.setup("--dev")
+    set_pip_of_venv(bare, NO_NETWORK)
+    requirements.write_text(before + "another\n")
+    assert "setup: error: no network" in bare.setup("--dev").stderr
+    requirements.write_text(before)
+    again = bare.setup("--dev")
+    assert (again.returncode, again.stderr) == (0, "")
 
 
 def test_machine_code_goes_where_nodes_look_for_it(bare: Checkout) -> None:
@@ -103,18 +143,28 @@ def test_machine_code_goes_where_nodes_look_for_it(bare: Checkout) -> None:
     assert chosen.is_dir()
 
 
-def test_cflib_is_left_out_where_it_does_not_fit_and_asked_for_again_after_a_network_failure(
-    bare: Checkout,
-) -> None:
-    stamp = bare.root / ".venv/q2q/dev"
-    set_pip(bare, f'case "$*" in *radio.txt*) {NO_NETWORK} ;; esac')
-    done = bare.setup("--dev")
-    assert done.returncode == 1
-    assert "setup: error: no network" in done.stderr
-    assert stamp.read_text() == "incomplete\n"
+def without_cflib(lines: str) -> str:
+    """Return a pip that fails with these lines where cflib is asked for."""
+    return f"""case "$*" in *radio.txt*) printf '%s\\n' "{lines}"; exit 1 ;; esac"""
 
-    set_pip(bare, 'case "$*" in *radio.txt*) echo ResolutionImpossible; exit 1 ;; esac')
-    (bare.bin / "python3").rename(bare.root / ".venv/bin/python")
+
+def test_cflib_is_asked_for_again_where_it_could_not_be_fetched(bare: Checkout) -> None:
+    """A stalled or reset connection, a server's error and a full disk made it unfit, for good."""
+    stamp = bare.root / ".venv/q2q/dev"
+    set_pip(bare, "exit 0")
+    bare.setup()
+    for lines, told in FAILURES.items():
+        set_pip_of_venv(bare, without_cflib(lines))
+        done = bare.setup("--dev")
+        assert done.returncode == 1
+        assert f"setup: error: {told}" in done.stderr
+        assert stamp.read_text() == "incomplete\n"
+
+
+@pytest.mark.parametrize("lines", UNFIT)
+def test_cflib_is_left_out_where_it_does_not_fit(bare: Checkout, lines: str) -> None:
+    stamp = bare.root / ".venv/q2q/dev"
+    set_pip(bare, without_cflib(lines))
     done = bare.setup("--dev")
     assert done.returncode == 0
     assert "cflib does not go with this Python's packages" in done.stderr

@@ -30,6 +30,23 @@ pip_install() {
   return "${PIPESTATUS[0]}"
 }
 
+# Install the packages of a step that has begun. Without a network pip ends before it changes anything: the stamp is
+# again that of what is there.
+install_packages() {
+  local step=$1 failure=$2
+  shift 2
+  in_log pip_install "$@" && return
+  [ -z "$BEFORE" ] || ! lacked_network || stamp "$step" "$BEFORE"
+  fail "$failure"
+}
+
+# Whether pip, by the last command in the log, found packages that do not go together or cannot be built. An index that
+# does not answer has no versions of them.
+packages_do_not_fit() {
+  ! lacked_room && ! lacked_network &&
+    last_step | grep -qE 'ResolutionImpossible|requires? a different [Pp]ython|from versions: [^n]|Failed building wheel|metadata-generation-failed|requirements to build wheel did not'
+}
+
 # Pass on the output of pip, and report to the caller of the set-up (file 8) which package is fetched: each on one
 # line of a terminal, else only large ones.
 tell_downloads() {
@@ -74,7 +91,7 @@ install_flight_packages() {
   else
     packages+=(-r "$ROOT/requirements/ros.txt" -r "$ROOT/requirements/build.txt")
   fi
-  logged "the packages of requirements/ could not be installed" pip_install "${packages[@]}"
+  install_packages venv "the packages of requirements/ could not be installed" "${packages[@]}"
   [ "$ROS_KIND" = sourced ] ||
     logged "the wheels could not be repaired" "$VENV/bin/python" "$ROOT/scripts/setup.d/repair_cmake_exports.py"
 }
@@ -89,6 +106,7 @@ make_venv() {
 
 ensure_venv() {
   venv_is_whole && fresh venv "$(venv_hash)" && return
+  BEFORE=
   if venv_is_whole; then
     begin venv
   else
@@ -107,10 +125,10 @@ ensure_dev() {
   fresh dev "$(dev_hash)" && return
   report "step 2b of 3: packages of the tests and checks"
   begin dev
-  logged "the packages of requirements/dev.txt could not be installed" \
-    pip_install -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
+  install_packages dev "the packages of requirements/dev.txt could not be installed" \
+    -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
   in_log pip_install -r "$ROOT/requirements/radio.txt" || {
-    die_without_network
+    packages_do_not_fit || fail "cflib could not be fetched"
     report "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
   }
   report "step 2c of 3: torch, CPU build"
