@@ -16,6 +16,7 @@ case "$*" in
 esac"""
 BUILT = "mkdir -p install && touch install/local_setup.bash"
 KILLED = "kill -KILL $PPID"
+KILLED_BUILD = 'kill -KILL "$(cat pid)"'
 NO_NETWORK = "echo Network is unreachable; exit 1"
 RETRY = "WARNING: Retrying (Retry(total=0)) after connection broken by '{}': /simple/cflib/\n"
 NO_VERSIONS = "ERROR: Could not find a version that satisfies the requirement cflib (from versions: none)"
@@ -87,6 +88,20 @@ def test_a_set_up_is_kept_also_where_its_successor_was_killed_before(bare: Check
     assert not (bare.root / ".venv/q2q/venv").exists()
     set_pip(bare, NO_NETWORK)
     bare.setup()
+    assert kept(bare) == [*WHOLE]
+
+
+@pytest.mark.parametrize("ends", [("exit 1",), (KILLED_BUILD, "exit 1")])
+def test_a_set_up_is_kept_where_its_successor_cannot_be_built(bare: Checkout, ends: tuple[str, ...]) -> None:
+    """Also where the build of the successor was killed before: its packages are complete then."""
+    add_set_up(bare)
+    set_pip(bare, "exit 0", ends[0])
+    bare.shell("echo $$ >pid && exec scripts/setup")
+    for colcon in ends[1:]:
+        assert (bare.root / ".venv/q2q/venv").exists()
+        assert not (bare.root / ".venv/q2q/kept").exists()
+        set_pip_of_venv(bare, "exit 0", colcon)
+        bare.setup()
     assert kept(bare) == [*WHOLE]
 
 

@@ -40,6 +40,7 @@ ensure_build() {
   begin build
   logged "colcon build failed" colcon_build
   "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/console_scripts.py" "$ROOT"
+  drop_replaced
   stamp build "$(build_hash)"
   MAKING=
 }

@@ -118,7 +118,6 @@ ensure_venv() {
   install_flight_packages
   stamp venv "$(venv_hash)"
   MAKING=
-  rm -rf -- "$REPLACED"
 }
 
 ensure_dev() {

@@ -11,21 +11,28 @@ move_set_up() {
   done
 }
 
-# Clear the place of a new .venv. A .venv that was never completed, since its set-up was killed, is not worth keeping:
-# what it was to replace still is in REPLACED.
+# Whether a set-up is set aside; its successor is complete only when it has been dropped.
+is_set_aside() { [ -f "$REPLACED/.venv/q2q/venv" ]; }
+
+# The stamp first, so that one that is partly removed never comes back.
+drop_replaced() { rm -f -- "$REPLACED/.venv/q2q/venv" && rm -rf -- "$REPLACED"; }
+
+# Clear the place of a new .venv. One that was never completed, since its set-up was killed, is not worth keeping.
 set_aside() {
-  if [ -f "$STAMPS/venv" ]; then
+  if [ -f "$STAMPS/venv" ] && ! is_set_aside; then
     rm -rf -- "$REPLACED"
     mkdir "$REPLACED"
     move_set_up "$ROOT" "$REPLACED"
   fi
-  rm -rf -- "$VENV" "$ROOT/build" "$ROOT/install"
+  remove_set_up
 }
 
+remove_set_up() { rm -rf -- "$VENV" "$ROOT/build" "$ROOT/install"; }
+
 clean_up() {
-  [ -n "$MAKING" ] || return
-  rm -rf -- "$MAKING"
-  [ "$MAKING" = "$VENV" ] && [ -d "$REPLACED" ] || return
+  [ -z "$MAKING" ] || rm -rf -- "$MAKING"
+  is_set_aside || return
+  remove_set_up
   move_set_up "$REPLACED" "$ROOT"
   rm -rf -- "$REPLACED"
   report "the set-up that was to be replaced is back"
