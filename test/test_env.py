@@ -60,3 +60,9 @@ def test_what_another_checkout_set_is_no_choice_of_the_user(checkout: Checkout) 
         assert entered(checkout, name, **{name: own}) == own
         assert entered(checkout, name, **{name: f"{other}/{folder}"}) == own
         assert entered(checkout, name, **{name: "/home/me/chosen"}) == "/home/me/chosen"
+
+
+def test_a_folder_of_machine_code_is_the_same_in_every_folder(checkout: Checkout) -> None:
+    """Nodes that ran in another one than the set-up found nothing there, and compiled in flight."""
+    made_on(checkout, "wheels")
+    assert entered(checkout, "NUMBA_CACHE_DIR", NUMBA_CACHE_DIR="chosen") == f"{checkout.root}/chosen"

@@ -2,16 +2,18 @@
 
 export NUMBA_CACHE_DIR=$(sh "$ROOT/scripts/setup.d/numba_cache.sh" "$ROOT")
 
-# Where the machine code is, and what it is made of: every source that makes a kernel. A constant that it reads from
-# elsewhere is not seen here; its kernel is compiled when a node starts.
+# What the machine code is made of: every source that makes a kernel. A constant that it reads from elsewhere is not
+# seen here; its kernel is compiled when a node starts.
 kernels_hash() {
   {
-    echo "$NUMBA_CACHE_DIR" && venv_hash
+    venv_hash
     cd "$ROOT/src" && grep -rlZ --include='*.py' 'q2q_model.compiled import' . | sort -z | xargs -0 cat
   } | sha256sum
 }
 
-kernels_are_compiled() { fresh kernels "$(kernels_hash)" && [ -d "$NUMBA_CACHE_DIR" ]; }
+# The stamp is beside the machine code, of which shells may choose different folders, and checkouts the same.
+KERNELS_STAMP=$NUMBA_CACHE_DIR/q2q${ROOT//\//-}
+kernels_are_compiled() { [ "$(cat "$KERNELS_STAMP" 2>/dev/null)" = "$(kernels_hash)" ]; }
 
 compile_kernels() (
   workspace_environment
@@ -23,7 +25,7 @@ ensure_kernels() {
   kernels_are_compiled && return
   report "machine code of the kernels, in ${NUMBA_CACHE_DIR#"$ROOT/"} (first time: several minutes)"
   if in_log mkdir -p "$NUMBA_CACHE_DIR" && in_log test -w "$NUMBA_CACHE_DIR" && in_log compile_kernels; then
-    stamp kernels "$(kernels_hash)"
+    kernels_hash >"$KERNELS_STAMP"
   else
     report "warning: kernels are left to be compiled when a node starts: $(last_step | tail -n 1) (all of it in $LOG)"
   fi
