@@ -24,7 +24,6 @@ FAILURES = {
     "Network is unreachable": "no network",
     RETRY.format("ReadTimeoutError(Read timed out. (read timeout=1.0))") + NO_VERSIONS: "no network",
     RETRY.format("ConnectionResetError(104, Connection reset by peer)") + NO_VERSIONS: "no network",
-    NO_VERSIONS: "cflib could not be fetched",  # as where the server answers 503
     "ERROR: Could not install packages: [Errno 28] No space left on device": "the disk is full",
 }
 """What pip says where it cannot fetch a package, and the error of the set-up."""
@@ -36,6 +35,7 @@ UNFIT = (
     "ERROR: Failed building wheel for cflib",
 )
 """What pip says where a package does not go with the others or with this Python."""
+UNFITTING, ABSENT = "does not go with this Python's packages", "is not in the package index"
 WHOLE = (".venv/q2q/kept", "build/kept", "install/kept")
 
 
@@ -176,11 +176,11 @@ def test_cflib_is_asked_for_again_where_it_could_not_be_fetched(bare: Checkout) 
         assert stamp.read_text() == "incomplete\n"
 
 
-@pytest.mark.parametrize("lines", UNFIT)
-def test_cflib_is_left_out_where_it_does_not_fit(bare: Checkout, lines: str) -> None:
+@pytest.mark.parametrize(("lines", "why"), [*((one, UNFITTING) for one in UNFIT), (NO_VERSIONS, ABSENT)])
+def test_cflib_is_left_out_where_it_does_not_fit_or_is_absent(bare: Checkout, lines: str, why: str) -> None:
     stamp = bare.root / ".venv/q2q/dev"
     set_pip(bare, without_cflib(lines))
     done = bare.setup("--dev")
     assert done.returncode == 0
-    assert "cflib does not go with this Python's packages" in done.stderr
+    assert f"cflib {why}" in done.stderr
     assert stamp.read_text() != "incomplete\n"

@@ -40,11 +40,10 @@ install_packages() {
   fail "$failure"
 }
 
-# Whether pip, by the last command in the log, found packages that do not go together or cannot be built. An index that
-# does not answer has no versions of them.
+# Whether pip, by the last command in the log, found packages that do not go together or cannot be built. An index
+# without them, or one that answers with an error, has no versions of them.
 packages_do_not_fit() {
-  ! lacked_room && ! lacked_network &&
-    last_step | grep -qE 'ResolutionImpossible|requires? a different [Pp]ython|from versions: [^n]|Failed building wheel|metadata-generation-failed|requirements to build wheel did not'
+  last_step | grep -qE 'ResolutionImpossible|requires? a different [Pp]ython|from versions: [^n]|Failed building wheel|metadata-generation-failed|requirements to build wheel did not'
 }
 
 # Pass on the output of pip, and report to the caller of the set-up (file 8) which package is fetched: each on one
@@ -127,8 +126,9 @@ ensure_dev() {
   install_packages dev "the packages of requirements/dev.txt could not be installed" \
     -r "$ROOT/requirements/run.txt" -r "$ROOT/requirements/dev.txt"
   in_log pip_install -r "$ROOT/requirements/radio.txt" || {
-    packages_do_not_fit || fail "cflib could not be fetched"
-    report "cflib does not go with this Python's packages: no real vehicles, and tests of their clients skip"
+    ! lacked_network && ! lacked_room || fail "cflib could not be fetched"
+    cflib="$(packages_do_not_fit && echo "does not go with this Python's packages" || echo "is not in the package index")"
+    report "cflib $cflib: no real vehicles, and tests of their clients skip (to try again: rm .venv/q2q/dev)"
   }
   report "step 2c of 3: torch, CPU build"
   in_log pip_install -r "$ROOT/requirements/train.txt" ||
