@@ -51,16 +51,22 @@ def test_another_vehicle_is_told_from_the_same_one_on_another_firmware():
 
 
 @pytest.mark.parametrize(
-    ("words", "remarks"),
+    ("lines", "words", "remarks"),
     [
-        ([], ["wake: measured is replaced by air: room"]),
-        (["--air", "ring"], []),
-        (["--wake", "none"], []),
+        ("wake: measured", [], ["wake: measured is replaced by air: room"]),
+        (
+            "wake: measured\ndisturbance: {air_std: 5.0}",
+            [],
+            ["wake: measured is replaced by air: room", "disturbance is replaced by air: room"],
+        ),
+        ("wake: none\ndisturbance: {thrust_gain_min: 1.0}", [], []),
+        ("wake: measured\ndisturbance: {air_std: 5.0}", ["--air", "ring"], []),
+        ("wake: measured", ["--wake", "none"], []),
     ],
 )
-def test_a_wake_that_the_files_own_air_replaces_is_told_and_one_that_a_choice_replaces_is_not(
-    words: list[str], remarks: list[str], tmp_path: Path
-):
+def test_what_the_files_own_air_replaces_is_told_and_what_a_choice_replaces_is_not(
+    lines: str, words: list[str], remarks: list[str], tmp_path: Path
+) -> None:
     file = tmp_path / "both.yaml"
-    file.write_text("wake: measured\nair: room\nvehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [0, 1, 1]}]}\n")
+    file.write_text(f"{lines}\nair: room\nvehicles: {{cf1: [{{pos: [0, 0, 1]}}, {{pos: [0, 1, 1]}}]}}\n")
     assert scenario_remarks(request_of(parser().parse_args([str(file), *words]))) == remarks

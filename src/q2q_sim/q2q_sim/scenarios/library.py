@@ -9,12 +9,13 @@ from pathlib import Path
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_planner.offline.certified_file import load_plan
+from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.scenarios.scenario_files import FOLDER, PLAN, names, path_of, swarm_size
 from q2q_sim.scenarios.swarm_scenario import swarm_scenario
 
-__all__ = ["Scenario", "describe", "document", "load", "names", "replaced_wake"]
+__all__ = ["Scenario", "describe", "document", "load", "names", "replaced_by_air"]
 
 
 def describe(name: str) -> str:
@@ -37,14 +38,17 @@ def document(name: str) -> Mapping[str, object]:
     return from_plain(dict[str, object], load_yaml(FOLDER / f"{name}.yaml"), name)
 
 
-def replaced_wake(name_or_path: str) -> str:
-    """Return a remark if a scenario's file names a wake and an air, which replaces it; empty if not."""
+def replaced_by_air(name_or_path: str) -> list[str]:
+    """Return one remark for each of wake and disturbance in a scenario's file that its air replaces."""
     if swarm_size(name_or_path) is not None or (path := path_of(name_or_path)).suffix == PLAN:
-        return ""
-    match load_yaml(path):
-        case {"wake": wake, "air": str(air)} if air:
-            return f"wake: {wake} is replaced by air: {air}"
-    return ""
+        return []
+    scenario, given = _read(path), from_plain(dict[str, object], load_yaml(path), path.name)
+    if not scenario.air:
+        return []
+    replaced = [] if scenario.wake == "none" else [f"wake: {scenario.wake}"]
+    if "disturbance" in given and scenario.disturbance != DisturbanceParams():
+        replaced.append("disturbance")
+    return [f"{key} is replaced by air: {scenario.air}" for key in replaced]
 
 
 def _read(path: Path) -> Scenario:

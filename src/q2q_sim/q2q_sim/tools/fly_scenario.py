@@ -90,8 +90,8 @@ def scenario_remarks(request: FlightRequest) -> list[str]:
     """Return what is flown otherwise than the scenario or a reader of its file expects, one line each."""
     own, flown = library.load(request.scenario), load_scenario(request)
     remarks = remarks_on_late_faults(flown.faults, flown.duration)
-    if not (request.wake or request.air) and (replaced := library.replaced_wake(request.scenario)):
-        remarks = [replaced, *remarks]
+    if not (request.wake or request.air):
+        remarks = [*library.replaced_by_air(request.scenario), *remarks]
     if flown.vehicle != own.vehicle and not request.vehicle:
         change = vehicle_change(own.vehicle, flown.vehicle)
         remarks = [f"in air {request.air} by {change} (`in_air` of the scenario)", *remarks]
