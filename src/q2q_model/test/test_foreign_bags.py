@@ -82,12 +82,12 @@ def _pose(tick: int, vehicle: int) -> dict[str, dict[str, float]]:
 
 
 def _write_named(file: Path, kind: str = "NamedPoseArray", extra: str = "", numbers=(231, 232)) -> None:  # noqa: ANN001
-    """Write poses of two vehicles cf<number>; the first is not seen in each fourth message."""
+    """Write poses of vehicles cf<number>; the first is not seen in each fourth message."""
     with file.open("wb") as stream, ForeignWriter(stream) as writer:
         name = f"motion_capture_tracking_interfaces/msg/{kind}"
         schema = writer.register_msgdef(name, NAMED_POSES.format(extra=extra))
         for tick in range(TICKS):
-            seen = [1] if tick % 4 == 3 else [0, 1]
+            seen = range(tick % 4 == 3, len(numbers))
             message = {
                 "header": {"stamp": {"sec": 1, "nanosec": tick * 10_000_000}, "frame_id": "world"},
                 "timestamp": 7,
@@ -131,10 +131,18 @@ def test_a_vehicle_with_two_sources_or_a_name_of_nobody_is_refused(
         read_mapped_flight(tmp_path / "room.mcap", mapped)
 
 
-def test_a_vehicle_twice_in_one_message_is_refused(tmp_path: Path):
-    _write_named(tmp_path / "room.mcap", numbers=(7, 7))
-    with pytest.raises(BagError, match="topic /poses at 0 ns: two poses of cf7"):
-        read_mapped_flight(tmp_path / "room.mcap", TopicMap(poses="/poses"))
+def test_a_vehicle_is_left_out_of_the_messages_that_name_it_twice(tmp_path: Path) -> None:
+    """Only the second vehicle is in each fourth message, under the name that both have in the others."""
+    _write_named(tmp_path / "room.mcap", numbers=(7, 7, 8))
+    left = TICKS - TICKS // 4
+    with pytest.warns(UserWarning, match=f": {left} messages of /poses name cf7 twice: left out"):
+        flight = read_mapped_flight(tmp_path / "room.mcap", TopicMap(poses="/poses"))
+    assert set(flight.names) == {"cf7", "cf8"}
+    for tick in range(TICKS):
+        at = flight.mocap_pos[tick]
+        assert np.array_equal(at[flight.names.index("cf8")], _place(tick, 2)[0])
+        once = _place(tick, 1)[0] if tick % 4 == 3 else (np.nan,) * 3
+        np.testing.assert_array_equal(at[flight.names.index("cf7")], once)
 
 
 def _write_ros(writer, store, convert, offset_ns: int = 2 * MS, step_ns: int = 10 * MS, *, back_ns=0) -> None:  # noqa: ANN001

@@ -4,6 +4,7 @@ Message definitions come from the bag, which allows any version of a type; a bag
 as ROS 2 Jazzy.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
@@ -96,10 +97,12 @@ def mapped_frames(
     source: Source, channels: dict[str, Channel], topic_map: TopicMap
 ) -> tuple[list[MocapFrame], list[str]]:
     """Return the mapped poses as one frame per tick, and remarks on poses left out."""
+    tracks, twice = _tracks(source, channels, topic_map)
     try:
-        return pose_frames(_tracks(source, channels, topic_map), topic_map.tolerance_s)
+        frames, repairs = pose_frames(tracks, topic_map.tolerance_s)
     except ValueError as misfit:
         raise BagError(f"bag {source.path}: {misfit}") from misfit
+    return frames, twice + repairs
 
 
 def _signals(source: Source, channel: Channel) -> list[Signal]:
@@ -110,18 +113,32 @@ def _signals(source: Source, channel: Channel) -> list[Signal]:
         raise BagError(f"bag {source.path}, topic {channel.topic}: {bad}") from bad
 
 
-def _tracks(source: Source, channels: dict[str, Channel], topic_map: TopicMap) -> dict[str, Poses]:
+def _tracks(
+    source: Source, channels: dict[str, Channel], topic_map: TopicMap
+) -> tuple[dict[str, Poses], list[str]]:
+    """Return the poses of every vehicle, and remarks on those that a message has twice."""
     known = (*POSES, *NAMED)
     rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map, known)
     named: dict[str, list[Row]] = {}
+    twice: Counter[str] = Counter()
     if topic_map.poses:
-        for name, row in _rows(source, channels[topic_map.poses], topic_map, known):
-            named.setdefault(name, []).append(row)
+        for found in _messages(source, channels[topic_map.poses], topic_map, known):
+            once = _once(found)
+            twice.update({name for name, _ in found} - {name for name, _ in once})
+            for name, row in once:
+                named.setdefault(name, []).append(row)
     _check_names(source, topic_map, list(named))
     rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
     if not rows:
         raise BagError(f"bag {source.path} has no pose of any vehicle")
-    return _sorted(source, rows)
+    remarks = [f"{n} messages of {topic_map.poses} name {name} twice: left out" for name, n in twice.items()]
+    return _sorted(source, rows), remarks
+
+
+def _once(found: Sequence[tuple[str, Row]]) -> list[tuple[str, Row]]:
+    """Return the poses of vehicles that a message names once: which of two is true is not known."""
+    times = Counter(name for name, _ in found)
+    return [(name, row) for name, row in found if times[name] == 1]
 
 
 def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str]) -> None:
@@ -151,7 +168,9 @@ def _rows_by_vehicle(
     known: Sequence[str],
 ) -> dict[str, list[Row]]:
     return {
-        vehicle: [row for _, row in _rows(source, channels[topic], topic_map, known)]
+        vehicle: [
+            row for found in _messages(source, channels[topic], topic_map, known) for _, row in _once(found)
+        ]
         for vehicle, topic in topics.items()
     }
 
@@ -174,10 +193,10 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
     return tracks
 
 
-def _rows(
+def _messages(
     source: Source, channel: Channel, topic_map: TopicMap, known: Sequence[str]
-) -> Iterator[tuple[str, Row]]:
-    """Yield name (empty for a topic of one vehicle) and row of every pose of a channel of a known type."""
+) -> Iterator[list[tuple[str, Row]]]:
+    """Yield the poses of each message of a known type: name (empty for a topic of one vehicle) and row."""
     kind = channel.type_name.rsplit("/", 1)[-1]
     if kind not in known:
         raise BagError(
@@ -189,17 +208,11 @@ def _rows(
         try:
             value = decode(message)
             t = time_from_stamp(_stamp_ns(value) if topic_map.by_header else message.stamp_ns)
-            found = [(name, (t, *row)) for name, row in _placed(value, kind)]
+            found: list[tuple[str, Row]] = [(name, (t, *row)) for name, row in _placed(value, kind)]
         except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
             where = f"topic {channel.topic} at {message.stamp_ns} ns"
             raise BagError(f"bag {source.path}, {where}: no {channel.type_name} ({damage})") from damage
-        names = [name for name, _ in found]
-        if len(set(names)) < len(names):
-            twice = next(name for name in names if names.count(name) > 1)
-            raise BagError(
-                f"bag {source.path}, topic {channel.topic} at {message.stamp_ns} ns: two poses of {twice}"
-            )
-        yield from found
+        yield found
 
 
 def _stamp_ns(value: object) -> int:
