@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
@@ -15,6 +16,21 @@ PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/*/__init__.py"))
 MODULES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 SHELLS = {"ros", "commands", "tools"}
 """Folders of the entry points: a file for each node, command or tool."""
+ROOT_FILES = {
+    ".dockerignore",
+    ".gitignore",
+    ".pre-commit-config.yaml",
+    "CHANGELOG.md",
+    "CITATION.cff",
+    "CONTRIBUTING.md",
+    "Dockerfile",
+    "LICENSE",
+    "README.md",
+    "colcon.meta",
+    "conftest.py",
+    "pyproject.toml",
+}
+"""Files at the root of the repository: what a tool looks for there, and a reader. Others have a folder."""
 MOST_ENTRIES = 14
 """Modules and folders in one folder of the library. Eight is the aim."""
 MOST_LINES = 40
@@ -118,6 +134,15 @@ def test_a_question_is_answered_by_folder_and_file_name(question: str, file: str
     path = ROOT / "src" / file.partition("/")[0] / file
     assert path.is_file(), question
     assert name in names(path), question
+
+
+def test_no_file_lies_at_the_root_of_the_repository_that_does_not_belong_there() -> None:
+    if not (ROOT / ".git").exists():
+        pytest.skip("no repository: what lies here is not what is committed")
+    committed = subprocess.run(
+        ["git", "ls-files", "--", ":(glob)*"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert set(committed.stdout.split()) == ROOT_FILES
 
 
 def test_no_two_modules_share_a_name():
