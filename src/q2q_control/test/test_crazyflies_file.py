@@ -53,6 +53,7 @@ def test_wrong_crazyflies_are_refused_by_name(robots: object, message: str) -> N
         (("cf1",), ("rdio://0/80",), "cf1: uri = 'rdio://0/80': something like radio://"),
         (("cf1", "cf2"), ("udp://x", "udp://x"), "cf1 and cf2 have the same uri udp://x"),
         (("cf1", "cf2"), ("radio://0/80/2M/E7E7", "radio://0/80/2M/e7e7"), "cf1 and cf2 have the same uri"),
+        (("cf1", "cf2"), ("radio://0/80/2M", "radio://1/80/2M/E7E7E7E7E7"), "cf1 and cf2 have the same uri"),
         (("cf1", "cf1"), ("udp://x", "udp://y"), "duplicate vehicle names in cf1, cf1"),
         (("my-cf",), ("udp://x",), "vehicle 'my-cf': a name is a letter, then letters, digits and _"),
     ],

@@ -139,10 +139,12 @@ def test_without_a_radio_a_link_reports_the_reason_in_one_line(
 
 def test_a_uri_is_opened_by_one_link_of_this_machine_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CflibLink, "keep_open", lambda _: None)
+    taken = f"{OWN_URI.replace('//0/', '//[*]/')} is in use by another node on "
     for _ in range(2):
         link = CflibLink("cf1", OWN_URI, {})
-        with pytest.raises(ValueError, match=f"{OWN_URI.lower()} is in use by another node on "):
-            CflibLink("cf2", OWN_URI, {})
+        for same in (OWN_URI, OWN_URI.lower(), OWN_URI.replace("//0/", "//1/"), f"{OWN_URI}?safelink=0"):
+            with pytest.raises(ValueError, match=taken):
+                CflibLink("cf2", same, {})
         link.close()
 
 

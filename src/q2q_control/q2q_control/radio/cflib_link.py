@@ -12,18 +12,14 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
-from q2q_control.radio.firmware_params import (
-    TableEntry,
-    first_difference,
-    required_with_app,
-    unsettable,
-)
+from q2q_control.radio.firmware_params import TableEntry, first_difference, required_with_app, unsettable
 from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
 from q2q_model.node.claim import claim
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
+from q2q_model.vehicle.vehicle_uri import canonical_uri
 
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
@@ -77,7 +73,7 @@ class CflibLink:
         self._params = dict(firmware_params)
         self._required = dict(firmware_params)
         self._crazyflie = _crazyflie(cache)
-        self._claim = claim(uri.lower())
+        self._claim = claim(canonical_uri(uri))
         self._known = _Known()
         self._pings = PingShare()
         self._counts_pings = uri.startswith("udp://")  # its driver reports no quality

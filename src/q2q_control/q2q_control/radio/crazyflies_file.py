@@ -17,6 +17,7 @@ from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.signals.values import Names, check_unique
 from q2q_model.signals.vehicle_name import check_vehicle_name
+from q2q_model.vehicle.vehicle_uri import canonical_uri
 
 Position = tuple[float, float, float]
 URI = "something like radio://0/80/2M/E7E7E7E701"
@@ -102,11 +103,12 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
 def _check(vehicles: Sequence[Crazyflie]) -> None:
     """Raise ValueError for a name that is none of a topic, a URI that is none, and for either used twice."""
     check_unique([one.name for one in vehicles])
-    for one in vehicles:
+    reached = [canonical_uri(one.uri) for one in vehicles]
+    for one, own in zip(vehicles, reached, strict=True):
         check_vehicle_name(one.name)
         if not one.uri.startswith(SCHEMES):
             raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
-        twins = [other.name for other in vehicles if other.uri.lower() == one.uri.lower()]
+        twins = [other.name for other, uri in zip(vehicles, reached, strict=True) if uri == own]
         if len(twins) > 1:
             raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
 
