@@ -72,3 +72,14 @@ def test_vehicles_of_another_node_on_the_ground_reset_no_controller_in_flight() 
         node.takers[STATUS_TOPIC](DiagnosticStatus(name=name, message=step.value))
         held = [pitch(node, 100 * tick + k) for k in range(100)]
     assert held[0] > 1.2 * first
+
+
+def test_the_hand_over_of_another_nodes_vehicles_resets_no_controller_in_flight() -> None:
+    node = RoomNode("pid", {"aware": False, "live": True, "k_i_xy": 1.0}, {})
+    pid_node.build(node)
+    first = pitch(node, 1)
+    for name, step in (("a", Step.FLIGHT), ("b", Step.HOVER)):
+        node.takers[STATUS_TOPIC](DiagnosticStatus(name=name, message=step.value))
+    grown = [pitch(node, tick) for tick in range(2, 200)][-1]
+    node.takers[STATUS_TOPIC](DiagnosticStatus(name="b", message=Step.GLIDE.value))
+    assert pitch(node, 200) >= grown > 1.2 * first

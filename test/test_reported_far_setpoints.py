@@ -82,3 +82,17 @@ def test_a_vehicle_that_lands_or_has_landed_is_not_far_and_is_again_in_the_next_
         doubts.append(wiring.health.doubts["setpoints"])
     assert doubts == [MESSAGE, "", "", "", "", MESSAGE]
     assert node.lines.count(MESSAGE) == 2
+
+
+def test_a_vehicle_in_flight_is_far_whatever_another_node_reports_from_the_ground() -> None:
+    node = ClockedNode("pid", {"aware": False}, {})
+    wiring = pid_node.build(node)
+    (report,) = [act for period, act in node.timers if period == PERIOD_S]
+    doubts = []
+    for tick, (name, step) in enumerate((("a", Step.FLIGHT), ("b", Step.CHECKED), ("a", Step.LANDING))):
+        node.takers["procedure/status"](DiagnosticStatus(name=name, message=step.value))
+        fly(node, tick, 3.0)
+        report()
+        doubts.append(wiring.health.doubts["setpoints"])
+    assert doubts == [MESSAGE, MESSAGE, ""]
+    assert node.lines.count(MESSAGE) == 1

@@ -8,7 +8,7 @@ import pytest
 from q2q_control.disturbance.tracker import TrackerParams
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
-from q2q_control.flight_procedure.hand_over import HandOver
+from q2q_control.flight_procedure.hand_over import HandOver, HandOvers
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.inputs.controller import Controller
 from q2q_control.mpc.mpc import Mpc
@@ -89,3 +89,27 @@ def test_commands_begin_to_be_flown_once_a_flight(steps: list[Step], begins: Ste
 
 def test_a_controller_that_is_started_in_flight_has_nothing_to_forget() -> None:
     assert not HandOver().take(Step.FLIGHT.value)
+
+
+def test_a_controller_that_flies_vehicles_of_one_procedure_does_not_start_anew_for_another() -> None:
+    hand_overs = HandOvers()
+    taken = [
+        hand_overs.take(name, step.value)
+        for name, step in (
+            ("a", Step.CHECKED), ("b", Step.CHECKED), ("a", Step.GLIDE),
+            ("b", Step.HOVER), ("b", Step.GLIDE), ("b", Step.LANDING), ("b", Step.CONNECTED),
+            ("a", Step.LANDING), ("a", Step.CONNECTED), ("b", Step.FLIGHT),
+        )
+    ]  # fmt: skip
+    assert taken == [False, False, True, *[False] * 6, True]
+
+
+def test_vehicles_fly_while_those_of_any_procedure_do() -> None:
+    hand_overs = HandOvers()
+    flying = [hand_overs.flying]
+    for name, step in (
+        ("a", Step.CHECKED), ("a", Step.FLIGHT), ("b", Step.CHECKED), ("a", Step.LANDING), ("b", Step.HOVER),
+    ):  # fmt: skip
+        hand_overs.take(name, step.value)
+        flying.append(hand_overs.flying)
+    assert flying == [True, False, True, True, False, True]

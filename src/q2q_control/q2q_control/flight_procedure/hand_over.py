@@ -1,8 +1,11 @@
 """Hand-over to setpoints, as a controller sees it: by the steps that the flight procedure reports.
 
 A controller commands from its first tick on, and its observer and integrals take these commands for flown. On
-the ground and in the onboard climb they are not: what is learned there is wrong.
+the ground and in the onboard climb they are not: what is learned there is wrong. With several procedures on
+one controller, it starts anew only while it flies the vehicles of none: it cannot forget those of one alone.
 """
+
+from collections import defaultdict
 
 from q2q_control.flight_procedure.steps import FLYING, FOLLOWS_SETPOINTS, Step
 
@@ -20,7 +23,8 @@ class HandOver:
 
     def __init__(self) -> None:
         """Start without a report, as in a flight that has begun."""
-        self._flown = True
+        self.flown = True
+        """Whether commands are flown."""
         self.flying = True
         """Whether vehicles are in the air, and not landing."""
 
@@ -30,6 +34,25 @@ class HandOver:
         After a landing they go on to be flown, where setpoints could not be stopped.
         """
         self.flying = step in _FLYING
-        begins = step in _FOLLOWS and not self._flown
-        self._flown = step in _FOLLOWS or step == _LANDING
+        begins = step in _FOLLOWS and not self.flown
+        self.flown = step in _FOLLOWS or step == _LANDING
         return begins
+
+
+class HandOvers:
+    """Hand-overs of all procedures that report to a controller."""
+
+    def __init__(self) -> None:
+        """Start without a report."""
+        self._by_reporter: defaultdict[str, HandOver] = defaultdict(HandOver)
+
+    @property
+    def flying(self) -> bool:
+        """Return whether vehicles of any procedure are in the air, and not landing; yes before reports."""
+        return not self._by_reporter or any(one.flying for one in self._by_reporter.values())
+
+    def take(self, reporter: str, step: str) -> bool:
+        """Take a step of a procedure; return whether commands begin to be flown, and of no other yet are."""
+        own = self._by_reporter[reporter]
+        others_flown = any(one.flown for one in self._by_reporter.values() if one is not own)
+        return own.take(step) and not others_flown

@@ -5,7 +5,6 @@ earlier, but to take one can block a process for ever in the rmw_fastrtps of Jaz
 When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller starts anew.
 """
 
-from collections import defaultdict
 from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -17,7 +16,7 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch
-from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC, HandOver
+from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC, HandOvers
 from q2q_control.inputs.controller import Controller
 from q2q_control.inputs.far_setpoints import FarSetpointMonitor
 from q2q_model.ros.node.steady_timer import steady_timer
@@ -43,9 +42,9 @@ class GuardedCommands:
         self._watch = TickWatch(self._guard, params) if live else None
         self._state: SwarmState | None = None
         self._flown: tuple[SwarmState, SwarmSetpoint] | None = None  # of the last tick
-        self._far, self._flying = FarSetpointMonitor(), True
+        self._far = FarSetpointMonitor()
         self._changes = PhaseChanges()
-        self._hand_overs: defaultdict[str, HandOver] = defaultdict(HandOver)  # by who reports the steps
+        self._hand_overs = HandOvers()
 
     def update(
         self, state: SwarmState, setpoint: SwarmSetpoint, interference: Interference | None = None
@@ -79,16 +78,14 @@ class GuardedCommands:
 
     def _follow(self, status: DiagnosticStatus) -> None:
         """Start the controller anew when commands begin to be flown; note whether vehicles fly."""
-        hand_over = self._hand_overs[status.name]
-        if hand_over.take(status.message):
+        if self._hand_overs.take(status.name, status.message):
             self._guard.begin_flight()
-        if not hand_over.flying:
+        if not self._hand_overs.flying:
             self._far, self._wiring.health.doubts["setpoints"] = FarSetpointMonitor(), ""
-        self._flying = hand_over.flying
 
     def _look_for_far_setpoints(self) -> None:
         """Log vehicles in flight that are far from their setpoints."""
-        if self._flown is not None and self._flying:
+        if self._flown is not None and self._hand_overs.flying:
             message, new = self._far.look(*self._flown, self._changes.brought_down)
             self._wiring.health.doubts["setpoints"] = message
             if new:
