@@ -86,6 +86,7 @@ class ProcedureRoom:
         """Return the services of the node `trajectory`."""
         calls = {
             "wait": self.player.wait,
+            "wait_landed": self.player.wait_landed,
             "glide": self.player.glide,
             "start": self.player.start,
             "hold": self.player.hold,

@@ -11,9 +11,11 @@ from room_node import Client, Future
 
 from q2q_control.flight_procedure.steps import Call
 from q2q_model.signals.stamps import TICK_S
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 SERVERS_ORDER = [
-    "trajectory/wait", "arm", "takeoff",
+    "trajectory/wait_landed", "arm", "takeoff",
     "trajectory/glide", "cmd_full_state", "trajectory/start", "cmd_full_state",
     "trajectory/glide", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
 ]  # fmt: skip
@@ -215,3 +217,18 @@ def test_a_bridge_that_is_ended_does_not_wait_for_a_server_that_is_gone(
     ended(room, server)
     assert room.now() - before < waits
     assert any("stop streaming failed" in line for line in room.node.lines)
+
+
+def test_a_plan_0_2_m_above_the_floor_is_flown_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The landed vehicles are as near to the last references as in flight."""
+    low = minimum_snap_plan(
+        [
+            VehicleWaypoints(name, (Waypoint(0.0, (0.0, y, 0.2)), Waypoint(3.0, (0.2, y, 0.2))))
+            for name, y in (("cf1", 0.0), ("cf2", 2.0))
+        ]
+    )
+    room, _ = by_bridge(monkeypatch, low)
+    room.wait(1.5)
+    for _ in range(2):
+        fly_plan(room, 3.0, [0.2, 0.2])
+        land(room)

@@ -143,5 +143,5 @@ def test_nothing_climbs_before_take_off_is_called_and_nothing_is_streamed_before
     assert room.highest() < 0.01
     assert room.log == []
     assert room.call(Call.TAKE_OFF).granted
-    assert room.log == ["trajectory/wait", "arm", "takeoff"]
+    assert room.log == ["trajectory/wait_landed", "arm", "takeoff"]
     np.testing.assert_allclose(room.height[-1], 0.5, atol=0.15)

@@ -131,7 +131,7 @@ def test_no_vehicle_in_flight_is_left_to_drift_by_a_wait(held: bool) -> None:
     assert not refusal.granted
     assert refusal.reason == (
         "cf1 is 0.03 m from its reference: in flight it would drift; "
-        "hold, or land it first, or restart this node if it stands there"
+        "hold, or land it first; call wait_landed if it stands there"
     )
     for _ in range(50):
         waited, flown = (room.tick() for room in rooms)
@@ -150,6 +150,24 @@ def test_vehicles_that_have_landed_are_followed_again_by_a_wait_and_one_that_has
     room.tick()
     assert room.player.wait().granted
     np.testing.assert_array_equal(room.tick().pos, GROUND)
+
+
+@pytest.mark.parametrize(("ground", "height"), [(0.0, 0.2), (0.2, 0.4)])
+def test_vehicles_found_on_the_ground_are_followed_after_a_flight_however_low(
+    ground: float, height: float
+) -> None:
+    """On the floor, and on a table 0.2 m high."""
+    ways = Waypoint(0.0, (0.0, 0.0, height)), Waypoint(3.0, (0.5, 0.0, height))
+    player = PlanPlayer(minimum_snap_plan([VehicleWaypoints("cf1", ways)]), -1.0, GlideParams(), wait=True)
+    level = np.array([[0.0, 0.0, 0.0, 1.0]])
+    flown = MocapFrame(0.0, ("cf1",), np.array([[0.0, 0.0, height]]), level)
+    landed = MocapFrame(9.0, ("cf1",), np.array([[0.0, 0.0, ground]]), level)
+    player.update(flown)
+    assert player.glide().granted
+    player.update(landed)
+    assert "wait_landed if it stands there" in player.wait().reason
+    assert player.wait_landed().granted
+    np.testing.assert_array_equal(player.update(landed).pos, landed.pos)
 
 
 def turning(first: float, last: float) -> SwarmPlan:

@@ -5,8 +5,9 @@
                               +------------ hold: braking, rest <------+
 
 While waiting (`wait`), the reference follows the measured vehicles, so it commands no motion: nothing would
-keep vehicles in flight where they are, and `wait` is refused while one is at its reference. Calls never make
-the reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
+keep vehicles in flight where they are, and `wait` is refused while one is at its reference. After a low
+flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
+reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
 newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the first
 tick begins anew, and one that was called goes on.
 """
@@ -31,7 +32,7 @@ AT_REST = 1e-3
 SEEN_AT_REST = 2.0
 """Speed between two measured positions above which one is an outlier or the vehicle moves [m/s]."""
 FLOWN_WITHIN = 0.25
-"""Distance from its reference within which a vehicle is taken to fly at it [m]: a landed one is below it."""
+"""Distance from its reference within which a vehicle is taken to fly at it [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +87,10 @@ class PlanPlayer:
         """Wait: let the reference follow the measured vehicles, which do not fly at it."""
         if refusal := self._flown():
             return Reply(granted=False, reason=refusal)
+        return self.wait_landed()
+
+    def wait_landed(self) -> Reply:
+        """Wait, for a caller that has found all vehicles on the ground."""
         self.played, self._wait = None, True
         return Reply(granted=True, reason="waiting")
 
@@ -204,7 +209,7 @@ class PlanPlayer:
         for name, off in zip(self._plan.names, far.tolist(), strict=True):
             if off <= FLOWN_WITHIN:
                 state = f"{name} is {off:.2f} m from its reference: in flight it would drift"
-                return f"{state}; hold, or land it first, or restart this node if it stands there"
+                return f"{state}; hold, or land it first; call wait_landed if it stands there"
         return ""
 
     def _first(self) -> Array:

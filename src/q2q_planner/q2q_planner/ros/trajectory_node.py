@@ -3,8 +3,9 @@
 With `wait` the plan is played by calls (q2q_planner.playing.plan_player): the reference follows the measured
 vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the plan's
 clock, `~/hold` brakes along the plan, `~/wait` waits again once vehicles have landed (in flight, where they
-would drift, it is refused). The waiting plan is latched on `next_plan`. For real vehicles, the nodes `radio`
-and `crazyswarm` make these calls (docs/real_vehicles.md).
+would drift, it is refused: while one is within 0.25 m of its reference), `~/wait_landed` wherever they are,
+for callers that have found all on the ground. The waiting plan is latched on `next_plan`. For real vehicles,
+the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
 """
 
 from collections.abc import Callable
@@ -71,7 +72,13 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         waiting = node.create_publisher(Plan, NEXT_PLAN, LATCHED)
         waiting.publish(encode_plan(plan, 0))
         note_latched(node, waiting)
-    calls = {"wait": player.wait, "glide": player.glide, "start": player.start, "hold": player.hold}
+    calls = {
+        "wait": player.wait,
+        "wait_landed": player.wait_landed,
+        "glide": player.glide,
+        "start": player.start,
+        "hold": player.hold,
+    }
     for name, act in calls.items():
         node.create_service(Trigger, f"~/{name}", played.service(act))
 
