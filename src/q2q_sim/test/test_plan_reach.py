@@ -141,3 +141,14 @@ def test_a_trajectory_that_is_started_during_its_upload_is_told():
     assert impossible(pilot, other) == ""  # before its first piece
     pilot.fly(4.1)
     assert impossible(pilot, written[0]) == ""  # it is over
+
+
+@pytest.mark.parametrize("arrived", range(6))
+def test_a_piece_of_which_packets_have_not_arrived_is_not_uploaded(arrived: int) -> None:
+    pilot = hovering(1.0)
+    *written, defined = server_packets.upload(3, 0, [(1.0, np.ones((4, 8)) * 1e-3)])
+    assert len(written) == 6
+    for packet in (*written[:arrived], defined):
+        assert not impossible(pilot, packet)
+    start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
+    assert impossible(pilot, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
