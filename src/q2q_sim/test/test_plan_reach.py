@@ -152,3 +152,15 @@ def test_a_piece_of_which_packets_have_not_arrived_is_not_uploaded(arrived: int)
         assert not impossible(pilot, packet)
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
     assert impossible(pilot, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
+
+
+def test_an_upload_changes_no_trajectory_that_was_left_for_setpoints():
+    pilot = hovering(1.0)
+    *written, defined = server_packets.upload(3, 0, [(10.0, np.ones((4, 8)) * 1e-6)])
+    for packet in (*written, defined):
+        assert not impossible(pilot, packet)
+    assert not impossible(pilot, server_packets.start(3, 1.0, backwards=False, relative=True, mask=0))
+    assert impossible(pilot, written[0]) == "a change of the trajectory that it flies"
+    impossible(pilot, server_packets.position((0.2, 0.0, 1.0), 0.0))
+    pilot.fly(0.1)
+    assert impossible(pilot, written[0]) == ""

@@ -6,6 +6,7 @@ The firmware starts whatever its memory holds: nothing, the pieces that have arr
 import struct
 
 from q2q_sim.crtp.ports.high_level import PIECE_BYTES
+from q2q_sim.firmware.commander.planner import MOVING
 from q2q_sim.firmware.firmware import Firmware
 
 _PLACE = struct.Struct("<BI")
@@ -28,8 +29,11 @@ def absent_trajectory(number: int, firmware: Firmware) -> str:
 
 def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
     """Return that a packet to the memory has changed the trajectory that is flown; or nothing."""
-    plan = firmware.planner.trajectory
-    if plan is None or plan.uploaded is None or firmware.planner.finished(firmware.seconds):
+    planner = firmware.planner
+    plan = planner.trajectory
+    if plan is None or plan.uploaded is None:
+        return ""
+    if planner.state not in MOVING or planner.finished(firmware.seconds):
         return ""
     memory, at = _PLACE.unpack_from(data)
     begin, end = plan.uploaded.offset, plan.uploaded.offset + plan.uploaded.pieces * PIECE_BYTES
