@@ -40,7 +40,10 @@ def starved_watchdog(log: LicenceLog, row: int, t: float) -> str:
     shut = np.isin(log.state[: round(t / tick), row], list(SHUT))
     if not shut.any():
         return ""
-    stopped = float(log.t[np.argmax(shut)])
+    first = int(np.argmax(shut))
+    if not log.running[max(first - 1, 0), row]:  # its motors had stopped before
+        return ""
+    stopped = float(log.t[first])
     fed = log.last(row, stopped, lambda one: one.asked.kind == CommandKind.WATCHDOG)
     if fed is None or stopped - fed.t < FED_S - tick:  # it counts from the tick before
         return ""
