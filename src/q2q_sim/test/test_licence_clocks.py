@@ -33,12 +33,46 @@ print(computed < 40.0, time.process_time() < 40.0, time.gmtime(0).tm_year)
 """40 s of every clock: names of those that are not as long (those of whole seconds by a second), then what is
 not replaced."""
 
+ATTRIBUTES = """
+import logging, sys, time
+
+class Timer:
+    clock, wall, wait = time.perf_counter, time.time, time.sleep
+
+logging.Formatter.converter = time.gmtime
+logging.basicConfig(stream=sys.stdout, format="%(asctime)s %(message)s", datefmt="%Y")
+logging.warning("in UTC")
+Timer().wait(1.0)
+print(1.0 < Timer().clock() < 2.0, Timer().wall() > 1e9)
+for call in (time.strftime, lambda: time.strftime("%Y", None), lambda: time.localtime(1, 2)):
+    try:
+        print(call())
+    except TypeError as error:
+        print(error)
+"""
+"""Clocks as attributes of classes, and calls that Python refuses."""
+REFUSED = (
+    "strftime() takes at least 1 argument (0 given)",
+    "Tuple or struct_time argument required",
+    "localtime() takes at most 1 argument (2 given)",
+)
+"""What Python says."""
+
 
 def test_every_clock_of_time_goes_by_the_clock_of_the_room(tmp_path: Path) -> None:
-    file = tmp_path / "clocks.py"
-    file.write_text(READ)
+    assert printed(tmp_path, READ) == ["[]", "True True 1970"]
+
+
+def test_clocks_are_builtins_as_attributes_of_classes_and_for_wrong_arguments(tmp_path: Path) -> None:
+    assert printed(tmp_path, ATTRIBUTES) == ["2026 in UTC", "True True", *REFUSED]
+
+
+def printed(folder: Path, text: str) -> list[str]:
+    """Return the lines that a program prints."""
+    file = folder / "clocks.py"
+    file.write_text(text)
     order = FlightOrder(Program(file), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 60.0)
     (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.findings == ()
-    assert flight.log.output.splitlines() == ["[]", "True True 1970"]
+    return flight.log.output.splitlines()

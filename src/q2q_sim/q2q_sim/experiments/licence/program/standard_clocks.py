@@ -11,6 +11,7 @@ import threading
 import time
 import timeit
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Self
 
 from q2q_sim.experiments.licence.program.program_turns import Turns
@@ -30,6 +31,17 @@ EPOCHS = {
 OF_SECONDS, OF_STRUCT = {"localtime": 0, "gmtime": 0, "ctime": 0}, {"asctime": 0, "strftime": 1}
 """Functions of `time` that take the present, in seconds or as `struct_time`, if the argument at this place is
 missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClockFunction:
+    """Replacement of a builtin of `time`: as a class attribute it does not become a method, as a builtin."""
+
+    call: Callable[..., object]
+
+    def __call__(self, *args: object) -> object:
+        """Return what the replacement returns."""
+        return self.call(*args)
 
 
 class TurnDatetime(dt.datetime):
@@ -63,7 +75,7 @@ def replace_clocks(turns: Turns) -> None:
         _replace_present(name, place, time.time)
     for name, place in OF_STRUCT.items():
         _replace_present(name, place, time.localtime)
-    setattr(timeit, "default_timer", read)  # noqa: B010
+    setattr(timeit, "default_timer", ClockFunction(read))  # noqa: B010
     setattr(dt, "datetime", TurnDatetime)  # noqa: B010
     for module, name in ((threading, "_time"), (queue, "time")):
         setattr(module, name, lambda: turns.now)  # deadlines of waits, which are no calls of the program
@@ -98,7 +110,7 @@ def _replace_in_time(sleep: Callable[[float], None], read: Callable[[], float]) 
         "clock_gettime_ns": lambda clock: since(EPOCHS[clock]) if clock in EPOCHS else processor_ns(clock),
     }
     for name, call in replaced.items():
-        setattr(time, name, call)
+        setattr(time, name, ClockFunction(call))
 
 
 def _replace_present(name: str, place: int, present: Callable[[], object]) -> None:
@@ -106,7 +118,7 @@ def _replace_present(name: str, place: int, present: Callable[[], object]) -> No
     function = getattr(time, name)
 
     def call(*args: object) -> object:
-        is_missing = len(args) == place or args[place] is None
+        is_missing = len(args) == place or (args[place:] == (None,) and name in OF_SECONDS)
         return function(*args[:place], present()) if is_missing else function(*args)
 
-    setattr(time, name, call)
+    setattr(time, name, ClockFunction(call))
