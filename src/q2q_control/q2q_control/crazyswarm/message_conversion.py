@@ -12,7 +12,6 @@ difference: angular velocities are rad/s, body, in both. A pose without orientat
 components of its quaternion (the servers check different ones).
 """
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,7 +20,15 @@ import numpy as np
 from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.estimation.attitude.attitude_tracks import measured_attitudes
 from q2q_model.signals.stamps import time_from_stamp
-from q2q_model.signals.values import Array, MocapFrame, Names, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.signals.values import (
+    Array,
+    MocapFrame,
+    Names,
+    SwarmCommand,
+    SwarmState,
+    TrackStatus,
+    given_twice,
+)
 
 BACKENDS = ("cpp", "cflib")
 DEFAULT_BACKEND = "cpp"
@@ -62,8 +69,8 @@ def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> Moca
 
 def doubled_names(poses: Sequence[NamedPose], vehicles: Names) -> Names:
     """Return the known vehicles that have more than one pose: either may be another vehicle's."""
-    times = Counter(one.name for one in poses)
-    return tuple(name for name in vehicles if times[name] > 1)
+    doubled = given_twice(one.name for one in poses)
+    return tuple(name for name in vehicles if name in doubled)
 
 
 def poses_of(state: SwarmState) -> list[NamedPose]:

@@ -8,6 +8,7 @@ from q2q_model.flights.table_file import TABLES
 from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import flights_among, recording_of_table
+from q2q_model.signals.values import given_twice
 
 
 def recordings_of_paths(
@@ -22,8 +23,6 @@ def recordings_of_paths(
     tables = [path for path in found if path.suffix in TABLES and path.is_file()]
     recordings, repairs = recordings_of_bags([path for path in found if path not in tables], topics)
     recordings += [recording_of_table(path) for path in tables]
-    names = [one.flight.name for one in recordings]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
+    if twice := sorted(given_twice(one.flight.name for one in recordings)):
         raise ValueError(f"flight {', '.join(twice)} is given twice; give each flight once")
     return recordings, [*notes, *(f"repaired: {repair}" for repair in repairs)]

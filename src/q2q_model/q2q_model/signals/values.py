@@ -4,7 +4,8 @@ Every signal of a tick carries the capture time `t` [s] of its mocap frame. Arra
 in the order of `names`. World frame, z up; quaternions x y z w, body to world.
 """
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
@@ -161,6 +162,11 @@ def check_unique(names: Sequence[str]) -> None:
     """Raise ValueError if a name is given twice."""
     if len(set(names)) < len(names):
         raise ValueError(f"duplicate vehicle names in {', '.join(names)}; names must be unique")
+
+
+def given_twice(names: Iterable[str]) -> set[str]:
+    """Return the names that are given more than once."""
+    return {name for name, times in Counter(names).items() if times > 1}
 
 
 def index_of(names: Sequence[str], among: Sequence[str]) -> Rows:

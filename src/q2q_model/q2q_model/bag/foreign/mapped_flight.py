@@ -25,7 +25,7 @@ from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.topic_names import TICK_TOPICS
-from q2q_model.signals.values import MocapFrame
+from q2q_model.signals.values import MocapFrame, given_twice
 
 POSES = {
     "PoseStamped": ("pose.position", "pose.orientation"),
@@ -123,9 +123,8 @@ def _tracks(
     twice: Counter[str] = Counter()
     if topic_map.poses:
         for found in _messages(source, channels[topic_map.poses], topic_map, known):
-            once = _once(found)
-            twice.update({name for name, _ in found} - {name for name, _ in once})
-            for name, row in once:
+            twice.update(given_twice(name for name, _ in found))
+            for name, row in _once(found):
                 named.setdefault(name, []).append(row)
     _check_names(source, topic_map, list(named))
     rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
@@ -137,8 +136,8 @@ def _tracks(
 
 def _once(found: Sequence[tuple[str, Row]]) -> list[tuple[str, Row]]:
     """Return the poses of vehicles that a message names once: which of two is true is not known."""
-    times = Counter(name for name, _ in found)
-    return [(name, row) for name, row in found if times[name] == 1]
+    twice = given_twice(name for name, _ in found)
+    return [(name, row) for name, row in found if name not in twice]
 
 
 def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str]) -> None:
