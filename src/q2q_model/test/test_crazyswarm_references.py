@@ -5,39 +5,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap_ros2.writer import Writer as ForeignWriter
+from message_definitions import HEADER, POSE
 
 from q2q_model.bag import BagError, TopicMap, read_mapped_flight
 
-HEADER = """================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-"""
 VECTOR = """================================================================================
 MSG: geometry_msgs/Vector3
 float64 x
 float64 y
 float64 z
-"""
-POSE = """================================================================================
-MSG: geometry_msgs/Pose
-geometry_msgs/Point position
-geometry_msgs/Quaternion orientation
-================================================================================
-MSG: geometry_msgs/Point
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
 """
 TWIST = """================================================================================
 MSG: geometry_msgs/Twist

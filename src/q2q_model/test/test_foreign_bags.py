@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap_ros2.writer import Writer as ForeignWriter
+from message_definitions import HEADER, POSE
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as SqliteWriter
@@ -29,7 +30,8 @@ from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
 from q2q_model.signals.values import Array, MocapFrame, SwarmState
 
-NAMED_POSES = """std_msgs/Header header
+NAMED_POSES = (
+    """std_msgs/Header header
 {extra}NamedPose[] poses
 ================================================================================
 MSG: motion_capture_tracking_interfaces/NamedPose
@@ -39,30 +41,10 @@ geometry_msgs/Pose pose
 MSG: motion_capture_tracking_interfaces/LatencyInfo
 string name
 float64 value
-================================================================================
-MSG: geometry_msgs/Pose
-geometry_msgs/Point position
-geometry_msgs/Quaternion orientation
-================================================================================
-MSG: geometry_msgs/Point
-float64 x
-float64 y
-float64 z
-================================================================================
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
 """
+    + POSE
+    + HEADER
+)
 SECOND_VERSION = "uint64 timestamp\nLatencyInfo[] latencies\n"
 TICKS = 20
 MS = 1_000_000
