@@ -28,9 +28,9 @@ def run(args: Namespace) -> int:
             print(f"{name:{width}}  {library.describe(name)}")
         return 0
     if args.real:
-        from q2q_sim.tools.fly_real import fly_real
+        from q2q_sim.tools.replay_recorded_flight import replay_recorded_flight
 
-        return fly_real(args.real, args.model, args.json)
+        return replay_recorded_flight(args.real, args.model, args.json)
     flown = _fly(args)
     print_flights([flown])
     try:

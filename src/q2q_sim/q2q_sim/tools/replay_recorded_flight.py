@@ -35,7 +35,7 @@ DEFAULT_MODEL = "measured_law"
 OUT = Path("out/real")
 
 
-def fly_real(name: str, model: str, json_file: Path | None) -> int:
+def replay_recorded_flight(name: str, model: str, json_file: Path | None) -> int:
     """Replay a real flight, print and draw the prediction of its downwash; return the exit status."""
     chosen = model or DEFAULT_MODEL
     table = flight_table(read_columns(find_flight(name)))
