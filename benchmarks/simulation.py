@@ -6,7 +6,7 @@ and tilt in turn, so that downwash is near. Both simulators take the same steps,
 each counts its fastest round in processor time, so that other programs disturb little. Beside them, how much
 faster than real time one core flies the swarm.
 
-Many rooms at once fly for a second from their start: one by one as swarms and in one call on one core, in
+Many swarms at once fly for a second from their start: one by one as swarms and in one call on one core, in
 processor time, and in one call on all cores, by the wall clock. Beside them the share of the machine's peak
 arithmetic and memory traffic, measured in the same run (roofline).
 """
@@ -20,8 +20,8 @@ import numpy as np
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import PHYSICS_RATE, still_air
+from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.plant.swarm_numpy import run_numpy
 from roofline import BYTES, CORES, flops_of_a_step, peak_flops, peak_traffic
 from row import Row
@@ -34,7 +34,7 @@ COMPILED_STEPS = 100_000
 NUMPY_CALLS = {1: 20, 2: 20, 10: 20, 100: 5, 1000: 1}
 """Calls a round of the numpy twin."""
 BATCHES = ((500, 2), (100, 10), (10, 100), (2, 1000))
-"""Rooms, and vehicles in each."""
+"""Swarms, and vehicles in each."""
 BATCH_CALLS = 100
 """Calls a round: 1 s of flight, in which all random numbers are drawn once."""
 BATCH_ROUNDS = 3
@@ -73,15 +73,15 @@ def _room_rows() -> list[Row]:
 
 
 def _batch_rows() -> list[Row]:
-    """Return drone-steps a second of many rooms at once, beside the same one by one, and the roofline."""
+    """Return drone-steps a second of many swarms at once, beside the same one by one, and the roofline."""
     flops, traffic = peak_flops(), peak_traffic()
     rows = [
         Row(f"machine: matrix product, {CORES} cores", flops / 1e9, "GFLOP/s"),
         Row(f"machine: copy in memory, {CORES} cores", traffic / 1e9, "GB/s"),
     ]
-    for rooms, count in BATCHES:
-        alone, together, all_cores = _batch_rates(rooms, count)
-        name, each = f"{rooms} rooms of {count} vehicles, air of a room", flops_of_a_step(count)
+    for swarms, count in BATCHES:
+        alone, together, all_cores = _batch_rates(swarms, count)
+        name, each = f"{swarms} swarms of {count} vehicles, air of a room", flops_of_a_step(count)
         rows += [
             Row(f"{name}, one by one", alone, "drone-steps/s"),
             Row(f"{name}, 1 core", together, "drone-steps/s", "one by one", together / alone),
@@ -93,20 +93,20 @@ def _batch_rows() -> list[Row]:
     return rows
 
 
-def _batch_rates(rooms: int, count: int) -> tuple[float, float, float]:
-    """Return drone-steps a second of rooms one by one, together on one core, and together on all cores."""
+def _batch_rates(swarms: int, count: int) -> tuple[float, float, float]:
+    """Return drone-steps a second of swarms one by one, together on one core, and together on all cores."""
     room, scenario = find_air("room"), scenario_of(count)
     assert isinstance(room, RoomAir)
     _, commands, drive = swarm_flight(count, room)
-    setup = RoomsSetup(scenario.vehicle, np.stack([start_of(count)] * rooms), room)
-    inputs = np.stack([commands] * rooms, axis=1), np.stack([drive] * rooms)
+    setup = SwarmBatchSetup(scenario.vehicle, np.stack([start_of(count)] * swarms), room)
+    inputs = np.stack([commands] * swarms, axis=1), np.stack([drive] * swarms)
     best = [np.inf, np.inf, np.inf]
     for _ in range(BATCH_ROUNDS):
         for k, threads in enumerate((0, 1, CORES)):
             flown: list[Callable[[], None]] = (
-                [partial(Rooms(setup, threads).step, *inputs)]
+                [partial(SwarmBatch(setup, threads).step, *inputs)]
                 if threads
-                else [partial(swarm_of(count, room, seed).step, commands, drive) for seed in range(rooms)]
+                else [partial(swarm_of(count, room, seed).step, commands, drive) for seed in range(swarms)]
             )
             clock = perf_counter if threads > 1 else process_time
             start = clock()
@@ -114,7 +114,7 @@ def _batch_rates(rooms: int, count: int) -> tuple[float, float, float]:
                 for step in flown:
                     step()
             best[k] = min(best[k], clock() - start)
-    done = rooms * count * STEPS * BATCH_CALLS
+    done = swarms * count * STEPS * BATCH_CALLS
     return done / best[0], done / best[1], done / best[2]
 
 

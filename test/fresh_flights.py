@@ -46,8 +46,8 @@ from q2q_sim.loop.flight_blocks import Options, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.monitors.proximity import any_in_zone, in_zone_once, least_distances, near_sample
-from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
@@ -214,8 +214,8 @@ def stacked_in_a_rooms_air() -> None:
     drive = np.hstack([np.zeros((len(start), 3)), np.ones((len(start), 4))])
     swarm.step(np.zeros((1, len(start), 4)), drive)
     swarm.downwash()
-    rooms = Rooms(RoomsSetup(scenario.vehicle, np.stack([start, start]), air))
-    rooms.step(np.zeros((1, 2, len(start), 4)), np.stack([drive, drive]))
+    batch = SwarmBatch(SwarmBatchSetup(scenario.vehicle, np.stack([start, start]), air))
+    batch.step(np.zeros((1, 2, len(start), 4)), np.stack([drive, drive]))
 
 
 if __name__ == "__main__":

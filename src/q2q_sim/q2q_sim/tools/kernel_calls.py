@@ -43,8 +43,8 @@ from q2q_sim.monitors.proximity import (
     near_sample,
     under_another,
 )
-from q2q_sim.plant.rooms import Rooms, RoomsSetup
 from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.scenarios import library
 
 Call = Callable[[], object]
@@ -93,8 +93,8 @@ def _in_a_rooms_air() -> None:
     drive = np.hstack([np.zeros((n, 3)), np.ones((n, 4))])
     swarm.step(np.zeros((1, n, 4)), drive)
     swarm.downwash()
-    rooms = Rooms(RoomsSetup(scenario.vehicle, start[None], air))
-    rooms.step(np.zeros((1, 1, n, 4)), drive[None])
+    batch = SwarmBatch(SwarmBatchSetup(scenario.vehicle, start[None], air))
+    batch.step(np.zeros((1, 1, n, 4)), drive[None])
 
 
 def _replanned() -> None:

@@ -1,9 +1,9 @@
-"""Many rooms in one call: swarms of one kind, each in air of its own, stepped together.
+"""Many swarms in one call, of one kind, each in air of its own, stepped together.
 
-A batch of small rooms costs as little per vehicle as one large room: the call is made once, and the vehicles
-of neighbouring rooms share the blocks of plant.body.block_step. Each room moves as a Swarm of the same start
-and seed does, to the last bit. Rooms do not meet, so threads share the rooms among them; by default there is
-one thread, the caller's.
+A batch of small swarms costs as little per vehicle as one large swarm: the call is made once, and the
+vehicles of neighbouring swarms share the blocks of plant.body.block_step. Each moves as a Swarm of the same
+start and seed does, to the last bit. Swarms do not meet, so threads share them; by default there is one
+thread, the caller's.
 """
 
 from collections.abc import Sequence
@@ -30,80 +30,80 @@ from q2q_sim.plant.push.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
 
 AT_ONCE = 64
-"""Vehicles whose rooms take all steps of a call together: their states stay in the first-level cache."""
+"""Vehicles whose swarms take all steps of a call together: their states stay in the first-level cache."""
 
 Share = tuple[int, int]
-"""First room of a thread, and the room after its last."""
+"""First swarm of a thread, and the one after its last."""
 
 
 @dataclass(frozen=True, slots=True)
-class RoomsSetup:
-    """Vehicles and air of all rooms."""
+class SwarmBatchSetup:
+    """Vehicles and air of all swarms."""
 
     vehicle: Vehicle
     start: Array
-    """x, y, z [m], yaw [rad], (rooms, n, 4)."""
+    """x, y, z [m], yaw [rad], (swarms, n, 4)."""
     air: WakeLaw | RoomAir = WakeLaw.NONE
     seeds: Sequence[int] = ()
-    """Seed of each room; empty for 0, 1, 2 and so on."""
+    """Seed of each swarm; empty for 0, 1, 2 and so on."""
 
 
 @compiled(**HOT)
-def near_of_room(near: NearPairs, r: int) -> NearPairs:
-    """Return the list of room r."""
-    return NearPairs(near.begin[r], near.end[r], near.found[r], near.rank[r], near.at[r], near.limits[r])
+def near_of_swarm(near: NearPairs, s: int) -> NearPairs:
+    """Return the list of swarm s."""
+    return NearPairs(near.begin[s], near.end[s], near.found[s], near.rank[s], near.at[s], near.limits[s])
 
 
 @compiled(**HOT)
-def air_of_room(airs: Air, r: int, work: int) -> Air:
-    """Return the air in room r of `stacked` airs, with the workspace of the room `work`."""
+def air_of_swarm(airs: Air, s: int, work: int) -> Air:
+    """Return the air of swarm s in `stacked` airs, with the workspace of the swarm `work`."""
     kind, ring, rows, law = airs
     room = RoomLaw(
         law.table,
         law.numbers,
         law.bound,
-        law.unit[r],
-        law.extremes[r],
-        law.rotor_max[r],
-        law.gains[r],
-        near_of_room(law.near, r),
+        law.unit[s],
+        law.extremes[s],
+        law.rotor_max[s],
+        law.gains[s],
+        near_of_swarm(law.near, s),
         law.places[work],
         law.under[work],
         law.met[work],
         law.source[work],
     )
-    return Air(kind, ring[r], rows[r], room)
+    return Air(kind, ring[s], rows[s], room)
 
 
 @compiled(**HOT)
-def prefetch_rooms(airs: Air, first: int, end: int) -> None:
-    """Ask memory for what rooms from `first` to `end` read at once: their present, and random numbers."""
+def prefetch_swarms(airs: Air, first: int, end: int) -> None:
+    """Ask memory for what swarms from `first` to `end` read at once: their present, and random numbers."""
     n, slots, steps = airs.rows.shape[1] - 1, airs.ring.shape[1], airs.room.unit.shape[2]
-    for r in range(first, end):
-        ask_for(airs.room.unit[r], RESIDUAL, airs.rows[r, n] % steps)
+    for s in range(first, end):
+        ask_for(airs.room.unit[s], RESIDUAL, airs.rows[s, n] % steps)
         for i in range(n):
-            ask_for(airs.ring[r], airs.rows[r, n] % slots, i)
+            ask_for(airs.ring[s], airs.rows[s, n] % slots, i)
 
 
-class RoomsInputs(NamedTuple):
-    """Air and inputs of all rooms; vehicles room after room."""
+class SwarmBatchInputs(NamedTuple):
+    """Air and inputs of all swarms; vehicles swarm after swarm."""
 
     airs: Air
     commands: Array
-    """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (steps, rooms * n, 4)."""
+    """Thrust [N], roll, pitch [rad], yaw rate [rad/s], (steps, swarms * n, 4)."""
     drive: Array
-    """Acceleration by wind [m/s^2], world, then the gain of each rotor, (rooms * n, 7)."""
+    """Acceleration by wind [m/s^2], world, then the gain of each rotor, (swarms * n, 7)."""
     body: Body
 
 
 @compiled(nogil=True, **BORROWING)
-def run_rooms(state: Array, inputs: RoomsInputs, share: Share, work: Work) -> None:
-    """Advance the rooms of a share by one physics step for each row of commands; releases the GIL.
+def run_swarm_batch(state: Array, inputs: SwarmBatchInputs, share: Share, work: Work) -> None:
+    """Advance the swarms of a share by one physics step for each row of commands; releases the GIL.
 
     Args:
-        state: rows of all vehicles, room after room, (rooms * n, STATE_WIDTH), changed in place.
-        inputs: of all rooms.
-        share: rooms to advance.
+        state: rows of all vehicles, swarm after swarm, (swarms * n, STATE_WIDTH), changed in place.
+        inputs: of all swarms.
+        share: swarms to advance.
         work: workspace.
     """
     airs, commands, drive, body = inputs
@@ -112,52 +112,52 @@ def run_rooms(state: Array, inputs: RoomsInputs, share: Share, work: Work) -> No
     for first in range(share[0], share[1], together):
         end = min(first + together, share[1])
         low, high = first * n, end * n
-        prefetch_rooms(airs, first, end)
+        prefetch_swarms(airs, first, end)
         for k in range(commands.shape[0]):
-            for r in range(first, end):
-                air_push(state[r * n : (r + 1) * n], air_of_room(airs, r, share[0]), body)
+            for s in range(first, end):
+                air_push(state[s * n : (s + 1) * n], air_of_swarm(airs, s, share[0]), body)
             advance_rows(state[low:high], commands[k, low:high], drive[low:high], body, work)
-            for r in range(first, end):
-                remember(state[r * n : (r + 1) * n], airs.ring[r], airs.rows[r], weight)
+            for s in range(first, end):
+                remember(state[s * n : (s + 1) * n], airs.ring[s], airs.rows[s], weight)
 
 
-class Rooms:
-    """Swarms of many rooms and their states."""
+class SwarmBatch:
+    """Many swarms and their states."""
 
-    def __init__(self, setup: RoomsSetup, threads: int = 1) -> None:
-        """Place all vehicles at rest; `threads` threads share the rooms.
+    def __init__(self, setup: SwarmBatchSetup, threads: int = 1) -> None:
+        """Place all vehicles at rest; `threads` threads share the swarms.
 
         Raises:
-            ValueError: no rooms, no vehicles, no threads, or not one seed for each room.
+            ValueError: no swarms, no vehicles, no threads, or not one seed for each swarm.
         """
-        rooms, count = setup.start.shape[:2]
-        seeds = setup.seeds or range(rooms)
-        if rooms * count == 0 or len(seeds) != rooms or threads < 1:
+        swarms, count = setup.start.shape[:2]
+        seeds = setup.seeds or range(swarms)
+        if swarms * count == 0 or len(seeds) != swarms or threads < 1:
             raise ValueError(
-                f"{rooms} rooms of {count} vehicles with {len(seeds)} seeds on {threads} threads: "
-                "a seed for each room, and one or more of all are needed"
+                f"{swarms} swarms of {count} vehicles with {len(seeds)} seeds on {threads} threads: "
+                "a seed for each swarm, and one or more of all are needed"
             )
         step = 1.0 / PHYSICS_RATE
         self.body = body_of_room(setup.air, setup.vehicle, step)
         states = [state_at_rest(start, setup.vehicle.mass) for start in setup.start]
         self.state = np.stack(states)
-        """Rows of each room, (rooms, n, STATE_WIDTH)."""
+        """Rows of each swarm, (swarms, n, STATE_WIDTH)."""
         pairs = zip(states, seeds, strict=True)
         self.airs = stack_airs([still_air(state, setup.air, self.body, seed) for state, seed in pairs])
         self._processes = [
             UnitProcesses(setup.air, count, step, seed) for seed in seeds if isinstance(setup.air, RoomAir)
         ]
-        edges = np.linspace(0, rooms, threads + 1).round().astype(int).tolist()
+        edges = np.linspace(0, swarms, threads + 1).round().astype(int).tolist()
         self._shares: list[Share] = list(pairwise(edges))
         self._work = [(np.zeros(BLOCK_WIDTH * LANES), np.zeros(4)) for _ in self._shares]
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
 
     def step(self, commands: Array, drive: Array) -> None:
-        """Advance all rooms by one physics step for each row of `commands`.
+        """Advance all swarms by one physics step for each row of `commands`.
 
         Args:
-            commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, rooms, n, 4).
-            drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (rooms, n, 7).
+            commands: thrust [N], roll, pitch [rad], yaw rate [rad/s] of each vehicle, (steps, swarms, n, 4).
+            drive: acceleration by wind [m/s^2], world, then the gain of each rotor, (swarms, n, 7).
 
         Raises:
             ValueError: an array of another shape.
@@ -165,8 +165,8 @@ class Rooms:
         vehicles = self.state.shape[:2]
         if commands.shape[1:] != (*vehicles, 4) or drive.shape != (*vehicles, 7):
             raise ValueError(
-                f"commands {commands.shape} and drive {drive.shape} for (rooms, vehicles) = {vehicles}: "
-                "(steps, rooms, vehicles, 4) and (rooms, vehicles, 7) are needed"
+                f"commands {commands.shape} and drive {drive.shape} for (swarms, vehicles) = {vehicles}: "
+                "(steps, swarms, vehicles, 4) and (swarms, vehicles, 7) are needed"
             )
         flat = (commands.reshape(len(commands), -1, 4), drive.reshape(-1, 7))
         others = range(1, len(self._shares))
@@ -176,28 +176,28 @@ class Rooms:
             one.result()
 
     def _advance(self, thread: int, commands: Array, drive: Array) -> None:
-        """Advance the rooms of a thread."""
+        """Advance the swarms of a thread."""
         first, end = share = self._shares[thread]
         state, done = self.state.reshape(-1, STATE_WIDTH), 0
         while done < len(commands) and end > first:
             until = min(done + self._prepare(share), len(commands))
-            inputs = RoomsInputs(self.airs, commands[done:until], drive, self.body)
-            run_rooms(state, inputs, share, self._work[thread])
+            inputs = SwarmBatchInputs(self.airs, commands[done:until], drive, self.body)
+            run_swarm_batch(state, inputs, share, self._work[thread])
             done = until
 
     def _prepare(self, share: Share) -> int:
         """Draw the next block of the unit processes where one begins; return the steps to its end."""
-        blocks = self.airs.room.unit  # (rooms, KINDS, steps, n)
+        blocks = self.airs.room.unit  # (swarms, KINDS, steps, n)
         steps: int = blocks.shape[2]
         passed = int(self.airs.rows[share[0], -1]) % steps
         if passed == 0 and self._processes:
-            for room in range(*share):
-                self._processes[room].fill(blocks[room])
+            for swarm in range(*share):
+                self._processes[swarm].fill(blocks[swarm])
         return steps - passed
 
 
 def stack_airs(airs: Sequence[Air]) -> Air:
-    """Return the airs of many rooms in one: all arrays but the table with a leading axis of rooms."""
+    """Return the airs of many swarms in one: all arrays but the table with a leading axis of swarms."""
     first, laws = airs[0], [air.room for air in airs]
     law = RoomLaw(
         table=first.room.table,
