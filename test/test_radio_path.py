@@ -194,7 +194,7 @@ def test_a_lone_marker_reaches_the_vehicle_as_a_position_without_attitude() -> N
     before, turn = np.array(firmware.external.quat), (0.0, 0.0, 0.6, 0.8)
 
     def fed(quat: tuple[float, ...] | None) -> Array:
-        link.send_place((1.0, 2.0, 3.0), quat)
+        link.send_external_pose((1.0, 2.0, 3.0), quat)
         for _ in range(10):
             path.advance()
         return np.array(firmware.external.quat)

@@ -47,7 +47,7 @@ class FakeLink:
         """Keep a setpoint."""
         self.sent.append(demanded)
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+    def send_external_pose(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
         """Keep a place."""
         self.sent.append(("place", tuple(pos), None if quat is None else tuple(quat)))
 

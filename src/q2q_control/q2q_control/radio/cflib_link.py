@@ -150,9 +150,9 @@ class CflibLink:
         """Send a full state."""
         self._mailbox.put("setpoint", lambda: self._sender.send_full_state(full_state))
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+    def send_external_pose(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
         """Send an external pose, or a position alone."""
-        self._mailbox.put("place", lambda: self._sender.send_place(pos, quat))
+        self._mailbox.put("pose", lambda: self._sender.send_external_pose(pos, quat))
 
     def arm(self) -> None:
         """Request arming."""

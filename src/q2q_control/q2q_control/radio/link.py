@@ -58,7 +58,7 @@ class VehicleLink(Protocol):
     def send_full_state(self, full_state: FullState) -> None:
         """Send a full state."""
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+    def send_external_pose(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
         """Send an external pose: position [m], world, and orientation x y z w; None: unknown."""
 
     def arm(self) -> None:
@@ -135,7 +135,7 @@ class CflibSender:
 
     commander: CflibCommander
     high_level: CflibHighLevelCommander
-    place: Localization
+    localization: Localization
     supervisor: CflibSupervisor
 
     def send_rpyt(self, setpoint: RpytSetpoint) -> None:
@@ -150,12 +150,12 @@ class CflibSender:
             full_state.pos, full_state.vel, full_state.acc, full_state.quat, p, q, r
         )
 
-    def send_place(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
+    def send_external_pose(self, pos: Sequence[float], quat: Sequence[float] | None) -> None:
         """Send an external pose, or a position alone."""
         if quat is None:
-            self.place.send_extpos(pos)
+            self.localization.send_extpos(pos)
         else:
-            self.place.send_extpose(pos, quat)
+            self.localization.send_extpose(pos, quat)
 
     def arm(self) -> None:
         """Request arming."""

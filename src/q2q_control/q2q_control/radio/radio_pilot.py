@@ -115,7 +115,7 @@ class RadioPilot:
         order = self._order
         if order is None:
             return None
-        reply = self._armed() if order.act is Act.ARM else self._carried_out(order.act, t)
+        reply = self._arming_outcome() if order.act is Act.ARM else self._order_outcome(order.act, t)
         if reply is not None:
             self._order = None
         return reply
@@ -149,7 +149,7 @@ class RadioPilot:
     def update_state(self, state: SwarmState, t: float, *, send: bool = True) -> None:
         """Store a frame's state received at time t [s]; send the poses measured in it, once."""
         fresh = state.status == TrackStatus.TRACKED
-        again = state.t == self._last_stamp or not send
+        skip_sending = state.t == self._last_stamp or not send
         self._last_stamp = state.t
         pos, quat = extrapolate_pose(state, self._params.pose_delay_s)
         turned = measured_attitudes(state)
@@ -157,9 +157,9 @@ class RadioPilot:
             if name not in self._vehicles or not fresh[row] or not np.isfinite(state.pos[row]).all():
                 continue
             self._vehicles[name].measured_at, self._vehicles[name].height = t, float(state.pos[row, 2])
-            if not again and self._vehicles[name].phase is not Phase.OFFLINE:
+            if not skip_sending and self._vehicles[name].phase is not Phase.OFFLINE:
                 attitude = quat[row].tolist() if turned[row] else None
-                self._links[name].send_place(pos[row].tolist(), attitude)
+                self._links[name].send_external_pose(pos[row].tolist(), attitude)
 
     def fly_rpyt(self, names: Names, rpyt_setpoints: Sequence[RpytSetpoint | None], t: float) -> None:
         """Send a tick's RPYT setpoints, received at time t [s], to the flying vehicles; None: no command."""
@@ -175,7 +175,7 @@ class RadioPilot:
                 self._vehicles[name].commanded_at, self._vehicles[name].full_state = t, one
                 self._links[name].send_full_state(one)
 
-    def _armed(self) -> Reply | None:
+    def _arming_outcome(self) -> Reply | None:
         """Return the outcome of arming; None while it goes on."""
         if self._in({Phase.ARMING}):
             return None
@@ -183,7 +183,7 @@ class RadioPilot:
         reason = f"{', '.join(missing)} did not arm within {self._params.arm_s:g} s" if missing else ""
         return Reply(granted=not missing, reason=reason)
 
-    def _carried_out(self, act: Act, t: float) -> Reply | None:
+    def _order_outcome(self, act: Act, t: float) -> Reply | None:
         if act is not Act.DISARM:
             return Reply(granted=True)
         armed = [name for name, link in self._links.items() if link.health().armed]
@@ -227,7 +227,7 @@ class RadioPilot:
         if one.phase is Phase.OFFLINE:
             self._resume(name, one, health, t)
         elif one.phase is Phase.ARMING:
-            self._arm(name, one, health, t)
+            self._watch_arming(name, one, health, t)
         elif one.phase in {Phase.CLIMBING, Phase.FLYING}:
             self._watch_flight(name, one, health, t)
         elif one.phase is Phase.LANDING and t - one.since > one.landing_s:
@@ -243,7 +243,7 @@ class RadioPilot:
             one.phase, one.lost = one.lost, None
             self._land(name, t)
 
-    def _arm(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
+    def _watch_arming(self, name: str, one: VehicleRecord, health: LinkHealth, t: float) -> None:
         if health.armed:
             if self._hover is not None:
                 self._links[name].send_rpyt(ZERO_RPYT)
