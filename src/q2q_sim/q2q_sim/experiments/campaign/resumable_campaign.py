@@ -14,9 +14,9 @@ from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import run_outcomes
-from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
+from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
 
 LEFT_BY_DEATH = "died"
 """Description of runs that earlier campaigns kept as crashes where any process died: they are flown again."""
@@ -42,7 +42,7 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
     log, kept = args.out / "runs.jsonl", args.out / "violations"
     seeds = range(args.seed, args.seed + args.runs)
     by_nodes = set(seeds[: args.through_nodes])
-    with sole_campaign(log) as file, _bar() as bar:
+    with exclusive_log(log) as file, _bar() as bar:
         done = _finished(log, args.air, by_nodes, seeds)
         pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
         nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]

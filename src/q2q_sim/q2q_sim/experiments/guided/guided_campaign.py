@@ -18,7 +18,6 @@ from rich.table import Table
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
-from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
 from q2q_sim.experiments.guided.attack import LENGTH, SEARCH
 from q2q_sim.experiments.guided.attack_case import read_case
 from q2q_sim.experiments.guided.attack_record import (
@@ -30,6 +29,7 @@ from q2q_sim.experiments.guided.attack_record import (
 from q2q_sim.experiments.guided.attacked_flight import fly_attacked
 from q2q_sim.experiments.guided.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
 
 Entry = TypeVar("Entry", AttackRecord, BugScore)
 ATTACKS = "attacks.jsonl"
@@ -45,7 +45,7 @@ def run(args: Namespace) -> int:
     if args.air:
         find_air(args.air)
     args.out.mkdir(parents=True, exist_ok=True)
-    with sole_campaign(args.out / ATTACKS):
+    with exclusive_log(args.out / ATTACKS):
         attacks, scores = list(_attacks(args)), list(_scores(args))
     total = summary(attacks, scores)
     print_totals(total)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain, to_plain
-from q2q_sim.experiments.campaign.finished_work import drop_incomplete_line, read_entries, sole_campaign
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord, PromiseCase
+from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ def resume_flights(
     Raises:
         ValueError: the file has other content, or flights of another case, or is in use.
     """
-    with sole_campaign(file) as log:
+    with exclusive_log(file) as log:
         kept = {one.record.seed: one for one in read_entries(file, _from_document)}
         if any(one.case != case for one in kept.values()):
             raise ValueError(f"{file} holds flights of another tube, controller or air: name another --keep")

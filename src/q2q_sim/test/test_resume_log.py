@@ -1,4 +1,4 @@
-"""Finished work of a campaign belongs to one campaign at a time."""
+"""Finished work belongs to one run at a time."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(
     monkeypatch.setattr(engine, "fly_and_judge", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
-    assert "runs.jsonl is written by another campaign: wait for it" in capsys.readouterr().err
+    assert "runs.jsonl is written by another run: wait for it" in capsys.readouterr().err
     assert campaign.main(asked) == 0
     assert len((tmp_path / "runs.jsonl").read_text().splitlines()) == 1
 
@@ -44,4 +44,4 @@ def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
     monkeypatch.setattr(attack_record, "fly_attacked", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
-    assert "attacks.jsonl is written by another campaign: wait for it" in capsys.readouterr().err
+    assert "attacks.jsonl is written by another run: wait for it" in capsys.readouterr().err

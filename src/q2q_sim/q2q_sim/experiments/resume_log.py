@@ -1,4 +1,4 @@
-"""Finished work of a campaign in a file of JSON lines, from which an interrupted campaign resumes."""
+"""Finished work in a file of JSON lines, from which an interrupted run of an experiment resumes."""
 
 import fcntl
 import json
@@ -11,19 +11,17 @@ Entry = TypeVar("Entry")
 
 
 @contextmanager
-def sole_campaign(log: Path) -> Iterator[TextIO]:
-    """Yield a file to append to, which no other campaign may use until the block or the process ends.
+def exclusive_log(log: Path) -> Iterator[TextIO]:
+    """Yield a file to append to, which no other run may use until the block or the process ends.
 
     Raises:
-        ValueError: another campaign uses it.
+        ValueError: another run uses it.
     """
     with log.open("a", encoding="utf-8") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as used:
-            raise ValueError(
-                f"{log} is written by another campaign: wait for it, or name another place"
-            ) from used
+            raise ValueError(f"{log} is written by another run: wait for it, or name another place") from used
         yield file
 
 
