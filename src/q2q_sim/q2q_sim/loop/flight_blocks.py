@@ -37,8 +37,6 @@ from q2q_sim.scenarios.block_overrides import block_params
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
 
-__all__ = ["Blocks", "Mode", "Options", "blocks_of", "plan_around", "plan_of"]
-
 Mode = Literal["ignoring", "aware", "aware_unlimited"]
 MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
 
