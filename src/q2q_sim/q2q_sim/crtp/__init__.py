@@ -8,15 +8,15 @@ line of either is copied.
 |---|---|---|
 | 0 console | messages of the vehicle | vehicle |
 | 2 parameters | table, read, write, by name, EEPROM | parameters, parameters_misc |
-| 3 RPYT | roll, pitch, yaw rate, thrust | rpyt |
+| 3 RPYT | roll, pitch, yaw rate, thrust | commander_rpyt |
 | 4 memory | the trajectory memory | memory |
 | 5 logging | table, blocks | log_table, log_blocks |
 | 6 localization | external position and pose | localization |
-| 7 generic setpoints | full state, position, velocity, hover, manual, stop | generic, cppm_setpoint |
-| 8 high-level commander | take-off, land, go-to, spiral, trajectories | high_level |
+| 7 generic setpoints | full state, position, velocity, hover, ... | commander_generic, cppm_setpoint |
+| 8 high-level commander | take-off, land, go-to, spiral, trajectories | commander_high_level |
 | 9 supervisor | state, arming, recovery, emergency stop | supervisor_port |
 | 13 platform | protocol and firmware version, arming (old) | platform |
-| 15 link | echo, source | platform |
+| 15 link | echo, source | link_service |
 
 vehicle serves all ports, fleet and fleet_room fly the vehicles, link_model delays and loses packets.
 """

@@ -14,14 +14,15 @@ from dataclasses import dataclass, field
 
 from q2q_sim.crtp.packets.packet import MAX_DATA, NULL, MalformedError, Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.ports import (
-    generic,
-    high_level,
+    commander_generic,
+    commander_high_level,
+    commander_rpyt,
+    link_service,
     localization,
     memory,
     parameters,
     parameters_misc,
     platform,
-    rpyt,
     supervisor_port,
 )
 from q2q_sim.crtp.ports.log_blocks import LogBlocks
@@ -60,13 +61,13 @@ class Refusals:
 
 
 _SERVICES: dict[int, Callable[[Firmware, Packet], list[Packet]]] = {
-    Port.SETPOINT: rpyt.serve,
+    Port.SETPOINT: commander_rpyt.serve,
     Port.MEMORY: memory.serve,
     Port.LOCALIZATION: localization.serve,
-    Port.GENERIC: generic.serve,
-    Port.HIGH_LEVEL: high_level.serve,
+    Port.GENERIC: commander_generic.serve,
+    Port.HIGH_LEVEL: commander_high_level.serve,
     Port.SUPERVISOR: supervisor_port.serve,
-    Port.PLATFORM: platform.serve_platform,
+    Port.PLATFORM: platform.serve,
 }
 
 
@@ -114,7 +115,7 @@ class CrtpVehicle:
         session = self._session(client)
         self.firmware.received += 1
         if packet.port == Port.LINK:
-            return platform.serve_link(packet)
+            return link_service.serve(packet)
         if packet.port == Port.LOG:
             return session.logs.serve(packet, self.firmware.now_ms)
         if packet.port == Port.PARAM:

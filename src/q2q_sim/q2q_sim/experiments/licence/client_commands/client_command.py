@@ -12,7 +12,14 @@ from enum import StrEnum
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 from q2q_sim.crtp.packets.packet import Packet, Port
-from q2q_sim.crtp.ports import generic, localization, memory, platform, rpyt, supervisor_port
+from q2q_sim.crtp.ports import (
+    commander_generic,
+    commander_rpyt,
+    localization,
+    memory,
+    platform,
+    supervisor_port,
+)
 from q2q_sim.experiments.licence.client_commands.plan_reach import reach_violation
 from q2q_sim.experiments.licence.client_commands.setpoint_words import asked_position, setpoint_words
 from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import (
@@ -132,7 +139,7 @@ def client_command(packet: Packet, answers: list[Packet], firmware: Firmware) ->
     match packet.port:
         case Port.SETPOINT:
             asked: Asked | None = _thrust(packet, firmware) or _setpoint(firmware)
-        case Port.GENERIC if packet.channel == generic.META:
+        case Port.GENERIC if packet.channel == commander_generic.META:
             asked = Asked(CommandKind.RELAX, "notify_setpoint_stop")
         case Port.GENERIC:
             asked = _setpoint(firmware)
@@ -203,8 +210,8 @@ def _thrust(packet: Packet, firmware: Firmware) -> Asked | None:
     thrust = int.from_bytes(packet.data[-2:], "little")
     if firmware.thrust_locked:
         why = "no setpoint of thrust 0 has unlocked the thrust"
-    elif 0 < thrust < rpyt.PWM_MIN and _setpoint(firmware).kind == CommandKind.OFF:
-        why = f"the firmware takes a thrust below {rpyt.PWM_MIN} of 65535 for none"
+    elif 0 < thrust < commander_rpyt.PWM_MIN and _setpoint(firmware).kind == CommandKind.OFF:
+        why = f"the firmware takes a thrust below {commander_rpyt.PWM_MIN} of 65535 for none"
     else:
         return None
     return Asked(CommandKind.SETPOINT, f"setpoint of thrust {thrust}", refused=why)

@@ -5,7 +5,7 @@ The firmware starts whatever its memory holds: nothing, the pieces that have arr
 
 import struct
 
-from q2q_sim.crtp.ports.high_level import PIECE_BYTES
+from q2q_sim.crtp.ports.commander_high_level import PIECE_BYTES
 from q2q_sim.firmware.commander.planner import MOVING
 from q2q_sim.firmware.firmware import Firmware
 

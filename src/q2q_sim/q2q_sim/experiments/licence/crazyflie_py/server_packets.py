@@ -25,7 +25,15 @@ import numpy as np
 from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.signals.values import Array
 from q2q_sim.crtp.packets.packet import Packet, Port
-from q2q_sim.crtp.ports import generic, high_level, localization, log_blocks, memory, parameters, platform
+from q2q_sim.crtp.ports import (
+    commander_generic,
+    commander_high_level,
+    localization,
+    log_blocks,
+    memory,
+    parameters,
+    platform,
+)
 from q2q_sim.crtp.ports.parameters_misc import SET_BY_NAME
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.parameters.parameter_table import Definition
@@ -83,11 +91,11 @@ def upload(number: int, offset: int, pieces: Sequence[tuple[float, Array]]) -> I
         np.asarray(polynomials, dtype="<f4").tobytes() + struct.pack("<f", duration)
         for duration, polynomials in pieces
     )
-    begin = offset * high_level.PIECE_BYTES
+    begin = offset * commander_high_level.PIECE_BYTES
     for at in range(0, len(content), WRITE_BYTES):
         place = struct.pack("<BI", 0, begin + at)
         yield Packet(Port.MEMORY, memory.WRITE, place + content[at : at + WRITE_BYTES])
-    where = high_level.IN_MEMORY, high_level.POLY4D, begin, len(pieces)
+    where = commander_high_level.IN_MEMORY, commander_high_level.POLY4D, begin, len(pieces)
     yield _high_level(struct.pack("<BBBBIB", DEFINE, number, *where))
 
 
@@ -112,7 +120,9 @@ def hover(vx: float, vy: float, yaw_rate: float, height: float) -> Packet:
 
 def setpoints_stop(remain_ms: int) -> Packet:
     """Return the notification that setpoints stop."""
-    return Packet(Port.GENERIC, generic.META, struct.pack("<BI", generic.NOTIFY_STOP, remain_ms))
+    return Packet(
+        Port.GENERIC, commander_generic.META, struct.pack("<BI", commander_generic.NOTIFY_STOP, remain_ms)
+    )
 
 
 def arming(*, arm: bool) -> Packet:
@@ -162,7 +172,7 @@ def _high_level(data: bytes) -> Packet:
 
 
 def _setpoint(kind: int, data: bytes) -> Packet:
-    return Packet(Port.GENERIC, generic.SETPOINT, bytes([kind]) + data)
+    return Packet(Port.GENERIC, commander_generic.SETPOINT, bytes([kind]) + data)
 
 
 def _milli(value: float) -> bytes:
