@@ -9,7 +9,7 @@ from crtp_asked import ask
 
 from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.tables.log_table import VARIABLES
+from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
 from q2q_sim.firmware.firmware import Build

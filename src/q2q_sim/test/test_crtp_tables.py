@@ -8,10 +8,9 @@ import pytest
 
 from q2q_sim.crtp.fleet_room import CrtpRoomParams
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.crtp.ports import parameters
-from q2q_sim.crtp.tables import log_table
-from q2q_sim.crtp.tables.contents import Contents, Entry
-from q2q_sim.crtp.tables.log_table import VARIABLES
+from q2q_sim.crtp.tables import log_toc, param_toc
+from q2q_sim.crtp.tables.log_toc import VARIABLES
+from q2q_sim.crtp.tables.toc import Toc, TocEntry
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.parameters.parameter_table import GAINS, TABLE
 
@@ -36,7 +35,7 @@ def test_every_entry_of_a_table_is_what_cflib_reads(
     info = ask(grounded, bytes([port << 4 | 0x0C, 3]))
     output, crc = struct.unpack("<HI", info[1:7])
     assert output == count
-    assert crc == (log_table if port == 5 else parameters).CONTENTS.crc
+    assert crc == (log_toc.LOG_TOC if port == 5 else param_toc.PARAM_TOC).crc
     for number in range(count):
         item = ask(grounded, bytes([port << 4 | 0x0C, 2]) + struct.pack("<H", number))
         assert struct.unpack("<H", item[1:3])[0] == number
@@ -51,7 +50,7 @@ def test_an_entry_beyond_the_table_is_answered_empty(grounded: Pilot) -> None:
 
 
 def test_the_checksum_changes_with_any_name_type_group_or_order() -> None:
-    table = [Entry("a", "x", 1), Entry("a", "y", 1), Entry("b", "z", 2)]
+    table = [TocEntry("a", "x", 1), TocEntry("a", "y", 1), TocEntry("b", "z", 2)]
     changed = [
         [replace(table[0], name="w"), *table[1:]],
         [replace(table[0], kind=2), *table[1:]],
@@ -59,13 +58,13 @@ def test_the_checksum_changes_with_any_name_type_group_or_order() -> None:
         [table[1], table[0], table[2]],
         table[:2],
     ]
-    sums = {Contents(one).crc for one in (table, *changed)}
+    sums = {Toc(one).crc for one in (table, *changed)}
     assert len(sums) == 6
-    assert Contents(list(table)).crc == Contents(table).crc
+    assert Toc(list(table)).crc == Toc(table).crc
 
 
 def test_flags_of_persistent_and_read_only_parameters_are_those_of_the_firmware() -> None:
-    kinds = {one.name: parameters.type_byte(one) for one in TABLE}
+    kinds = {one.name: param_toc.type_byte(one) for one in TABLE}
     assert kinds["ctrlMel.mass"] == 0x06 | 0x10
     assert kinds["stabilizer.controller"] == 0x08
     assert kinds["firmware.revision0"] == 0x0A | 0x40
@@ -146,7 +145,7 @@ def test_clients_find_the_lights_card_decks_and_loops_that_they_ask_for() -> Non
     logged_there = """controller.roll controller.pitch controller.yaw controller.rollRate controller.pitchRate
         controller.yawRate controller.cmd_thrust controller.actuatorThrust posCtl.targetX posCtl.targetVZ
         posCtl.bodyVX supervisor.accNorm kalman.q0 kalman.q3 sys.testLogParam"""
-    kinds = {one.name: parameters.type_byte(one) for one in TABLE}
+    kinds = {one.name: param_toc.type_byte(one) for one in TABLE}
     assert set(set_there.split()) <= set(kinds)
     assert kinds["ring.effect"] == 0x08 | 0x10  # uint8, persistent
     assert kinds["deck.bcFlow2"] == 0x08 | 0x40  # uint8, read-only

@@ -70,7 +70,7 @@ FIRMWARE: ColumnMap = _joined(
     {"thrust_cmd": SourceColumn("motor.thrust")},
     {"fa_ff": SourceColumn("ctrlFa.Faz", GRAM_FORCE)},
 )
-"""Log variables of the firmware (units: q2q_sim.crtp.tables.log_table), and of aerorobotics/neural-swarm."""
+"""Log variables of the firmware (units: q2q_sim.crtp.tables.log_toc), and of aerorobotics/neural-swarm."""
 
 
 def load_column_map(path: Path) -> ColumnMap:

@@ -7,10 +7,10 @@ line of either is copied.
 | port | content | file |
 |---|---|---|
 | 0 console | messages of the vehicle | vehicle |
-| 2 parameters | table, read, write, by name, EEPROM | parameters, parameters_misc |
+| 2 parameters | table, read, write, by name, EEPROM | param_toc, parameters, parameters_misc |
 | 3 RPYT | roll, pitch, yaw rate, thrust | commander_rpyt |
 | 4 memory | the trajectory memory | memory |
-| 5 logging | table, blocks | log_table, log_blocks |
+| 5 logging | table, blocks | log_toc, log_blocks |
 | 6 localization | external position and pose | localization |
 | 7 generic setpoints | full state, position, velocity, hover, ... | commander_generic, cppm_setpoint |
 | 8 high-level commander | take-off, land, go-to, spiral, trajectories | commander_high_level |

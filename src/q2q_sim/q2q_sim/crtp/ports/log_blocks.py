@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 
 from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet, Port
-from q2q_sim.crtp.tables.log_table import CONTENTS, LOG_MAX_BLOCKS, LOG_MAX_OPS, VARIABLES, Variable
+from q2q_sim.crtp.tables.log_toc import LOG_MAX_BLOCKS, LOG_MAX_OPS, LOG_TOC, VARIABLES, Variable
 from q2q_sim.crtp.tables.number_types import BY_LOG_NUMBER, NumberType
 from q2q_sim.firmware.firmware import TICK_MS, Firmware
 
@@ -78,7 +78,7 @@ class LogBlocks:
     def serve(self, packet: Packet, now_ms: int) -> list[Packet]:
         """Return the answers to a packet received at now_ms [ms]."""
         if packet.channel == TOC:
-            listed = CONTENTS.answer(packet.data)
+            listed = LOG_TOC.answer(packet.data)
             return [] if listed is None else [packet.answer(listed)]
         if packet.channel != CONTROL:
             return []

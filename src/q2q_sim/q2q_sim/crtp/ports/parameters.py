@@ -4,7 +4,7 @@ Source: firmware: modules/src/param_task.c, param_logic.c.
 
 | channel | request | answer |
 |---|---|---|
-| 0 table | contents.py | |
+| 0 table | toc.py | |
 | 1 read | id uint16 | id, 0, value; id, ENOENT |
 | 2 write | id uint16, value | the same; id, 2 for an unknown id; none for a read-only one |
 | 3 misc | parameters_misc.py | |
@@ -17,8 +17,8 @@ import struct
 
 from q2q_sim.crtp.packets.fields import read_fields
 from q2q_sim.crtp.packets.packet import MalformedError, Packet
-from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.number_types import TYPES, NumberType
+from q2q_sim.crtp.tables.param_toc import PARAM_TOC
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.parameters.parameter_table import TABLE, Definition, Value
 
@@ -26,22 +26,7 @@ TOC, READ, WRITE = 0, 1, 2
 ENOENT = 2
 NOT_FOUND = 2
 """PARAM_NOT_FOUND."""
-EXTENDED, READ_ONLY = 0x10, 0x40
 ID = struct.Struct("<H")
-
-
-def type_byte(one: Definition) -> int:
-    """Return the type byte of a parameter in the table."""
-    kind = TYPES[one.kind].param or 0
-    return kind | (EXTENDED if one.persistent else 0) | (READ_ONLY if one.read_only else 0)
-
-
-def contents() -> Contents:
-    """Return the parameters' table of contents."""
-    return Contents([Entry(one.group, one.last, type_byte(one)) for one in TABLE])
-
-
-CONTENTS = contents()
 
 
 def definition(data: bytes, at: int = 0) -> Definition | None:
@@ -66,7 +51,7 @@ def value_in(kind: NumberType, data: bytes) -> Value:
 def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     """Return the answers to a packet on channels 0, 1 or 2."""
     if packet.channel == TOC:
-        listed = CONTENTS.answer(packet.data)
+        listed = PARAM_TOC.answer(packet.data)
         return [] if listed is None else [packet.answer(listed)]
     one = definition(packet.data)
     number = packet.data[: ID.size]

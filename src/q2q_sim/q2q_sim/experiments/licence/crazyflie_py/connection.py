@@ -6,7 +6,7 @@ query_all_values_on_connect: true`).
 
 from collections.abc import Mapping
 
-from q2q_sim.crtp.tables.log_table import VARIABLES
+from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.reports import POSE, POSE_VARIABLES, STATUS, STATUS_VARIABLES

@@ -26,7 +26,7 @@ _GROUP, _START = 0x80, 1
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class TocEntry:
     """One entry."""
 
     group: str
@@ -40,10 +40,10 @@ class Entry:
             raise ValueError(f"{self.group}.{self.name}: {MAX_DATA - 6} letters are allowed in all")
 
 
-class Contents:
+class Toc:
     """Table of contents."""
 
-    def __init__(self, entries: Sequence[Entry], extra: bytes = b"") -> None:
+    def __init__(self, entries: Sequence[TocEntry], extra: bytes = b"") -> None:
         """Take the entries, sorted by group; `extra` is appended to the answer to INFO."""
         self._entries = tuple(entries)
         self._extra = extra
@@ -65,7 +65,7 @@ class Contents:
         return _NUMBER.pack(number) + bytes([one.kind]) + names
 
 
-def _checksum(entries: tuple[Entry, ...]) -> int:
+def _checksum(entries: tuple[TocEntry, ...]) -> int:
     crc = 0
     for group, members in groupby(entries, key=lambda one: one.group):
         crc = _chained(crc, _GROUP | _START, group)

@@ -19,8 +19,8 @@ from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.geometry.rotations import matrix_from_quat, rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.crtp.tables.contents import Contents, Entry
 from q2q_sim.crtp.tables.number_types import TYPES
+from q2q_sim.crtp.tables.toc import Toc, TocEntry
 from q2q_sim.firmware.controllers.columns import (
     ATTITUDE_SETPOINT,
     CONTROL,
@@ -203,10 +203,10 @@ VARIABLES: tuple[Variable, ...] = tuple(
 """All variables, in the order of their numbers."""
 
 
-def contents() -> Contents:
+def log_toc() -> Toc:
     """Return the log's table of contents."""
-    entries = [Entry(one.group, one.name, TYPES[one.kind].log or 0) for one in VARIABLES]
-    return Contents(entries, bytes([LOG_MAX_BLOCKS, LOG_MAX_OPS]))
+    entries = [TocEntry(one.group, one.name, TYPES[one.kind].log or 0) for one in VARIABLES]
+    return Toc(entries, bytes([LOG_MAX_BLOCKS, LOG_MAX_OPS]))
 
 
-CONTENTS = contents()
+LOG_TOC = log_toc()
