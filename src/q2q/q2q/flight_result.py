@@ -21,7 +21,7 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_end
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.replay_page import replay_html, replay_run
-from q2q_sim.report.figures import KINDS, PlotCurve, draw
+from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.scenarios.scenario import Scenario
 
 NAMED = 4
@@ -141,7 +141,7 @@ def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", veh
         if name not in flight.names:
             raise ValueError(f"no vehicle {name!r} in {label}: choose one of {', '.join(flight.names)}")
     curves = [PlotCurve(one.arrays, label, one.vehicle.thrust_max) for label, one in flights.items()]
-    return draw(KINDS[kind], curves, name)
+    return plot_quantity(KINDS[kind], curves, name)
 
 
 def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "") -> Path:

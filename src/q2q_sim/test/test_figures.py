@@ -9,7 +9,7 @@ from q2q_model import palette
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.report.figures import KINDS, PlotCurve, draw, recorded_vehicles, thrust_limits
+from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity, recorded_vehicles, thrust_limits
 
 TICKS, NAMES = 50, ("cf1", "cf2")
 
@@ -28,20 +28,23 @@ def flight() -> Flight:
 
 def drawn(flight: Flight, kind: str, name: str, label: str) -> Array:
     """Return the values of the curve with a label."""
-    axes = draw(KINDS[kind], [PlotCurve(flight, "flown")], name).axes[0]
+    axes = plot_quantity(KINDS[kind], [PlotCurve(flight, "flown")], name).axes[0]
     (line,) = [one for one in axes.lines if one.get_label() == label]
     return np.asarray(line.get_ydata())
 
 
 def test_vehicles_at_different_heights_are_drawn_on_one_scale(flight: Flight) -> None:
-    ends = [draw(KINDS["altitude"], [PlotCurve(flight, "flown")], name).axes[0].get_ylim() for name in NAMES]
+    ends = [
+        plot_quantity(KINDS["altitude"], [PlotCurve(flight, "flown")], name).axes[0].get_ylim()
+        for name in NAMES
+    ]
     assert np.ptp(ends[0]) == pytest.approx(np.ptp(ends[1]))
     assert np.ptp(ends[0]) == pytest.approx(0.3 * 1.12, rel=0.01)
 
 
 def test_the_curve_is_the_true_altitude_and_the_reference_lies_in_front(flight: Flight) -> None:
     assert drawn(flight, "altitude", "cf2", "flown") == pytest.approx(flight.true_pos[:, 1, 2])
-    axes = draw(KINDS["altitude"], [PlotCurve(flight, "flown")], "cf1").axes[0]
+    axes = plot_quantity(KINDS["altitude"], [PlotCurve(flight, "flown")], "cf1").axes[0]
     front = max(axes.lines, key=lambda line: line.get_zorder())
     assert front.get_label() == "reference"
 
@@ -58,14 +61,14 @@ def test_what_was_not_recorded_or_cannot_be_seen_has_no_figure(flight: Flight) -
 
 def test_a_trace_that_no_flight_recorded_is_not_in_the_legend(flight: Flight) -> None:
     unpredicted = replace(flight, true_eta=np.ones((TICKS, 2, 3)), eta=np.full((TICKS, 2, 3), np.nan))
-    panel = draw(KINDS["downwash"], [PlotCurve(unpredicted, "flown")], "cf1").axes[0]
+    panel = plot_quantity(KINDS["downwash"], [PlotCurve(unpredicted, "flown")], "cf1").axes[0]
     assert [line.get_label() for line in panel.lines] == ["true"]
 
 
 def test_roll_and_pitch_have_two_colours_and_each_flight_a_panel(flight: Flight) -> None:
     tilted = replace(flight, roll=np.full((TICKS, 2), 0.1), pitch=np.full((TICKS, 2), -0.2))
     curves = [PlotCurve(tilted, "first"), PlotCurve(tilted, "second")]
-    panels = draw(KINDS["tilt"], curves, "cf1").axes
+    panels = plot_quantity(KINDS["tilt"], curves, "cf1").axes
     assert len(panels) == 2
     for panel in panels:
         roll, pitch = panel.lines
@@ -81,7 +84,7 @@ def test_the_thrust_limit_is_that_of_saturated_ticks_else_that_of_the_vehicle(fl
     thrust = np.where(status == CommandStatus.SATURATED, 0.33, flight.thrust)
     saturated = PlotCurve(replace(flight, thrust=thrust, command_status=status), "flown", 0.6)
     assert list(thrust_limits([saturated])) == [0.33]
-    axes = draw(KINDS["thrust"], [saturated], "cf2").axes[0]
+    axes = plot_quantity(KINDS["thrust"], [saturated], "cf2").axes[0]
     (limit,) = [line for line in axes.lines if str(line.get_label()).startswith("limit")]
     assert np.asarray(limit.get_ydata()) == pytest.approx(0.33)
     assert axes.get_ylim()[1] > 0.33
@@ -101,20 +104,22 @@ def test_commands_cut_in_tilt_alone_show_no_limit_of_thrust(flight: Flight) -> N
 
 
 def test_a_limit_far_from_the_curves_is_reported_and_does_not_flatten_them(flight: Flight) -> None:
-    axes = draw(KINDS["thrust"], [PlotCurve(flight, "flown", 2.0)], "cf1").axes[0]
+    axes = plot_quantity(KINDS["thrust"], [PlotCurve(flight, "flown", 2.0)], "cf1").axes[0]
     assert axes.get_ylim()[1] < 0.4
     assert "limit 2 N, out of view" in [line.get_label() for line in axes.lines]
 
 
 def test_a_vehicle_that_flew_in_one_flight_only_is_drawn_there(flight: Flight) -> None:
     other = replace(flight, names=("cf1", "cf9"))
-    figure = draw(KINDS["altitude"], [PlotCurve(flight, "first"), PlotCurve(other, "second")], "cf2")
+    figure = plot_quantity(KINDS["altitude"], [PlotCurve(flight, "first"), PlotCurve(other, "second")], "cf2")
     assert [line.get_label() for line in figure.axes[0].lines] == ["first", "reference"]
 
 
 def test_flights_of_different_days_lie_over_each_other_from_their_first_ticks(flight: Flight) -> None:
     days = [replace(flight, t=flight.t + since) for since in (1.7e9, 1.7e9 + 3600.0)]
-    axes = draw(KINDS["altitude"], [PlotCurve(one, str(k)) for k, one in enumerate(days)], "cf1").axes[0]
+    axes = plot_quantity(
+        KINDS["altitude"], [PlotCurve(one, str(k)) for k, one in enumerate(days)], "cf1"
+    ).axes[0]
     assert len(axes.lines) == 3  # both and the reference
     for line in axes.lines:
         assert np.asarray(line.get_xdata()) == pytest.approx(flight.t, abs=1e-6)

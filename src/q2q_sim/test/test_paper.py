@@ -22,7 +22,7 @@ from q2q_sim.experiments.paper.experiment_outcome import (
     ExperimentOutcome,
     FigurePicture,
     Line,
-    draw_panel,
+    plot_panel,
 )
 from q2q_sim.experiments.paper.paper_numbers import paper_numbers, select_numbers
 from q2q_sim.experiments.paper.paper_page import (
@@ -96,7 +96,7 @@ def test_fig_15_draws_the_mpc_and_the_pd(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
     short = replace(library.load("table6"), duration=0.3)
     monkeypatch.setattr(tracking_tables.library, "load", lambda _: short)
-    monkeypatch.setattr(tracking_tables, "draw_panel", noted)
+    monkeypatch.setattr(tracking_tables, "plot_panel", noted)
     found = tracking_tables.mpc(tmp_path)
     assert labels[0] == ["aware MPC", "aware PD", "reference"]
     assert labels[1] == ["aware MPC", "aware PD"]
@@ -178,7 +178,7 @@ def test_a_finished_experiment_is_not_run_again_and_a_broken_one_is(tmp_path: Pa
 
     def good(folder: Path) -> ExperimentOutcome:
         ran.append("good")
-        file = draw_panel(folder / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))])
+        file = plot_panel(folder / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))])
         return ExperimentOutcome({"fig4.d": 1.0}, (FigurePicture("fig4", file, "t"),))
 
     def breaks(_: Path) -> ExperimentOutcome:
@@ -231,7 +231,7 @@ def test_a_shipped_model_or_air_that_changes_changes_the_fingerprint(
 
 
 def test_page_and_pdf_hold_every_row_and_picture(tmp_path: Path):
-    file = draw_panel(
+    file = plot_panel(
         tmp_path / "learning" / "fig4.png", "t", ("x", "y"), [Line("a", np.arange(3.0), np.arange(3.0))]
     )
     outcome = ExperimentOutcome({"fig4.d": 2.5}, (FigurePicture("fig4", file, "dev falls"),))

@@ -8,7 +8,7 @@ import pytest
 from q2q_model.bag import BagWriter, read_flight
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_sim.commands import report
-from q2q_sim.report.figures import KINDS, PlotCurve, draw
+from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.report.panels import picture_file
 from q2q_sim.tools.distinct_names import distinct_names
 
@@ -41,7 +41,7 @@ def test_no_name_of_a_vehicle_writes_outside_the_folder_of_the_report(tmp_path: 
 
 def test_a_flight_whose_folder_begins_with_an_underscore_is_in_the_legends(tmp_path: Path) -> None:
     flight = read_flight(recorded_bag(tmp_path / "_day", ("cf1",)))
-    figure = draw(KINDS["altitude"], [PlotCurve(flight, "_day"), PlotCurve(flight, "other")], "cf1")
+    figure = plot_quantity(KINDS["altitude"], [PlotCurve(flight, "_day"), PlotCurve(flight, "other")], "cf1")
     (legend,) = figure.legends
     assert [text.get_text().strip() for text in legend.get_texts()] == ["_day", "other", "reference"]
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from q2q_sim.report.significant import centimetres, significant_digits
-from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
+from q2q_sim.report.vehicle_rows import plotted_vehicles, vehicle_rows
 
 
 def test_ten_vehicles_have_a_row_each() -> None:
@@ -24,8 +24,8 @@ def test_more_vehicles_are_summarised_by_median_and_extremes_of_what_is_known() 
 
 def test_of_many_vehicles_the_worst_are_drawn() -> None:
     errors = {f"cf{k}": 0.1 * k for k in range(20)} | {"cf7": 9.0, "cf19": math.nan}
-    assert drawn_vehicles(errors) == ["cf7", "cf18", "cf17", "cf16"]
-    assert drawn_vehicles({"cf2": 0.0, "cf1": 1.0}) == ["cf2", "cf1"]
+    assert plotted_vehicles(errors) == ["cf7", "cf18", "cf17", "cf16"]
+    assert plotted_vehicles({"cf2": 0.0, "cf1": 1.0}) == ["cf2", "cf1"]
 
 
 @pytest.mark.parametrize(

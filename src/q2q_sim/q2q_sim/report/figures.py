@@ -68,8 +68,8 @@ def recorded_vehicles(quantity: Quantity, curves: Sequence[PlotCurve]) -> list[s
     return recorded if visible else []
 
 
-def draw(quantity: Quantity, curves: Sequence[PlotCurve], name: str) -> Figure:
-    """Draw a quantity of the vehicle `name` in each flight."""
+def plot_quantity(quantity: Quantity, curves: Sequence[PlotCurve], name: str) -> Figure:
+    """Plot a quantity of the vehicle `name` in each flight."""
     apart, curves = len(quantity.traces) > 1, _with(curves, name)
     figure, axes = panels(len(curves) if apart else 1)
     traces = [one for one in quantity.traces if _is_recorded(one, curves, name)]
@@ -89,9 +89,9 @@ def draw(quantity: Quantity, curves: Sequence[PlotCurve], name: str) -> Figure:
     for panel in axes:
         panel.set_ylabel(quantity.axis)
         panel.set_ylim(*_ends(quantity, curves, name))
-    _draw_reference(axes[0], quantity, curves[0].flight, name)
+    _plot_reference(axes[0], quantity, curves[0].flight, name)
     for limit, words in quantity.limits(curves).items():
-        _draw_limit(axes[0], limit, words)
+        _plot_limit(axes[0], limit, words)
     legend_above(figure, axes[0])
     axes[-1].set_xlabel("t [s]")
     return figure
@@ -166,8 +166,8 @@ KINDS: dict[str, Quantity] = {
 """Quantities of a report by the end of their files' names."""
 
 
-def _draw_reference(axes: Axes, quantity: Quantity, flight: Flight, name: str) -> None:
-    """Draw the reference in front of the curves."""
+def _plot_reference(axes: Axes, quantity: Quantity, flight: Flight, name: str) -> None:
+    """Plot the reference in front of the curves."""
     if quantity.reference is not None:
         values = _of(flight, name, quantity.reference)
         axes.plot(
@@ -175,8 +175,8 @@ def _draw_reference(axes: Axes, quantity: Quantity, flight: Flight, name: str) -
         )
 
 
-def _draw_limit(axes: Axes, limit: float, words: str) -> None:
-    """Draw a limit near the curves; name one that is far from them in the legend alone."""
+def _plot_limit(axes: Axes, limit: float, words: str) -> None:
+    """Plot a limit near the curves; name one that is far from them in the legend alone."""
     low, high = axes.get_ylim()
     if low - NEAR * (high - low) <= limit <= high + NEAR * (high - low):
         axes.axhline(limit, linestyle=":", color=palette.REFERENCE, label=words, linewidth=1.5)

@@ -25,7 +25,7 @@ def vehicle_rows(numbers: Mapping[str, Sequence[float]]) -> list[tuple[str, list
     ]
 
 
-def drawn_vehicles(errors: Mapping[str, float]) -> list[str]:
+def plotted_vehicles(errors: Mapping[str, float]) -> list[str]:
     """Return the vehicles to draw: all, or beyond MOST_ROWS the MOST_DRAWN of the largest errors."""
     if len(errors) <= MOST_ROWS:
         return list(errors)

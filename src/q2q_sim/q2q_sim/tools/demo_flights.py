@@ -14,12 +14,12 @@ from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun, load_scenario
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.replay_page import replay_element, replay_run
-from q2q_sim.report.figures import KINDS, PlotCurve, draw
+from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Heading, KeyNumber, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.run_table import MODE_WORDS, run_grid, run_notes, run_verdicts
 from q2q_sim.report.significant import centimetres
-from q2q_sim.report.vehicle_rows import drawn_vehicles
+from q2q_sim.report.vehicle_rows import plotted_vehicles
 from q2q_sim.tools.fly_scenario import fly_with_progress, print_verdict
 from q2q_sim.tools.fly_scenario import print_flights as print_runs
 from q2q_sim.tools.write_replay import part_of_flight
@@ -73,7 +73,7 @@ def write_demo_page(runs: Sequence[FlightRun], out: Path) -> None:
         run_grid(runs),
         NOTE,
         Heading("As Figs 14a-d of the paper"),
-        draw_runs(runs, out),
+        plot_runs(runs, out),
         *run_notes(runs),
     ]
     html = page("q2q: one quadcopter over another", LEAD, parts)
@@ -123,12 +123,14 @@ def print_numbers(runs: Sequence[FlightRun]) -> None:
         print("; ".join(f"{one.value}: {one.meaning}" for one in numbers))
 
 
-def draw_runs(runs: Sequence[FlightRun], out: Path) -> list[Picture]:
-    """Draw altitude and thrust of each vehicle; return the pictures."""
+def plot_runs(runs: Sequence[FlightRun], out: Path) -> list[Picture]:
+    """Plot altitude and thrust of each vehicle; return the pictures."""
     curves = [PlotCurve(run.flight, MODE_WORDS[run.request.mode]) for run in runs]
     errors = {name: one.z_rmse_m for name, one in runs[0].metrics.vehicles.items()}
     return [
-        Picture(save(draw(KINDS[what], curves, name), picture_file(out, name, what)), f"{name}: {what}")
+        Picture(
+            save(plot_quantity(KINDS[what], curves, name), picture_file(out, name, what)), f"{name}: {what}"
+        )
         for what in DRAWN
-        for name in drawn_vehicles(errors)
+        for name in plotted_vehicles(errors)
     ]

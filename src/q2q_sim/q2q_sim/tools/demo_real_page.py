@@ -13,7 +13,7 @@ from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
 from q2q_sim.report.run_table import run_grid, run_verdicts
 from q2q_sim.report.significant import significant_digits
-from q2q_sim.tools.demo_flights import draw_runs, key_numbers, replay_of
+from q2q_sim.tools.demo_flights import key_numbers, plot_runs, replay_of
 
 HEAD = ("flight", "samples under another", "R2", "R2, 20 ms ahead", "model fitted to")
 MOST_NAMED = 3
@@ -41,7 +41,7 @@ def write_real_page(origin: str, scores: HeldOutScores, runs: Sequence[FlightRun
         Grid(HEAD, [_row(one) for one in scores.flights]),
         Heading("The model in flight"),
         run_grid(runs),
-        draw_runs(runs, out),
+        plot_runs(runs, out),
     ]
     lead = (
         "A model of the downwash is fitted to recorded flights, scored on flights that it was not fitted to, "

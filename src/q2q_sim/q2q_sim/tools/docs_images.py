@@ -55,9 +55,9 @@ def write_flight(out: Path) -> Path:
     figure = Figure(figsize=(10.0, 4.4))
     left = Axes3D(figure, rect=(0.03, 0.05, 0.46, 0.87), auto_add_to_figure=False)
     figure.add_axes(left)
-    draw_scene(left, scene_at(scenario, aware, SHOWN_AT))
+    plot_scene(left, scene_at(scenario, aware, SHOWN_AT))
     left.set_title(f"as the view shows it, t = {SHOWN_AT:g} s")
-    _draw_altitudes(figure, {"ignoring the downwash": ignoring, "aware of it": aware})
+    _plot_altitudes(figure, {"ignoring the downwash": ignoring, "aware of it": aware})
     out.mkdir(parents=True, exist_ok=True)
     path = out / "flight.png"
     figure.savefig(path, dpi=DPI)
@@ -73,8 +73,8 @@ def scene_at(scenario: Scenario, flight: Flight, t: float) -> Scene:
     return scenes[-1]
 
 
-def draw_scene(axes: Axes3D, scene: Scene) -> None:
-    """Draw a scene's shapes, boxes and texts as visible marks."""
+def plot_scene(axes: Axes3D, scene: Scene) -> None:
+    """Plot a scene's shapes, boxes and texts as visible marks."""
     for shape in scene.shapes:
         points = np.array(shape.points)  # (k, 3)
         if shape.kind is ShapeKind.BOX:
@@ -82,7 +82,7 @@ def draw_scene(axes: Axes3D, scene: Scene) -> None:
         elif shape.kind is ShapeKind.TEXT:
             axes.text(*points[0], f"  {shape.text}", color=shape.colour)
         elif shape.kind is ShapeKind.CYLINDER:
-            _draw_cylinder(axes, shape)
+            _plot_cylinder(axes, shape)
         elif shape.kind is ShapeKind.ARROW:
             axes.quiver(*points[0], *(points[1] - points[0]), color=shape.colour, linewidth=2.5, zorder=20.0)
         else:
@@ -95,14 +95,14 @@ def draw_scene(axes: Axes3D, scene: Scene) -> None:
     axes.view_init(elev=12.0, azim=-28.0)
 
 
-def _draw_cylinder(axes: Axes3D, shape: Shape) -> None:
+def _plot_cylinder(axes: Axes3D, shape: Shape) -> None:
     (x, y, z), (wide, _, high) = shape.points[0], shape.size
     angle, height = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, ROUND), z + 0.5 * high * np.array([-1.0, 1.0]))
     around = 0.5 * wide * np.cos(angle), 0.5 * wide * np.sin(angle)
     axes.plot_surface(x + around[0], y + around[1], height, color=shape.colour[:3], alpha=0.12, shade=False)
 
 
-def _draw_altitudes(figure: Figure, flights: dict[str, Flight]) -> None:
+def _plot_altitudes(figure: Figure, flights: dict[str, Flight]) -> None:
     axes = figure.add_axes((0.58, 0.13, 0.4, 0.7))
     for colour, (label, flight) in zip(palette.FLIGHTS, flights.items(), strict=False):
         row = flight.names.index(LOWER)

@@ -23,11 +23,11 @@ from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
 from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.replay_page import MOST_RUNS, replay_element, replay_run
 from q2q_sim.report import figures
-from q2q_sim.report.figures import PlotCurve, draw
+from q2q_sim.report.figures import PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.significant import significant_digits
-from q2q_sim.report.vehicle_rows import drawn_vehicles, vehicle_rows
+from q2q_sim.report.vehicle_rows import plotted_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools.bag_verdict import bag_verdict
 from q2q_sim.tools.distinct_names import distinct_names
@@ -104,7 +104,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
     """Draw the pictures and write the page into a folder: verdict, tables, pictures."""
     out.mkdir(parents=True, exist_ok=True)
     first = flights[0]
-    pictures = _draw(flights, out)
+    pictures = _plot_quantities(flights, out)
     parts: list[Part] = [
         PageVerdict(verdicts(flights), all(one.verdict.ok for one in flights)),
         *notes(flights),
@@ -132,12 +132,14 @@ def _replay(flights: Sequence[Reported]) -> Part:
         return f"No replay: {lacking}."
 
 
-def _draw(flights: Sequence[Reported], out: Path) -> list[Picture]:
-    """Draw what was recorded and can be seen, each vehicle apart; of many vehicles the worst."""
+def _plot_quantities(flights: Sequence[Reported], out: Path) -> list[Picture]:
+    """Plot what was recorded and can be seen, each vehicle apart; of many vehicles the worst."""
     curves = [PlotCurve(one.flight, one.flight.name, one.vehicle.thrust_max) for one in flights]
-    shown = drawn_vehicles({name: one.z_rmse_m for name, one in flights[0].metrics.vehicles.items()})
+    shown = plotted_vehicles({name: one.z_rmse_m for name, one in flights[0].metrics.vehicles.items()})
     return [
-        Picture(save(draw(kind, curves, name), picture_file(out, name, what)), f"{name}: {kind.title}")
+        Picture(
+            save(plot_quantity(kind, curves, name), picture_file(out, name, what)), f"{name}: {kind.title}"
+        )
         for what, kind in figures.KINDS.items()
         for name in figures.recorded_vehicles(kind, curves)
         if name in shown

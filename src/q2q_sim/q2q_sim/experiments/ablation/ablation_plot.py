@@ -27,7 +27,7 @@ def ablation_figure(numbers: Numbers) -> Figure:
         figure = Figure(figsize=SIZE, layout="constrained")
         panels = figure.subplots(len(SHOWN), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, SHOWN, strict=True):
-        _draw(axes, numbers, name)
+        _plot_air(axes, numbers, name)
     panels[0].set_xscale("log")
     panels[0].set_xlim(0.8 * TICKS[0], TICKS[-1] * 1.5)
     panels[0].set_xticks(TICKS, [str(tick) for tick in TICKS])
@@ -38,7 +38,7 @@ def ablation_figure(numbers: Numbers) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, numbers: Numbers, name: str) -> None:
+def _plot_air(axes: Axes, numbers: Numbers, name: str) -> None:
     measured, *others = JUDGED
     for row, contender in enumerate(NAMES):
         made = _worst(numbers, name, contender, others)

@@ -55,8 +55,8 @@ class Line:
     """Empty: that of a reference if dashed or dotted, else that of the flight of its place."""
 
 
-def draw_panel(path: Path, title: str, labels: tuple[str, str], lines: list[Line]) -> str:
-    """Draw one panel into a PNG; return the file's name."""
+def plot_panel(path: Path, title: str, labels: tuple[str, str], lines: list[Line]) -> str:
+    """Plot one panel into a PNG; return the file's name."""
     figure, (axes,) = panels(1)
     for k, line in enumerate(lines):
         front = line.style in ASIDE

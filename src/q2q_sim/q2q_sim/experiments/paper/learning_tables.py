@@ -26,7 +26,7 @@ from q2q_model.identification.networks.trajectory_loss import WIDE, FlightTerms,
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.firmware.motors.battery import LOW_POWER, Battery
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.loop.closed_loop import FlightOptions, fly
@@ -142,7 +142,7 @@ def _decay_picture(folder: Path, decay: DecayFit) -> FigurePicture:
         Line("fit", along, decay.alpha.value * np.exp(-decay.beta.value * along), colour=palette.MODEL),
     ]
     title = "fig4: dev against the height difference"
-    return FigurePicture("fig4", draw_panel(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
+    return FigurePicture("fig4", plot_panel(folder / "fig4.png", title, ("dz [m]", "dev [m]"), lines), title)
 
 
 def _learned_pictures(
@@ -164,6 +164,6 @@ def _learned_pictures(
             (f"fig{8 + row}", "eta z [m/s²]", [downwash]),
         ):
             title = f"{group}: Q{row + 1} in flight #{SHOWN + 1}"
-            file = draw_panel(folder / f"{group}_q{row + 1}.png", title, ("t [s]", unit), lines)
+            file = plot_panel(folder / f"{group}_q{row + 1}.png", title, ("t [s]", unit), lines)
             made.append(FigurePicture(group, file, title))
     return tuple(made)

@@ -9,7 +9,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate import certify
-from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.monitors.metrics import best_position, tick_period
@@ -70,7 +70,7 @@ def _gaps(folder: Path, group: str, paths: dict[str, tuple[Array, Array]]) -> Fi
     """Draw the distances of pairs from the zone."""
     lines = [Line(label, t, ZONE.signed_distance(pos[:, 1] - pos[:, 0])) for label, (t, pos) in paths.items()]
     title = f"{group}: distance from the zone, negative inside"
-    file = draw_panel(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)
+    file = plot_panel(folder / f"{group}_distance.png", title, ("t [s]", "distance [m]"), lines)
     return FigurePicture(group, file, title)
 
 
@@ -81,6 +81,6 @@ def _altitudes(folder: Path, group: str, flights: dict[str, Flight]) -> tuple[Fi
         first = next(iter(flights.values()))
         lines.append(Line("plan without avoidance", first.t, first.ref_pos[:, row, 2], "--"))
         title = f"{group}: altitude of Q{row + 1}"
-        file = draw_panel(folder / f"{group}_q{row + 1}.png", title, ("t [s]", "z [m]"), lines)
+        file = plot_panel(folder / f"{group}_q{row + 1}.png", title, ("t [s]", "z [m]"), lines)
         made.append(FigurePicture(group, file, title))
     return tuple(made)

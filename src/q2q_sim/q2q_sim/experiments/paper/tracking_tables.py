@@ -17,7 +17,7 @@ from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, Case
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
-from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, draw_panel
+from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode
 from q2q_sim.monitors.metrics import best_position, measure
@@ -107,6 +107,6 @@ def _pictures(folder: Path, group: str, flights: dict[str, Flight]) -> tuple[Fig
         thrust += [Line(words, first.t, np.full(len(first.t), value), ":") for value, words in limits.items()]
         for what, unit, lines in (("altitude", "z [m]", z), ("thrust", "U1 [N]", thrust)):
             title = f"{group}: {what} of {paper_name.upper()}"
-            file = draw_panel(folder / f"{group}_{paper_name}_{what}.png", title, ("t [s]", unit), lines)
+            file = plot_panel(folder / f"{group}_{paper_name}_{what}.png", title, ("t [s]", unit), lines)
             made.append(FigurePicture(group, file, title))
     return tuple(made)

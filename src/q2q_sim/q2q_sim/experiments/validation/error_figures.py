@@ -21,7 +21,7 @@ def error_figure(one: ValidatedFlight) -> Figure:
     vehicles = [i for i, part in enumerate(parts) if part.n]
     figure, rows = panels(len(vehicles), sharey=True)
     for axes, i in zip(rows, vehicles, strict=True):
-        _draw_errors(axes, one, i)
+        _plot_errors(axes, one, i)
         axes.set_title(literal(f"{one.flight.names[i]}: height error"))
         axes.set_ylabel("z − z_ref [cm]")
     legend_above(figure, rows[0])
@@ -51,7 +51,7 @@ def spectrum_figure(parts: Sequence[ErrorSums], title: str) -> Figure:
     return figure
 
 
-def _draw_errors(axes: Axes, one: ValidatedFlight, i: int) -> None:
+def _plot_errors(axes: Axes, one: ValidatedFlight, i: int) -> None:
     t, drawn = one.flight.t, CENTIMETRE * one.drawn[..., i]
     low, middle, high = np.percentile(drawn, [2.5, 50.0, 97.5], axis=0)
     axes.fill_between(t, low, high, color=palette.MODEL, alpha=0.25, linewidth=0, label="95 % of draws")
