@@ -9,7 +9,7 @@ import pytest
 
 from q2q_sim.commands.firmware_check import main
 from q2q_sim.firmware_check.table_rows import Row, Table
-from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, figures
+from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 from q2q_sim.tools.check_firmware import tables_in
 
 FOLDER = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[3].parent / "shared" / "data")) / "firmware"
@@ -41,8 +41,8 @@ def without(table: list[Row], at: int, **values: str) -> list[Row]:
     return [*table[:at], {**table[at], **values}, *table[at + 1 :]]
 
 
-def test_every_figure_is_within_its_tolerance(verdict: FirmwareVerdict) -> None:
-    assert [one for one in figures(verdict) if not one.within] == []
+def test_every_difference_is_within_its_tolerance(verdict: FirmwareVerdict) -> None:
+    assert [one for one in tolerance_checks(verdict) if not one.within] == []
     assert min(verdict.controllers.cases, verdict.planner.cases, verdict.supervisor.cases) >= 3
 
 
@@ -69,7 +69,7 @@ def test_a_wrong_number_in_each_table_is_found(tables: Tables) -> None:
             for row in changed.planner
         ],
     )  # fmt: skip
-    assert [one.within for one in figures(compare(changed))] == [False] * 10
+    assert [one.within for one in tolerance_checks(compare(changed))] == [False] * 10
 
 
 def test_the_tool_prints_json_alone_and_ends_with_the_verdict(

@@ -9,5 +9,5 @@ A table is a list of rows, column name to text; a case is the rows of one run af
 | planner_table | planner.csv | the high-level commander, packet by packet, at 100 Hz |
 | supervisor_table | supervisor.csv | the supervisor, packet by packet, with motors |
 | motor_tables | mixer.csv, compensation.csv | mixer and battery compensation |
-| tolerances | | all of it, each figure with its tolerance |
+| tolerances | | all of it, each difference with its tolerance |
 """

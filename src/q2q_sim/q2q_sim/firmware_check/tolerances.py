@@ -36,7 +36,7 @@ class FirmwareVerdict(NamedTuple):
     compensation: CompensationDifference
 
 
-class Figure(NamedTuple):
+class ToleranceCheck(NamedTuple):
     """One difference with its tolerance."""
 
     name: str
@@ -60,18 +60,18 @@ def compare(tables: Tables) -> FirmwareVerdict:
     )
 
 
-def figures(verdict: FirmwareVerdict) -> tuple[Figure, ...]:
-    """Return the figures of a verdict with their tolerances."""
+def tolerance_checks(verdict: FirmwareVerdict) -> tuple[ToleranceCheck, ...]:
+    """Return the differences of a verdict with their tolerances."""
     controllers, planner, supervisor, mixer, compensation = verdict
     return (
-        Figure("controllers: moments and thrust [PWM]", controllers.max_pwm, 2.5),
-        Figure("controllers: motors [PWM]", controllers.max_motor_pwm, 6.0),
-        Figure("planner: position [m]", planner.max_pos_m, 1e-4),
-        Figure("planner: velocity [m/s]", planner.max_vel_mps, 1e-3),
-        Figure("planner: acceleration [m/s^2]", planner.max_acc_mps2, 1e-2),
-        Figure("planner: answers that differ", planner.answers_differ, 0),
-        Figure("supervisor: states that differ", supervisor.states_differ, 0),
-        Figure("supervisor: info that differs", supervisor.info_differ, 0),
-        Figure("mixer: motors [PWM]", mixer.max_motor_pwm, 6.0),
-        Figure("compensation: duty [share]", compensation.max_ratio, 1e-5),
+        ToleranceCheck("controllers: moments and thrust [PWM]", controllers.max_pwm, 2.5),
+        ToleranceCheck("controllers: motors [PWM]", controllers.max_motor_pwm, 6.0),
+        ToleranceCheck("planner: position [m]", planner.max_pos_m, 1e-4),
+        ToleranceCheck("planner: velocity [m/s]", planner.max_vel_mps, 1e-3),
+        ToleranceCheck("planner: acceleration [m/s^2]", planner.max_acc_mps2, 1e-2),
+        ToleranceCheck("planner: answers that differ", planner.answers_differ, 0),
+        ToleranceCheck("supervisor: states that differ", supervisor.states_differ, 0),
+        ToleranceCheck("supervisor: info that differs", supervisor.info_differ, 0),
+        ToleranceCheck("mixer: motors [PWM]", mixer.max_motor_pwm, 6.0),
+        ToleranceCheck("compensation: duty [share]", compensation.max_ratio, 1e-5),
     )

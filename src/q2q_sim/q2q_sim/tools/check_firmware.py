@@ -6,18 +6,18 @@ from argparse import Namespace
 from pathlib import Path
 
 from q2q_sim.firmware_check.table_rows import Table
-from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, figures
+from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 from q2q_sim.scenarios.choices import STDOUT
 
 
 def run(args: Namespace) -> int:
-    """Compare with the tables of the folder; return 1 if a figure is out of its tolerance."""
+    """Compare with the tables of the folder; return 1 if a difference is out of its tolerance."""
     verdict = compare(tables_in(args.folder))
     words = json.dumps({name: part._asdict() for name, part in verdict._asdict().items()}, indent=1)
     if args.json not in {None, STDOUT}:
         Path(args.json).write_text(words + "\n")
     print(words if args.json == STDOUT else report(verdict))
-    return int(not all(one.within for one in figures(verdict)))
+    return int(not all(one.within for one in tolerance_checks(verdict)))
 
 
 def tables_in(folder: Path) -> Tables:
@@ -40,11 +40,11 @@ def _table(file: Path) -> Table:
 
 
 def report(verdict: FirmwareVerdict) -> str:
-    """Return each figure with its tolerance, one on a line."""
+    """Return each difference with its tolerance, one on a line."""
     counts = (verdict.controllers.cases, verdict.planner.cases, verdict.supervisor.cases)
     head = "cases: {} of controllers, {} of the planner, {} of the supervisor".format(*counts)
     lines = [
         f"{one.name:40}{one.value:12.4g}  allowed {one.allowed:7g}  {'' if one.within else 'OUT'}".rstrip()
-        for one in figures(verdict)
+        for one in tolerance_checks(verdict)
     ]
     return "\n".join([head, *lines])
