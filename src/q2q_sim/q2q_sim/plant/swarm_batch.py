@@ -24,7 +24,7 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
-from q2q_sim.plant.push.near_pairs import NearPairs
+from q2q_sim.plant.push.neighbour_list import NeighbourList
 from q2q_sim.plant.push.past_states import empty_ring, remember
 from q2q_sim.plant.push.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
@@ -49,9 +49,9 @@ class SwarmBatchSetup:
 
 
 @compiled(**HOT)
-def near_of_swarm(near: NearPairs, s: int) -> NearPairs:
+def neighbours_of_swarm(near: NeighbourList, s: int) -> NeighbourList:
     """Return the list of swarm s."""
-    return NearPairs(near.begin[s], near.end[s], near.found[s], near.rank[s], near.at[s], near.limits[s])
+    return NeighbourList(near.begin[s], near.end[s], near.found[s], near.rank[s], near.at[s], near.limits[s])
 
 
 @compiled(**HOT)
@@ -66,7 +66,7 @@ def air_of_swarm(airs: Air, s: int, work: int) -> Air:
         law.extremes[s],
         law.rotor_max[s],
         law.gains[s],
-        near_of_swarm(law.near, s),
+        neighbours_of_swarm(law.near, s),
         law.places[work],
         law.under[work],
         law.met[work],
@@ -207,7 +207,7 @@ def stack_airs(airs: Sequence[Air]) -> Air:
         extremes=np.stack([one.extremes for one in laws]),
         rotor_max=np.stack([one.rotor_max for one in laws]),
         gains=np.stack([one.gains for one in laws]),
-        near=NearPairs(*map(np.stack, zip(*(one.near for one in laws), strict=True))),
+        near=NeighbourList(*map(np.stack, zip(*(one.near for one in laws), strict=True))),
         places=np.stack([one.places for one in laws]),
         under=np.stack([one.under for one in laws]),
         met=np.stack([one.met for one in laws]),

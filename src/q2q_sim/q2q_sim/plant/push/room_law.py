@@ -12,7 +12,7 @@ from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
 from q2q_sim.air.unit_processes import KINDS, block_steps
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, Bound, bound_of
-from q2q_sim.plant.push.near_pairs import NearPairs, no_pairs
+from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
 from q2q_sim.plant.push.order_by_x import Rows
 from q2q_sim.plant.push.past_states import ROOM_WIDTH
 from q2q_sim.random_streams import stream
@@ -112,7 +112,7 @@ class RoomLaw(NamedTuple):
     """Largest thrust of each rotor at the start [N], (n, 4); infinite without a vehicle term."""
     gains: Array
     """Gain of each vehicle on the mean downwash [-], (n,)."""
-    near: NearPairs
+    near: NeighbourList
     """List of the vehicles near each source."""
     places: Array
     """Workspace for x, y, z [m] of the vehicles, (3, n)."""
@@ -142,7 +142,7 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
         extremes=np.zeros(EXTREMES_WIDTH),
         rotor_max=rotor_max(air, count, body.mass, seed),
         gains=gains(air, count, seed),
-        near=no_pairs(count),
+        near=empty_list(count),
         places=np.zeros((3, count)),
         under=np.zeros((count + AT_ONCE, UNDER_WIDTH)),
         met=np.zeros(count + AT_ONCE, dtype=np.int64),

@@ -44,7 +44,7 @@ from q2q_sim.plant.body.state_row import (
     Z,
 )
 from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
-from q2q_sim.plant.push.near_pairs import update
+from q2q_sim.plant.push.neighbour_list import update
 from q2q_sim.plant.push.order_by_x import Rows
 from q2q_sim.plant.push.past_states import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
 from q2q_sim.plant.push.room_law import (

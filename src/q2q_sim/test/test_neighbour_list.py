@@ -7,7 +7,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.plant.body.state_row import ETA, VEL
-from q2q_sim.plant.push.near_pairs import NEIGHBOURS, NearPairs, no_pairs
+from q2q_sim.plant.push.neighbour_list import NEIGHBOURS, NeighbourList, empty_list
 from q2q_sim.plant.push.past_states import LINE, ROOM_WIDTH, empty_ring
 from q2q_sim.plant.push.room_law import cell, knots_of
 from q2q_sim.plant.swarm import Swarm
@@ -68,8 +68,8 @@ def test_a_vehicle_that_is_put_elsewhere_is_found_there() -> None:
 
 
 def test_a_list_of_one_vehicle_has_room_for_none() -> None:
-    assert isinstance(no_pairs(1), NearPairs)
-    assert no_pairs(1).found.size == 1
+    assert isinstance(empty_list(1), NeighbourList)
+    assert empty_list(1).found.size == 1
 
 
 def test_a_row_of_a_ring_fills_a_line_of_the_cache() -> None:

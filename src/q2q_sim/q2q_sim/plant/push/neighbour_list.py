@@ -30,7 +30,7 @@ STEEPEST, FASTEST = 0, 1
 """Places in the limits."""
 
 
-class NearPairs(NamedTuple):
+class NeighbourList(NamedTuple):
     """List of the vehicles near each source."""
 
     begin: Rows
@@ -47,10 +47,10 @@ class NearPairs(NamedTuple):
     """Largest slope [-] and speed [m/s] for which the list holds; -1 if it holds for none, (2,)."""
 
 
-def no_pairs(count: int) -> NearPairs:
-    """Return space for the pairs of `count` vehicles, with a list that does not hold."""
+def empty_list(count: int) -> NeighbourList:
+    """Return space for the list of `count` vehicles, which does not hold yet."""
     near = min(max(count - 1, 0), NEIGHBOURS)
-    return NearPairs(
+    return NeighbourList(
         begin=np.zeros(count, dtype=np.int64),
         end=np.zeros(count, dtype=np.int64),
         found=np.zeros((near + 1) * count, dtype=np.int64),
@@ -69,7 +69,7 @@ class Search(NamedTuple):
 
 
 @compiled(**HOT)
-def _holds(near: NearPairs, places: Array, past: Extremes) -> bool:
+def _holds(near: NeighbourList, places: Array, past: Extremes) -> bool:
     """Return whether the list holds for vehicles at `places`."""
     at, moved = near.at, 0
     for i in range(places.shape[1]):
@@ -96,7 +96,7 @@ def _search(places: Array, bound: Bound, past: Extremes) -> Search:
 
 
 @compiled(**HOT)
-def _add_near(near: NearPairs, places: Array, rows: Rows, a: int, search: Search) -> int:
+def _add_near(near: NeighbourList, places: Array, rows: Rows, a: int, search: Search) -> int:
     """Add those near the a-th vehicle along x to the list; return the place after the last."""
     n, j, across = rows.shape[0] - 1, rows[a], search.across
     x, y, z, count = places[X, j], places[Y, j], places[Z, j], near.begin[j]
@@ -116,7 +116,7 @@ def _add_near(near: NearPairs, places: Array, rows: Rows, a: int, search: Search
 
 
 @compiled(**HOT)
-def _made(near: NearPairs, places: Array, rows: Rows, search: Search) -> bool:
+def _made(near: NeighbourList, places: Array, rows: Rows, search: Search) -> bool:
     """Make the list; return whether it has enough places."""
     n, count = places.shape[1], 0
     for i in range(n):
@@ -131,7 +131,7 @@ def _made(near: NearPairs, places: Array, rows: Rows, search: Search) -> bool:
 
 
 @compiled(**HOT)
-def _reorder(near: NearPairs, rows: Rows) -> None:
+def _reorder(near: NeighbourList, rows: Rows) -> None:
     """Sort the vehicles near each source by x, of which `rows` has the order."""
     found, rank = near.found, near.rank
     for a in range(rank.shape[0]):
@@ -146,7 +146,7 @@ def _reorder(near: NearPairs, rows: Rows) -> None:
 
 
 @compiled(**HOT)
-def update(near: NearPairs, places: Array, rows: Rows, bound: Bound, past: Extremes) -> bool:
+def update(near: NeighbourList, places: Array, rows: Rows, bound: Bound, past: Extremes) -> bool:
     """Sort `rows`, and make the list anew if it no longer holds.
 
     Args:
