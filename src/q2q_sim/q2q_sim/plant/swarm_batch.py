@@ -68,8 +68,8 @@ def air_of_swarm(airs: Air, s: int, work: int) -> Air:
         law.gains[s],
         neighbours_of_swarm(law.near, s),
         law.places[work],
-        law.under[work],
-        law.met[work],
+        law.jet_rows[work],
+        law.receiver[work],
         law.source[work],
     )
     return Air(kind, ring[s], rows[s], room)
@@ -209,8 +209,8 @@ def stack_airs(airs: Sequence[Air]) -> Air:
         gains=np.stack([one.gains for one in laws]),
         near=NeighbourList(*map(np.stack, zip(*(one.near for one in laws), strict=True))),
         places=np.stack([one.places for one in laws]),
-        under=np.stack([one.under for one in laws]),
-        met=np.stack([one.met for one in laws]),
+        jet_rows=np.stack([one.jet_rows for one in laws]),
+        receiver=np.stack([one.receiver for one in laws]),
         source=np.stack([one.source for one in laws]),
     )
     ring = np.stack([air.ring for air in airs], out=empty_ring((len(airs), *first.ring.shape)))

@@ -26,14 +26,14 @@ NO_JET = JetTerm(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2)), 0
 MOST_BINS = 1000
 """Bins of knots at most: knots closer than a thousandth of their range share some."""
 
-FALL, RADIUS, AWAY_X, AWAY_Y, PUSH, WEIGHT, STRENGTH, LEFT = 0, 1, 2, 3, 4, 5, 6, 7
+FALL, RADIUS, AWAY_X, AWAY_Y, PUSH, WEIGHT, STRENGTH, TRANSMITTED = 0, 1, 2, 3, 4, 5, 6, 7
 """Columns of a vehicle in a jet: dz and r g / dz [m], direction from the axis to it, P [m/s^2] of a source
 that carries its weight, blend of the roles times (g / dz)^2, that times T / (m g), and the share 1 - c of
-the jet that it leaves to those below."""
+the jet that it transmits to those below."""
 TAU, PAST = FALL, 8
 """Column of the age of the air [s] until the fall is known, and first of the source's columns in past_states
 when its air left."""
-UNDER_WIDTH = PAST + ROOM_WIDTH
+JET_ROW_WIDTH = PAST + ROOM_WIDTH
 AT_ONCE = 64
 """Pairs whose pasts are read together: enough that waits for memory overlap, few enough for a first cache."""
 
@@ -116,9 +116,9 @@ class RoomLaw(NamedTuple):
     """List of the vehicles near each source."""
     places: Array
     """Workspace for x, y, z [m] of the vehicles, (3, n)."""
-    under: Array
-    """Workspace for pairs of a vehicle in a jet and its source, (n + AT_ONCE, UNDER_WIDTH)."""
-    met: Rows
+    jet_rows: Array
+    """Workspace for pairs of a vehicle in a jet and its source, (n + AT_ONCE, JET_ROW_WIDTH)."""
+    receiver: Rows
     """Workspace for the vehicles' rows, (n + AT_ONCE,)."""
     source: Rows
     """Workspace for the sources' rows, (n + AT_ONCE,)."""
@@ -144,8 +144,8 @@ def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
         gains=gains(air, count, seed),
         near=empty_list(count),
         places=np.zeros((3, count)),
-        under=np.zeros((count + AT_ONCE, UNDER_WIDTH)),
-        met=np.zeros(count + AT_ONCE, dtype=np.int64),
+        jet_rows=np.zeros((count + AT_ONCE, JET_ROW_WIDTH)),
+        receiver=np.zeros(count + AT_ONCE, dtype=np.int64),
         source=np.zeros(count + AT_ONCE, dtype=np.int64),
     )
 

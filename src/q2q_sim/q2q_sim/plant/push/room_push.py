@@ -1,7 +1,8 @@
 """Push and torque of a room's air on every vehicle, compiled: the equations of q2q_sim.air.room_air.
 
 For each source, the vehicles in its jet are collected from those near it, by rising x, and the jet acts on
-each with what those between have not absorbed. Then each vehicle feels the residual and the ground.
+each with what those between have transmitted. Then each vehicle feels the residual, the ground and the drag
+of its rotors, whose largest thrusts the load of its rates lowers.
 """
 
 import math
@@ -52,12 +53,12 @@ from q2q_sim.plant.push.room_law import (
     AWAY_X,
     AWAY_Y,
     FALL,
-    LEFT,
     PAST,
     PUSH,
     RADIUS,
     STRENGTH,
     TAU,
+    TRANSMITTED,
     WEIGHT,
     RoomLaw,
     RoomNumbers,
@@ -81,24 +82,24 @@ class Now(NamedTuple):
 @compiled(**HOT)
 def beside_axis(room: RoomLaw, k: int, tick: int) -> Three:
     """Return the way from the jet's axis to the vehicle of the k-th pair along x and y, and its fall [m]."""
-    one, under, places, i, j = room.numbers, room.under, room.places, room.met[k], room.source[k]
-    kept, slope_x, slope_y = one.carried * under[k, TAU], one.bend_x, one.bend_y
+    one, jet_rows, places, i, j = room.numbers, room.jet_rows, room.places, room.receiver[k], room.source[k]
+    kept, slope_x, slope_y = one.carried * jet_rows[k, TAU], one.bend_x, one.bend_y
     if one.wander != 0.0:
         slope_x += one.wander * room.unit[WANDER_X, tick, j]
         slope_y += one.wander * room.unit[WANDER_Y, tick, j]
-    slope_x -= one.slope * under[k, PAST + SLOPE_X]
-    slope_y -= one.slope * under[k, PAST + SLOPE_Y]
-    dz = under[k, PAST + Z] - places[Z, i]
+    slope_x -= one.slope * jet_rows[k, PAST + SLOPE_X]
+    slope_y -= one.slope * jet_rows[k, PAST + SLOPE_Y]
+    dz = jet_rows[k, PAST + Z] - places[Z, i]
     down = max(dz, 0.0)
-    away_x = places[X, i] - under[k, PAST + X] - kept * under[k, PAST + SPEED_X] - down * slope_x
-    away_y = places[Y, i] - under[k, PAST + Y] - kept * under[k, PAST + SPEED_Y] - down * slope_y
+    away_x = places[X, i] - jet_rows[k, PAST + X] - kept * jet_rows[k, PAST + SPEED_X] - down * slope_x
+    away_y = places[Y, i] - jet_rows[k, PAST + Y] - kept * jet_rows[k, PAST + SPEED_Y] - down * slope_y
     return away_x, away_y, dz
 
 
 @compiled(**HOT)
 def write_jet_row(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
     """Write what the k-th vehicle is for the jet into row `kept`; return whether it is in the jet."""
-    one, table, under = room.numbers, room.table, room.under
+    one, table, jet_rows = room.numbers, room.table, room.jet_rows
     away_x, away_y, dz = beside_axis(room, k, tick)
     spread = max(dz / one.last_gap, 1.0)  # of the self-similar jet below the table
     radius = math.sqrt(away_x * away_x + away_y * away_y)
@@ -107,12 +108,15 @@ def write_jet_row(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
     if radius >= spread * table.ends[a]:
         return False
     along = min(max(0.5 * (dz / BLEND + 1.0), 0.0), 1.0)
-    under[kept, FALL], under[kept, RADIUS] = dz, radius / spread
-    under[kept, AWAY_X], under[kept, AWAY_Y] = away_x / max(radius, TOUCHING), away_y / max(radius, TOUCHING)
-    under[kept, PUSH] = table_push(table, a, gap, radius / spread)
-    under[kept, WEIGHT] = along * along * (3.0 - 2.0 * along) / (spread * spread)
-    under[kept, STRENGTH] = under[kept, WEIGHT] * under[k, PAST + THRUST_RATIO]
-    room.met[kept], room.source[kept] = room.met[k], room.source[k]
+    jet_rows[kept, FALL], jet_rows[kept, RADIUS] = dz, radius / spread
+    jet_rows[kept, AWAY_X], jet_rows[kept, AWAY_Y] = (
+        away_x / max(radius, TOUCHING),
+        away_y / max(radius, TOUCHING),
+    )
+    jet_rows[kept, PUSH] = table_push(table, a, gap, radius / spread)
+    jet_rows[kept, WEIGHT] = along * along * (3.0 - 2.0 * along) / (spread * spread)
+    jet_rows[kept, STRENGTH] = jet_rows[kept, WEIGHT] * jet_rows[k, PAST + THRUST_RATIO]
+    room.receiver[kept], room.source[kept] = room.receiver[k], room.source[k]
     return True
 
 
@@ -125,8 +129,8 @@ def add_pairs_in_reach(found: Rows, room: RoomLaw, j: int, count: int, to: JetRe
         i = found[c]
         dx, dy, gap = places[X, i] - x, places[Y, i] - y, z - places[Z, i]
         if (i != j) & (gap > -BLEND) & (dx * dx + dy * dy <= reach(to, abs(gap)) ** 2):
-            room.met[count], room.source[count] = i, j
-            room.under[count, TAU] = min(max(gap, 0.0) / room.numbers.travel_speed, MAX_DELAY)
+            room.receiver[count], room.source[count] = i, j
+            room.jet_rows[count, TAU] = min(max(gap, 0.0) / room.numbers.travel_speed, MAX_DELAY)
             count += 1
     return count
 
@@ -135,8 +139,8 @@ def add_pairs_in_reach(found: Rows, room: RoomLaw, j: int, count: int, to: JetRe
 def keep_pairs_in_jet(ring: Array, room: RoomLaw, count: int, now: Now) -> int:
     """Keep of the pairs those with a vehicle in the jet; return their number."""
     for k in range(count):  # all pasts are read before a branch depends on one
-        late = room.under[k, TAU] / room.numbers.step
-        recall(ring, now.slot, room.source[k], late, room.under[k, PAST:])
+        late = room.jet_rows[k, TAU] / room.numbers.step
+        recall(ring, now.slot, room.source[k], late, room.jet_rows[k, PAST:])
     kept = 0
     for k in range(count):
         kept += write_jet_row(room, k, kept, now.tick)
@@ -144,20 +148,20 @@ def keep_pairs_in_jet(ring: Array, room: RoomLaw, count: int, now: Now) -> int:
 
 
 @compiled(**HOT)
-def write_shares_left(under: Array, first: int, end: int, one: RoomNumbers) -> None:
-    """Write the share of a jet that each vehicle in it leaves to those below."""
+def write_transmitted(jet_rows: Array, first: int, end: int, one: RoomNumbers) -> None:
+    """Write the share of a jet that each vehicle in it transmits to those below."""
     for k in range(first, end):
-        aside = under[k, RADIUS] / one.absorbing_width
-        taken = max(one.absorbed * math.exp(-0.5 * aside * aside), under[k, PUSH] / GRAVITY)
-        under[k, LEFT] = 1.0 - min(under[k, WEIGHT] * taken, 1.0)
+        aside = jet_rows[k, RADIUS] / one.absorbing_width
+        taken = max(one.absorbed * math.exp(-0.5 * aside * aside), jet_rows[k, PUSH] / GRAVITY)
+        jet_rows[k, TRANSMITTED] = 1.0 - min(jet_rows[k, WEIGHT] * taken, 1.0)
 
 
 @compiled(**HOT)
-def edge_torque(under: Array, k: int, strength: float, one: RoomNumbers) -> tuple[float, float]:
+def edge_torque(jet_rows: Array, k: int, strength: float, one: RoomNumbers) -> tuple[float, float]:
     """Return the edge torque of a jet about world x and y [N m]."""
-    ratio = under[k, RADIUS] / one.torque_radius
+    ratio = jet_rows[k, RADIUS] / one.torque_radius
     torque = one.torque * strength * ratio * math.exp(0.5 * (1.0 - ratio * ratio))
-    return torque * under[k, AWAY_Y], -torque * under[k, AWAY_X]
+    return torque * jet_rows[k, AWAY_Y], -torque * jet_rows[k, AWAY_X]
 
 
 @compiled(**HOT)
@@ -172,26 +176,44 @@ def add_torque(state: Array, i: int, tx: float, ty: float) -> None:
 @compiled(**HOT)
 def add_source_jet(state: Array, room: RoomLaw, first: int, end: int) -> None:
     """Add the jet of a source to the vehicles in it, those of the pairs `first` to `end`."""
-    one, under, met, j = room.numbers, room.under, room.met, room.source[first]
+    one, jet_rows, receiver, j = room.numbers, room.jet_rows, room.receiver, room.source[first]
     absorbing = end > first + 1 and one.absorbed > 0.0
     if absorbing:
-        write_shares_left(under, first, end, one)
+        write_transmitted(jet_rows, first, end, one)
     for k in range(first, end):
-        strength = under[k, STRENGTH]
+        strength = jet_rows[k, STRENGTH]
         if absorbing:
             for between in range(first, end):
-                if under[between, FALL] < under[k, FALL]:
-                    strength *= under[between, LEFT]
-        i, push = met[k], strength * room.gains[met[k]] * under[k, PUSH]
+                if jet_rows[between, FALL] < jet_rows[k, FALL]:
+                    strength *= jet_rows[between, TRANSMITTED]
+        i, push = receiver[k], strength * room.gains[receiver[k]] * jet_rows[k, PUSH]
         state[i, ETA] -= push
         state[j, ETA] += one.upper_ratio * push
         if one.torque != 0.0:
-            tx, ty = edge_torque(under, k, strength, one)
+            tx, ty = edge_torque(jet_rows, k, strength, one)
             add_torque(state, i, tx, ty)
 
 
 @compiled(**HOT)
-def drag(state: Array, i: int, per_s: float) -> None:
+def add_residual(state: Array, i: int, unit: float, one: RoomNumbers) -> None:
+    """Add the turbulence of the jets, `unit` its process, to the push on a vehicle."""
+    eta = abs(state[i, ETA])
+    state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
+
+
+@compiled(**HOT)
+def add_ground_effect(state: Array, i: int, one: RoomNumbers, mass: float) -> None:
+    """Add the ground effect to the push on a vehicle; no jet pushes along x and y."""
+    near = one.rotor_radius / max(state[i, Z], one.ground_from)
+    lift = one.ground * near * near * (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / mass
+    x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
+    state[i, ETA_X] = lift * 2.0 * (x * z + w * y)
+    state[i, ETA_Y] = lift * 2.0 * (y * z - w * x)
+    state[i, ETA] += lift * (1.0 - 2.0 * (x * x + y * y))
+
+
+@compiled(**HOT)
+def add_rotor_drag(state: Array, i: int, per_s: float) -> None:
     """Add the drag of the rotors to the push on a vehicle: against its velocity across its thrust."""
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
     bx, by, bz = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
@@ -203,8 +225,8 @@ def drag(state: Array, i: int, per_s: float) -> None:
 
 
 @compiled(**HOT)
-def lag_rotor_load(state: Array, i: int, one: RoomNumbers) -> None:
-    """Take the load of a vehicle's rotors from their largest thrusts, ahead by the lag of thrust."""
+def subtract_rate_load(state: Array, i: int, one: RoomNumbers) -> None:
+    """Subtract the load of a vehicle's rates from its rotors' largest thrusts, ahead by the lag of thrust."""
     rotors = state[i, F1], state[i, F2], state[i, F3], state[i, F4]
     tx, ty, _ = rotor_torque(rotors, one.lever, 0.0)
     roll = one.rate_load * (state[i, P] + one.roll_lead * (tx + state[i, TX]))
@@ -213,23 +235,6 @@ def lag_rotor_load(state: Array, i: int, one: RoomNumbers) -> None:
     state[i, ROTOR_MAX2] += roll - pitch
     state[i, ROTOR_MAX3] -= roll + pitch
     state[i, ROTOR_MAX4] -= roll - pitch
-
-
-@compiled(**HOT)
-def add_surroundings(state: Array, i: int, unit: float, one: RoomNumbers, mass: float) -> None:
-    """Add residual, ground effect and drag to the push on a vehicle; take the load of its rotors off."""
-    eta = abs(state[i, ETA])
-    state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
-    near = one.rotor_radius / max(state[i, Z], one.ground_from)
-    lift = one.ground * near * near * (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / mass
-    x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
-    state[i, ETA_X] = lift * 2.0 * (x * z + w * y)
-    state[i, ETA_Y] = lift * 2.0 * (y * z - w * x)
-    state[i, ETA] += lift * (1.0 - 2.0 * (x * x + y * y))
-    if one.drag != 0.0:
-        drag(state, i, one.drag)
-    if one.rate_load != 0.0:
-        lag_rotor_load(state, i, one)
 
 
 @compiled(**HOT)
@@ -274,4 +279,9 @@ def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float)
         add_jets(state, ring, rows, room)
     tick = rows[n] % unit.shape[1]
     for i in range(n):
-        add_surroundings(state, i, unit[RESIDUAL, tick, i], one, mass)
+        add_residual(state, i, unit[RESIDUAL, tick, i], one)
+        add_ground_effect(state, i, one, mass)
+        if one.drag != 0.0:
+            add_rotor_drag(state, i, one.drag)
+        if one.rate_load != 0.0:
+            subtract_rate_load(state, i, one)
