@@ -19,7 +19,7 @@ from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation,
 from q2q_sim.experiments.explanation.explanation_page import write_page
 from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
 from q2q_sim.experiments.explanation.first_cause import first_cause
-from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
+from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.experiments.explanation.loss import LOST, Loss, largest_loss
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase, recorded_case
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
@@ -94,7 +94,7 @@ def test_a_cause_is_taken_out_and_the_others_stay() -> None:
 
 def test_no_vehicle_feels_downwash_once_it_is_taken_out() -> None:
     for case in (short("stack3"), short("stack3", "ring")):
-        flown, still = fly_case(case), fly_case(without_causes(case, {"downwash", "wind"}))
+        flown, still = fly_flight_case(case), fly_flight_case(without_causes(case, {"downwash", "wind"}))
         assert np.isfinite(flown.true_eta).all()
         assert np.abs(still.true_eta).max() == 0.0
 
@@ -111,7 +111,7 @@ def test_an_accident_differs_from_an_ordinary_flight_by_its_cause_alone(cause: s
 
 
 def test_a_loss_is_where_the_vehicle_is_farthest_from_its_setpoint() -> None:
-    flight = fly_case(short("stack3"))
+    flight = fly_flight_case(short("stack3"))
     moved = flight.safe_pos.copy()
     moved[20, 1] = flight.true_pos[20, 1] + (0.0, 0.3, -0.4)
     moved[30, 2] = flight.true_pos[30, 2] + (0.0, 0.0, 0.45)
@@ -159,7 +159,7 @@ def test_shares_and_rest_add_up_to_the_loss_and_other_seeds_widen_the_intervals(
 
 def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> None:
     case = short("stack3")
-    file = write_page(FOUND, RecordedCase(case, fly_case(case), 1e-13), "a bag", tmp_path)
+    file = write_page(FOUND, RecordedCase(case, fly_flight_case(case), 1e-13), "a bag", tmp_path)
     page = file.read_text()
     assert (
         page.index(explanation_sentence(FOUND))
@@ -228,7 +228,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_any_flight(
 ) -> None:
     nowhere = tmp_path / "out"
     nowhere.symlink_to(tmp_path / "gone")
-    monkeypatch.setattr(cases, "fly_case", lambda _: pytest.fail("flown"))
+    monkeypatch.setattr(cases, "fly_flight_case", lambda _: pytest.fail("flown"))
     assert main([str(kept), written[0], str(nowhere.joinpath(*written[1:]))]) == 1
     assert capsys.readouterr().err == f"explain: {nowhere}: File exists\n"
 

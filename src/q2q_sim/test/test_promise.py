@@ -24,7 +24,7 @@ from q2q_sim.experiments.promise.room_encounter import (
     EncounterRecord,
     PromiseCase,
     encounter_scenario,
-    fly_case,
+    fly_room_encounter,
     starts_apart,
 )
 from q2q_sim.experiments.promise.tracking_tube import (
@@ -123,12 +123,12 @@ def test_the_bound_of_a_rate_is_that_of_clopper_and_pearson() -> None:
 
 
 def test_an_encounter_keeps_vehicles_apart_and_stays_in_its_first_tube() -> None:
-    record = fly_case(0, PromiseCase())
+    record = fly_room_encounter(0, PromiseCase())
     assert record.apart_at_start
     assert not record.entered
     assert 0.01 < record.horizontal < 0.3  # a vehicle is never exactly on its setpoint, nor lost
     assert 0.01 < record.vertical < 0.3
-    assert record == fly_case(0, PromiseCase())
+    assert record == fly_room_encounter(0, PromiseCase())
 
 
 def test_shipped_scenarios_in_rooms_with_delays_or_dropouts_fly_with_the_same_tube() -> None:
@@ -232,7 +232,7 @@ def test_an_interrupted_series_flies_only_what_is_missing_and_keeps_to_its_case(
 def test_a_tube_that_cannot_be_written_is_refused_before_any_flight(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(promise_flights, "fly_case", lambda *_, **__: pytest.fail("flown"))
+    monkeypatch.setattr(promise_flights, "fly_room_encounter", lambda *_, **__: pytest.fail("flown"))
     with pytest.raises(SystemExit, match="2"):
         main(["--count", "3", "--alpha", "0.7", "--learn", str(tmp_path)])
     assert f"argument --learn: {tmp_path}" in capsys.readouterr().err

@@ -25,7 +25,7 @@ import numpy as np
 
 from q2q_model.signals.values import Names
 from q2q_sim.experiments.campaign.random_run import GAINS
-from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
+from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.experiments.explanation.loss import largest_loss
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import Options
@@ -108,7 +108,7 @@ def _way(begin: tuple[float, float, float], end: tuple[float, float, float]) -> 
 
 
 def _distance(case: FlightCase) -> float:
-    return largest_loss(fly_case(case)).size
+    return largest_loss(fly_flight_case(case)).size
 
 
 def _stacked(case: FlightCase, rng: np.random.Generator) -> FlightCase:

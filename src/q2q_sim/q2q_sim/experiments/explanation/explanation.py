@@ -23,7 +23,7 @@ from scipy.special import stdtrit
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.explanation.causes import present_causes, without_causes
 from q2q_sim.experiments.explanation.first_cause import first_cause
-from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
+from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
 from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, loss_over_time
 from q2q_sim.experiments.explanation.shapley import (
     Order,
@@ -97,7 +97,7 @@ def explain(
 ) -> Explanation:
     """Return the explanation of a flight's largest loss; `follow` is called with the flown share, 0 to 1."""
     params = params or ExplanationParams()
-    loss = largest_loss(fly_case(case), params.kind)
+    loss = largest_loss(fly_flight_case(case), params.kind)
     end = min(case.scenario.duration, loss.t + AFTER)
     short = cut_case(case, end)
     causes = present_causes(short)
@@ -127,7 +127,7 @@ def loss_without(case: FlightCase, loss: Loss) -> Value:
 
     def value(removed: frozenset[str]) -> float:
         if removed not in known:
-            flight = fly_case(without_causes(case, removed))
+            flight = fly_flight_case(without_causes(case, removed))
             known[removed] = float(loss_over_time(flight, loss.kind)[:, loss.row].max())
         return known[removed]
 

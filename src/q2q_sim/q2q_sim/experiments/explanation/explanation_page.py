@@ -9,7 +9,7 @@ from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.explanation import Explanation
 from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
-from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_case
+from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
 from q2q_sim.experiments.explanation.loss import LOST
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase
 from q2q_sim.replay_page import ReplayRun, replay_element, replay_run
@@ -71,7 +71,7 @@ def _replay(found: Explanation, recorded: RecordedCase) -> list[Part]:
     flights = {"as flown": recorded.flight}
     if found.shares:
         first = found.shares[0].cause
-        flights[f"without {first}"] = fly_case(without_causes(recorded.case, {first}))
+        flights[f"without {first}"] = fly_flight_case(without_causes(recorded.case, {first}))
     try:
         replay = replay_element(_runs(flights, recorded.case))
         return [Heading(" and ".join(flights).capitalize()), Markup(replay)]

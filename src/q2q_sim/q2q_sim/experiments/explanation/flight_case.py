@@ -35,7 +35,7 @@ def flight_case(scenario: Scenario, options: Options, seed: int) -> FlightCase:
     return FlightCase(scenario, options, seed, plan_of(scenario), air)
 
 
-def fly_case(case: FlightCase) -> Flight:
+def fly_flight_case(case: FlightCase) -> Flight:
     """Fly a case without ROS and return the recording."""
     options, known = case.options, find_model(case.scenario.model)
     return fly(

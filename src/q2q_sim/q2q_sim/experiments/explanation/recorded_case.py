@@ -16,7 +16,7 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
 from q2q_sim.bag_topics.scenario_facts import flown_scenario
-from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_case
+from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.loop.flight_blocks import Options
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
@@ -50,7 +50,7 @@ def recorded_case(bag: Path) -> RecordedCase:
     for replan in REPLANNERS:
         options = Options(facts.mode, facts.controller, replan, facts.correct == "true")
         case = flight_case(scenario, options, int(facts.seed))
-        flight = fly_case(case)
+        flight = fly_flight_case(case)
         found = min(found, difference := largest_difference(recorded, flight))
         if difference <= SAME:
             return RecordedCase(case, flight, difference)

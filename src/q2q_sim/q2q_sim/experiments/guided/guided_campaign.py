@@ -54,7 +54,7 @@ def run(args: Namespace) -> int:
     return int(bool(total["violations"]))
 
 
-def fly_case(args: Namespace) -> int:
+def refly_case(args: Namespace) -> int:
     """Fly a case file again, print what it violates, write its replay page; return 1 if it violates anything.
 
     Raises:

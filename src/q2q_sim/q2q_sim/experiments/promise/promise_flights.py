@@ -19,7 +19,12 @@ from q2q_sim.experiments.promise.promise_verdict import (
     verdict_json,
     verdict_lines,
 )
-from q2q_sim.experiments.promise.room_encounter import STEADY, EncounterRecord, PromiseCase, fly_case
+from q2q_sim.experiments.promise.room_encounter import (
+    STEADY,
+    EncounterRecord,
+    PromiseCase,
+    fly_room_encounter,
+)
 from q2q_sim.experiments.promise.tracking_tube import (
     TrackingTube,
     check_enough_flights,
@@ -79,7 +84,7 @@ def _spread(seeds: Sequence[int], case: PromiseCase, jobs: int) -> Iterator[Enco
 def _fly(seed: int, case: PromiseCase) -> EncounterRecord:
     """Return the record of an encounter; an error names its seed."""
     try:
-        return fly_case(seed, case)
+        return fly_room_encounter(seed, case)
     except Exception as error:
         raise RuntimeError(f"encounter {seed}: {error}") from error
 

@@ -99,7 +99,7 @@ class EncounterRecord:
         return self.clearance < 0.0
 
 
-def fly_case(seed: int, case: PromiseCase) -> EncounterRecord:
+def fly_room_encounter(seed: int, case: PromiseCase) -> EncounterRecord:
     """Return the outcome of the encounter of a seed."""
     generator = np.random.default_rng(seed)
     for _ in range(DRAWS):
