@@ -23,10 +23,10 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus, Mask
 from q2q_sim.monitors.metrics import tick_period
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
-from q2q_sim.monitors.policies.closeness import separation
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.evidence_from_arrays import evidence_from_arrays
 from q2q_sim.monitors.policies.floor import floor, touches_floor
+from q2q_sim.monitors.policies.separation import separation
 from q2q_sim.monitors.policies.tracking import room
 
 MISSED_SHARE = 0.01

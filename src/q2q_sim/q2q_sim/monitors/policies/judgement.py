@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from q2q_sim.monitors.policies import ages, closeness, command_bounds, floor, tracking
+from q2q_sim.monitors.policies import ages, command_bounds, floor, separation, tracking
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Policy, Violation
 
 POLICIES: Mapping[str, Policy] = {
-    "separation": closeness.separation,
-    "zone": closeness.zone,
+    "separation": separation.separation,
+    "zone": separation.zone,
     "room": tracking.room,
     "floor": floor.floor,
     "thrust": command_bounds.thrust,

@@ -19,9 +19,9 @@ from itertools import combinations
 
 import numpy as np
 
-from q2q_sim.monitors.policies.closeness import clearances
 from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.judgement import POLICIES
+from q2q_sim.monitors.policies.separation import clearances
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
 MOST = {
