@@ -22,10 +22,10 @@ from q2q_sim.experiments.campaign.run_outcome import (
     summary,
 )
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights, twin_violation
-from q2q_sim.experiments.guided import attack_record, bug_score, guided_campaign
-from q2q_sim.experiments.guided.attack_case import read_case
-from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
-from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.falsification import attack_record, bug_score, guided_campaign
+from q2q_sim.experiments.falsification.attack_case import read_case
+from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
+from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_in_lockstep
 from q2q_sim.node_flights.resident import ResidentNodes
 from q2q_sim.node_flights.scenario_flight import FlightRequest, node_specs

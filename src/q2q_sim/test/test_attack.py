@@ -9,9 +9,9 @@ import pytest
 
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.guided import attack as attacks
-from q2q_sim.experiments.guided import guided_campaign
-from q2q_sim.experiments.guided.attack import (
+from q2q_sim.experiments.falsification import attack as attacks
+from q2q_sim.experiments.falsification import guided_campaign
+from q2q_sim.experiments.falsification.attack import (
     GENERATION,
     SURVEY,
     attack,
@@ -19,15 +19,15 @@ from q2q_sim.experiments.guided.attack import (
     falling_policies,
     last_fault_start,
 )
-from q2q_sim.experiments.guided.attack_case import case_of, read_case, shrink, with_faults, write_case
-from q2q_sim.experiments.guided.attacked_flight import (
+from q2q_sim.experiments.falsification.attack_case import case_of, read_case, shrink, with_faults, write_case
+from q2q_sim.experiments.falsification.attacked_flight import (
     RECORD,
     AttackedFlight,
     fly_attacked,
 )
-from q2q_sim.experiments.guided.coincidence import CoincidingFaults, critical_moments
-from q2q_sim.experiments.guided.fault_vector import DIMENSION, SLOTS, faults_of, vector_of
-from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.falsification.coincidence import CoincidingFaults, critical_moments
+from q2q_sim.experiments.falsification.fault_vector import DIMENSION, SLOTS, faults_of, vector_of
+from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault
 from q2q_sim.monitors.policies import Violation
 

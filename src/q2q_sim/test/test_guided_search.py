@@ -12,9 +12,9 @@ from q2q_model.signals.values import Array
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import engine
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided import attack_record
-from q2q_sim.experiments.guided.attack import LENGTH, attack_runs
-from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
+from q2q_sim.experiments.falsification import attack_record
+from q2q_sim.experiments.falsification.attack import LENGTH, attack_runs
+from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
 
 
 def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(

@@ -7,8 +7,8 @@ import pytest
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import engine
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
-from q2q_sim.experiments.guided import attack_record
-from q2q_sim.experiments.guided.attacked_flight import AttackedFlight
+from q2q_sim.experiments.falsification import attack_record
+from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
 
 
 def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(

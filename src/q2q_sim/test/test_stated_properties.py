@@ -11,12 +11,12 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SetpointStatus
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.guided.attack_case import with_faults
-from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
-from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
-from q2q_sim.experiments.guided.stated_properties.filter_properties import swap
-from q2q_sim.experiments.guided.stated_properties.replanner_properties import held_acc, promise, stop
-from q2q_sim.experiments.guided.stated_properties.run_ticks import run_ticks
+from q2q_sim.experiments.falsification.attack_case import with_faults
+from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight, fly_attacked
+from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.falsification.stated_properties.filter_properties import swap
+from q2q_sim.experiments.falsification.stated_properties.replanner_properties import held_acc, promise, stop
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import safe_replanner_params
 

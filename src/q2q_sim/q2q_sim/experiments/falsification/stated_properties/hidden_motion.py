@@ -24,8 +24,8 @@ from scipy.signal import lfilter
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import struck_by_kinds
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import struck_by_kinds
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.blindness import RECOVERY_S
 from q2q_sim.monitors.policies.unforeseen import PUSH

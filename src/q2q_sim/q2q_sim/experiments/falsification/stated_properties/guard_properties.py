@@ -14,8 +14,8 @@ from q2q_control.pid.pid import PidParams
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.blindness import runs_of_true
 

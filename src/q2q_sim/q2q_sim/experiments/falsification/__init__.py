@@ -1,4 +1,4 @@
-"""Guided campaign: a search of the faults that leave the policies the least margin.
+"""Falsification, in guided campaigns: a search of the faults that leave the policies the least margin.
 
     attack (seed) -> runs with faults from a vector -> margins -> CMA-ES -> violation -> shrunk -> case file
 

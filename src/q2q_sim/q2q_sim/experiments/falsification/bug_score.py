@@ -10,9 +10,9 @@ from itertools import chain, count, islice
 from time import perf_counter
 
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.guided.attack import LENGTH, SEARCH, attack_runs
-from q2q_sim.experiments.guided.attacked_flight import AttackedFlight, fly_attacked
-from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.falsification.attack import LENGTH, SEARCH, attack_runs
+from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight, fly_attacked
+from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,17 +18,17 @@ from rich.table import Table
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
-from q2q_sim.experiments.guided.attack import LENGTH, SEARCH
-from q2q_sim.experiments.guided.attack_case import read_case
-from q2q_sim.experiments.guided.attack_record import (
+from q2q_sim.experiments.falsification.attack import LENGTH, SEARCH
+from q2q_sim.experiments.falsification.attack_case import read_case
+from q2q_sim.experiments.falsification.attack_record import (
     AttackRecord,
     attack_and_keep,
     record_of_dead_process,
     write_case_page,
 )
-from q2q_sim.experiments.guided.attacked_flight import fly_attacked
-from q2q_sim.experiments.guided.bug_score import BugScore, score_bugs, unscored
-from q2q_sim.experiments.guided.seeded_bugs import SEEDED_BUGS
+from q2q_sim.experiments.falsification.attacked_flight import fly_attacked
+from q2q_sim.experiments.falsification.bug_score import BugScore, score_bugs, unscored
+from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
 
 Entry = TypeVar("Entry", AttackRecord, BugScore)

@@ -34,7 +34,7 @@ from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
+from q2q_sim.experiments.falsification.stated_properties.hidden_motion import (
     after_late_frame,
     after_rotor_change,
     hidden_by_gusts,
@@ -42,8 +42,8 @@ from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
     last_measured,
     misleading_measurement,
 )
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
 
 FAST = 0.4

@@ -22,15 +22,15 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash_violation, fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties import (
+from q2q_sim.experiments.falsification.stated_properties import (
     filter_properties,
     guard_properties,
     replanner_properties,
 )
-from q2q_sim.experiments.guided.stated_properties.brake_property import brake
-from q2q_sim.experiments.guided.stated_properties.evasion_property import evasion
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, run_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.stated_properties.brake_property import brake
+from q2q_sim.experiments.falsification.stated_properties.evasion_property import evasion
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, run_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.margins import margins
 from q2q_sim.monitors.policies.overpowered import overpowered

@@ -19,8 +19,8 @@ from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
 from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.loop.flight_blocks import safe_replanner_params
 from q2q_sim.monitors.policies import Violation
 

@@ -26,12 +26,12 @@ from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.hidden_motion import (
+from q2q_sim.experiments.falsification.stated_properties.hidden_motion import (
     after_late_frame,
     misleading_measurement,
 )
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.blindness import runs_of_true
 

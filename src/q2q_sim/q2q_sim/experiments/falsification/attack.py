@@ -17,10 +17,10 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.campaign.random_run import CALM_S, Run, draw_run
-from q2q_sim.experiments.guided.attack_case import with_faults
-from q2q_sim.experiments.guided.attacked_flight import WORST, AttackedFlight
-from q2q_sim.experiments.guided.coincidence import CoincidingFaults
-from q2q_sim.experiments.guided.fault_vector import SLOTS, faults_of, vector_of
+from q2q_sim.experiments.falsification.attack_case import with_faults
+from q2q_sim.experiments.falsification.attacked_flight import WORST, AttackedFlight
+from q2q_sim.experiments.falsification.coincidence import CoincidingFaults
+from q2q_sim.experiments.falsification.fault_vector import SLOTS, faults_of, vector_of
 from q2q_sim.random_streams import stream
 
 SURVEY = 30

@@ -9,9 +9,9 @@ from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.campaign.run_outcome import CRASH
 from q2q_sim.experiments.campaign.violation_replay import write_replay
-from q2q_sim.experiments.guided.attack import SEARCH, attack
-from q2q_sim.experiments.guided.attack_case import case_of, shrink, write_case
-from q2q_sim.experiments.guided.attacked_flight import fly_attacked
+from q2q_sim.experiments.falsification.attack import SEARCH, attack
+from q2q_sim.experiments.falsification.attack_case import case_of, shrink, write_case
+from q2q_sim.experiments.falsification.attacked_flight import fly_attacked
 from q2q_sim.monitors.policies import Violation
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.guided.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.guided.stated_properties.stated_outcome import StatedOutcome, struck_by_kinds
+from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome, struck_by_kinds
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import filter_params
 from q2q_sim.monitors.policies import Limits, Violation
