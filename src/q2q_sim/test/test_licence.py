@@ -24,7 +24,7 @@ from q2q_sim.experiments.licence.licence_reports import (
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
-from q2q_sim.experiments.licence.program.program_turns import Turns, always
+from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, always
 from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
 from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
@@ -52,13 +52,13 @@ def hop(folder: Path, end: str) -> Program:
     return Program(file, (), folder)
 
 
-def start(turns: Turns, run: Callable[[], None]) -> threading.Thread:
-    gate = turns.enter()
+def start(scheduler: CooperativeScheduler, run: Callable[[], None]) -> threading.Thread:
+    gate = scheduler.enter()
 
     def body() -> None:
-        turns.take(gate)
+        scheduler.take(gate)
         run()
-        turns.leave()
+        scheduler.leave()
 
     thread = threading.Thread(target=body, daemon=True)
     thread.start()
@@ -67,40 +67,40 @@ def start(turns: Turns, run: Callable[[], None]) -> threading.Thread:
 
 def test_threads_wake_in_the_order_of_their_deadlines_and_ticks_pass_between():
     seen: list[tuple[str, float]] = []
-    turns = Turns(lambda: seen.append(("tick", turns.now)), 1.0)
+    scheduler = CooperativeScheduler(lambda: seen.append(("tick", scheduler.now)), 1.0)
 
     def sleeper(name: str, seconds: float) -> Callable[[], None]:
         def run() -> None:
-            turns.sleep(seconds)
-            seen.append((name, turns.now))
+            scheduler.sleep(seconds)
+            seen.append((name, scheduler.now))
 
         return run
 
-    threads = [start(turns, sleeper("late", 1.5)), start(turns, sleeper("early", 0.5))]
-    turns.sleep(2.5)
+    threads = [start(scheduler, sleeper("late", 1.5)), start(scheduler, sleeper("early", 0.5))]
+    scheduler.sleep(2.5)
     for thread in threads:
         thread.join()
     assert seen == [("early", 0.5), ("tick", 1.0), ("late", 1.5), ("tick", 2.0)]
 
 
 def test_a_condition_ends_a_wait_before_its_deadline_and_computing_takes_no_time():
-    turns = Turns(lambda: None, 1.0)
+    scheduler = CooperativeScheduler(lambda: None, 1.0)
     done: list[float] = []
-    thread = start(turns, lambda: done.append(turns.now))
-    assert turns.wait(lambda: bool(done), 5.0)
+    thread = start(scheduler, lambda: done.append(scheduler.now))
+    assert scheduler.wait(lambda: bool(done), 5.0)
     thread.join()
-    assert (turns.now, done) == (0.0, [0.0])
-    assert not turns.wait(lambda: False, 0.25)
-    assert turns.now == 0.25
+    assert (scheduler.now, done) == (0.0, [0.0])
+    assert not scheduler.wait(lambda: False, 0.25)
+    assert scheduler.now == 0.25
 
 
 def test_reading_a_clock_lets_time_pass_and_others_go_on():
     ticks: list[float] = []
-    turns = Turns(lambda: ticks.append(turns.now), 0.01)
-    while turns.now < 0.05:
-        turns.spend(0.003)
+    scheduler = CooperativeScheduler(lambda: ticks.append(scheduler.now), 0.01)
+    while scheduler.now < 0.05:
+        scheduler.spend(0.003)
     assert ticks == pytest.approx([0.01, 0.02, 0.03, 0.04, 0.05])
-    assert turns.wait(always, 1.0)
+    assert scheduler.wait(always, 1.0)
 
 
 def test_a_sound_program_lands_and_flies_the_same_again(tmp_path: Path):

@@ -5,8 +5,8 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 
 | file | content |
 |---|---|
-| program_turns | threads of a program one at a time, and their clock |
-| standard_calls | sleeping, clocks, locks and threads of Python by these turns |
+| cooperative_scheduler | threads of a program one at a time, and their clock |
+| patched_threading | sleeping, clocks, locks and threads of Python by this scheduler |
 | simulator_errors | errors of the simulator itself, which are not the program's |
 | link_host | where the links of a program end |
 | emulated_link | link driver for cflib that ends at the vehicles |

@@ -1,6 +1,6 @@
 """One flight of a program, in the process that calls: it ends with the flight.
 
-    calls of Python by turns -> cflib, crazyflie_py -> program as __main__ -> rest of the flight -> log
+    patches of Python -> cflib, crazyflie_py -> program as __main__ -> rest of the flight -> log
 
 The program's own exit closes its links like the end of a process: without a word. The vehicles then fly on
 by their firmware, until they stand still or REST_S have passed. cflib may be missing; crazyflie_py is a
@@ -31,10 +31,10 @@ from q2q_sim.experiments.licence.crazyflie_py.modules import SwarmHost, install_
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, stock_vehicles
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd, escaped
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
 from q2q_sim.experiments.licence.program.link_host import LinkHost
-from q2q_sim.experiments.licence.program.program_turns import Turns
+from q2q_sim.experiments.licence.program.patched_threading import patch_threading, watch_main_thread
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure, end_by, is_of_room
-from q2q_sim.experiments.licence.program.standard_calls import use_turns, watch_main_thread
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.processes.parent_death import die_with_parent
 
@@ -114,8 +114,8 @@ class _Flight:
         self._seen = (-1, 0.0)
         """Turns given and time [s] at the last look."""
         self._room = LicenceRoom(order.params, order.trial)
-        self._turns = Turns(self._tick, TICK_S)
-        host = LinkHost(self._room, self._turns, str(order.program.file), self._vehicle_of, order.scanned)
+        self._scheduler = CooperativeScheduler(self._tick, TICK_S)
+        host = LinkHost(self._room, self._scheduler, str(order.program.file), self._vehicle_of, order.scanned)
         self._links, self._swarms = host, SwarmHost(host, self._served)
 
     def run(self) -> NoReturn:
@@ -125,13 +125,13 @@ class _Flight:
         sys.argv = [str(program.file), *program.arguments]
         sys.path.insert(0, str(program.file.parent))
         os.chdir(program.folder)
-        use_turns(self._turns)
+        patch_threading(self._scheduler)
         self._connect()
         signal.signal(signal.SIGALRM, self._end_if_outside)
         signal.setitimer(signal.ITIMER_REAL, self._order.patience, LOOK_S)
         threading.excepthook = self._note_thread
         self._watch_callbacks()
-        watch_main_thread(self._turns)
+        watch_main_thread(self._scheduler)
         atexit._clear()  # noqa: SLF001  those of the process that this one was forked from
         end = self._end_of(lambda: runpy.run_path(str(program.file), run_name="__main__"))
         for thread in threading.enumerate():
@@ -189,8 +189,8 @@ class _Flight:
 
     def _end_if_outside(self, _: int, __: FrameType | None) -> None:
         """End the flight of a program that waits where no simulated time passes between two looks."""
-        seen, self._seen = self._seen, (self._turns.given, self._turns.now)
-        if seen == self._seen and not self._turns.handing_on:
+        seen, self._seen = self._seen, (self._scheduler.given, self._scheduler.now)
+        if seen == self._seen and not self._scheduler.handing_on:
             self._send(self._overdue(outside=True))
 
     def _overdue(self, *, outside: bool = False) -> ProgramEnd:
@@ -203,16 +203,16 @@ class _Flight:
         except SystemExit as left:
             code = left.code
             status = code if isinstance(code, int) else int(code is not None)
-            return ProgramEnd(self._turns.now, status, str(code) if isinstance(code, str) else "")
+            return ProgramEnd(self._scheduler.now, status, str(code) if isinstance(code, str) else "")
         except BaseException as error:  # noqa: BLE001  a program may raise anything
             return self._error(error)
-        return ProgramEnd(self._turns.now)
+        return ProgramEnd(self._scheduler.now)
 
     def _error(self, error: BaseException) -> ProgramEnd:
         file = str(self._order.program.file)
         frames = [one for one in traceback.extract_tb(error.__traceback__) if one.filename == file]
         said = traceback.format_exception_only(error)[-1].strip()
-        return ProgramEnd(self._turns.now, 1, said, (frames[-1].lineno or 0) if frames else 0)
+        return ProgramEnd(self._scheduler.now, 1, said, (frames[-1].lineno or 0) if frames else 0)
 
     def _note_thread(self, args: "threading.ExceptHookArgs") -> None:
         """Note an error of a thread of the program; cflib's own threads are not the program's."""

@@ -38,7 +38,7 @@ class ServerLinks:
     @property
     def now(self) -> float:
         """Return the time [s]."""
-        return self._host.turns.now
+        return self._host.scheduler.now
 
     def row(self, number: int) -> int:
         """Return the vehicle's row in the room."""
@@ -48,7 +48,7 @@ class ServerLinks:
         """Send a packet to a vehicle by a call of the program."""
         self._host.room.opened.append(self._links[number].vehicle)
         self._enqueue(number, packet, self._host.sender)
-        self._host.turns.spend(CALL_S)
+        self._host.scheduler.spend(CALL_S)
 
     def broadcast(self, packet: Packet) -> None:
         """Send a packet to all vehicles at once by a call of the program."""
@@ -56,7 +56,7 @@ class ServerLinks:
         for number, link in enumerate(self._links):
             if self._host.room.silent_until(link.vehicle, now) <= now + BROADCAST_S:
                 self._enqueue(number, packet, sender)
-        self._host.turns.spend(CALL_S)
+        self._host.scheduler.spend(CALL_S)
 
     def set_up(self, number: int, packet: Packet) -> bytes:
         """Send a packet of the server's own; return the data of the answer, empty if there is none."""
@@ -68,8 +68,8 @@ class ServerLinks:
     def ask(self, number: int, packet: Packet) -> None:
         """Send a packet by a call of the program that waits until it has arrived."""
         self.send(number, packet)
-        self._host.turns.wait(lambda: not self._waiting[number])
-        self._host.turns.sleep(PACKET_S)
+        self._host.scheduler.wait(lambda: not self._waiting[number])
+        self._host.scheduler.sleep(PACKET_S)
 
     def received(self, number: int) -> list[bytes]:
         """Return the packets of a vehicle since the last call."""
@@ -81,7 +81,7 @@ class ServerLinks:
     def settle(self, limit: float) -> None:
         """Wait until no packet waits, at most a time [s]."""
         if any(self._waiting):
-            self._host.turns.wait(lambda: not any(self._waiting), self.now + limit)
+            self._host.scheduler.wait(lambda: not any(self._waiting), self.now + limit)
 
     def _enqueue(self, number: int, packet: Packet, sender: Sender) -> None:
         self._waiting[number].append((datagram_of(packet), sender))
@@ -102,7 +102,7 @@ class ServerLinks:
     def _serve(self) -> None:
         """Poll the vehicles, and send what waits when it passes."""
         while True:
-            self._host.turns.wait(self._due, self.now + POLL_S)
+            self._host.scheduler.wait(self._due, self.now + POLL_S)
             for number, link in enumerate(self._links):
                 self._release(number)
                 if self._host.passes(link):

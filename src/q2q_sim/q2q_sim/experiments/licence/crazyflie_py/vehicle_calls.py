@@ -14,7 +14,7 @@ from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehic
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import UavTrajectory
-from q2q_sim.experiments.licence.program.standard_clocks import EPOCH
+from q2q_sim.experiments.licence.program.patched_time import EPOCH
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 
 MASK, BYTE, MOST = 255, 255, 2**32 - 1

@@ -58,8 +58,8 @@ class EmulatedDriver:
             time.sleep(max(wait, POLL_S))
             return None
         if not link.inbox and wait != 0:
-            until = float("inf") if wait < 0 else self.host.turns.now + wait
-            self.host.turns.wait(lambda: bool(link.inbox), until)
+            until = float("inf") if wait < 0 else self.host.scheduler.now + wait
+            self.host.scheduler.wait(lambda: bool(link.inbox), until)
         if not link.inbox:
             return None
         datagram = link.inbox.popleft()
@@ -84,7 +84,7 @@ class EmulatedDriver:
 
     def _poll(self, link: OpenLink, report: Report) -> None:
         while self._link is link:
-            if self.host.room.is_noticed(link.vehicle, self.host.turns.now):
+            if self.host.room.is_noticed(link.vehicle, self.host.scheduler.now):
                 report("Too many packets lost")
                 return
             if self.host.passes(link):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from q2q_sim.experiments.licence.licence_room import PACKET_S, LicenceRoom, OpenLink
-from q2q_sim.experiments.licence.program.program_turns import Turns, never
+from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, never
 
 
 class Sender(NamedTuple):
@@ -22,7 +22,7 @@ class LinkHost:
     """Where the links of a program end."""
 
     room: LicenceRoom
-    turns: Turns
+    scheduler: CooperativeScheduler
     program: str
     """File of the program, as its frames name it."""
     vehicle_of: Callable[[str], int]
@@ -42,14 +42,14 @@ class LinkHost:
 
     def passes(self, link: OpenLink) -> bool:
         """Return whether packets to a vehicle pass now."""
-        return self.room.silent_until(link.vehicle, self.turns.now) <= self.turns.now
+        return self.room.silent_until(link.vehicle, self.scheduler.now) <= self.scheduler.now
 
     def send(self, link: OpenLink, datagram: bytes) -> None:
         """Send a packet to a vehicle; returns after the time that it takes."""
-        passes = self.room.silent_until(link.vehicle, self.turns.now)
+        passes = self.room.silent_until(link.vehicle, self.scheduler.now)
         if passes == float("inf"):
             return
-        if passes > self.turns.now:
-            self.turns.wait(never, passes)
-        self.room.deliver(link, datagram, self.turns.now, self.sender)
-        self.turns.sleep(PACKET_S)
+        if passes > self.scheduler.now:
+            self.scheduler.wait(never, passes)
+        self.room.deliver(link, datagram, self.scheduler.now, self.sender)
+        self.scheduler.sleep(PACKET_S)

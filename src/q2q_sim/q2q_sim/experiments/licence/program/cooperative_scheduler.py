@@ -1,4 +1,4 @@
-"""Threads of a program, one at a time, and the clock that they see.
+"""Cooperative scheduler: threads of a program, one at a time, and the clock that they see.
 
 A thread keeps the turn until it waits. When all wait, time advances to the next deadline or the next tick of
 the room, whichever is first, and the thread that waited last flies the tick. The first thread in the order of
@@ -40,8 +40,8 @@ def always() -> bool:
     return True
 
 
-class Turns:
-    """Turns of the threads of a program that share a clock with a room."""
+class CooperativeScheduler:
+    """Scheduler of the threads of a program that share a clock with a room; one has the turn."""
 
     def __init__(self, fly: Callable[[], None], tick: float) -> None:
         """Start the clock at 0; `fly` advances the room by one tick [s]. The caller has the turn."""

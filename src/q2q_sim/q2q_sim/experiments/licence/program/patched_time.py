@@ -1,4 +1,4 @@
-"""Sleeping and the clocks of Python by the turns of a program.
+"""Sleeping and the clocks of Python by the scheduler of a program.
 
 Replaced are `time.sleep`, the clocks of `time` and `timeit`, the functions of `time` that take the present if
 none is given, and the present of `datetime.datetime`. Not replaced are processor times, and
@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Self
 
-from q2q_sim.experiments.licence.program.program_turns import Turns
+from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
 
 CALL_S = 1e-5
 """Time that reading a clock takes [s]."""
@@ -44,7 +44,7 @@ class ClockFunction:
         return self.call(*args)
 
 
-class TurnDatetime(dt.datetime):
+class PatchedDatetime(dt.datetime):
     """Date and time whose present is that of `time.time`."""
 
     @classmethod
@@ -63,30 +63,30 @@ class TurnDatetime(dt.datetime):
         return cls.now(dt.UTC).replace(tzinfo=None)
 
 
-def replace_clocks(turns: Turns) -> None:
+def replace_clocks(scheduler: CooperativeScheduler) -> None:
     """Replace sleeping and the clocks for the rest of this process."""
 
     def read() -> float:
-        turns.spend(CALL_S)
-        return turns.now
+        scheduler.spend(CALL_S)
+        return scheduler.now
 
-    _replace_in_time(_sleep(turns), read)
+    _replace_in_time(_sleep(scheduler), read)
     for name, place in OF_SECONDS.items():
         _replace_present(name, place, time.time)
     for name, place in OF_STRUCT.items():
         _replace_present(name, place, time.localtime)
     setattr(timeit, "default_timer", ClockFunction(read))  # noqa: B010
-    setattr(dt, "datetime", TurnDatetime)  # noqa: B010
+    setattr(dt, "datetime", PatchedDatetime)  # noqa: B010
     for module, name in ((threading, "_time"), (queue, "time")):
-        setattr(module, name, lambda: turns.now)  # deadlines of waits, which are no calls of the program
+        setattr(module, name, lambda: scheduler.now)  # deadlines of waits, which are no calls of the program
 
 
-def _sleep(turns: Turns) -> Callable[[float], None]:
+def _sleep(scheduler: CooperativeScheduler) -> Callable[[float], None]:
     check = time.sleep
 
     def sleep(seconds: float) -> None:
         check(min(seconds, 0.0))  # raises what Python does for a time below 0, NaN, or no number
-        turns.sleep(seconds)
+        scheduler.sleep(seconds)
 
     return sleep
 

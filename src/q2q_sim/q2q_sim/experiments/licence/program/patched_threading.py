@@ -1,7 +1,7 @@
-"""Locks and threads of Python by the turns of a program (CPython 3.11 and 3.12), with its clocks.
+"""Locks and threads of Python by the scheduler of a program (CPython 3.11 and 3.12), with its clocks.
 
 Replaced are the names through which Python's own modules and programs reach them: sleeping and the clocks
-(standard_clocks), the locks of `threading` (with them events, conditions, timers, queues and executors,
+(patched_time), the locks of `threading` (with them events, conditions, timers, queues and executors,
 which are made of locks), the start and end of threads, and the waiting of `selectors` (and so of asyncio).
 Not replaced: other waiting for sockets, processes, and waiting inside C code, during which the clock of the
 program stands still.
@@ -19,8 +19,8 @@ import threading
 from collections.abc import Callable
 from types import FrameType, TracebackType
 
-from q2q_sim.experiments.licence.program.program_turns import Turns
-from q2q_sim.experiments.licence.program.standard_clocks import replace_clocks
+from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
+from q2q_sim.experiments.licence.program.patched_time import replace_clocks
 
 BUSY_S = 0.2
 """Processor time between two looks at the main thread [s]."""
@@ -28,18 +28,18 @@ BUSY_S = 0.2
 _start_thread = _thread.start_new_thread
 
 
-def use_turns(turns: Turns) -> None:
+def patch_threading(scheduler: CooperativeScheduler) -> None:
     """Replace the calls for the rest of this process; the calling thread is the program's main thread."""
-    replace_clocks(turns)
-    _replace_locks(turns)
-    _replace_threads(turns)
-    _replace_selectors(turns)
+    replace_clocks(scheduler)
+    _replace_locks(scheduler)
+    _replace_threads(scheduler)
+    _replace_selectors(scheduler)
 
 
-class TurnLock:
+class PatchedLock:
     """Lock with the interface of `threading.Lock`."""
 
-    turns: Turns
+    scheduler: CooperativeScheduler
 
     def __init__(self) -> None:
         self._held = False
@@ -47,8 +47,8 @@ class TurnLock:
     def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
         """Acquire the lock, as threading.Lock does."""
         if self._held and blocking:
-            until = float("inf") if timeout < 0 else self.turns.now + timeout
-            self.turns.wait(self._free, until)
+            until = float("inf") if timeout < 0 else self.scheduler.now + timeout
+            self.scheduler.wait(self._free, until)
         if self._held:
             return False
         self._held = True
@@ -78,33 +78,33 @@ class TurnLock:
         self.release()
 
 
-def _replace_locks(turns: Turns) -> None:
-    TurnLock.turns = turns
+def _replace_locks(scheduler: CooperativeScheduler) -> None:
+    PatchedLock.scheduler = scheduler
     for name in ("Lock", "_allocate_lock"):
-        setattr(threading, name, TurnLock)
+        setattr(threading, name, PatchedLock)
     setattr(threading, "_CRLock", None)  # noqa: B010  threading.RLock is then made of _allocate_lock
     setattr(queue, "SimpleQueue", queue._PySimpleQueue)  # type: ignore[attr-defined]  # noqa: B010, SLF001
 
 
-def _replace_threads(turns: Turns) -> None:
-    ends: dict[int, TurnLock] = {}
+def _replace_threads(scheduler: CooperativeScheduler) -> None:
+    ends: dict[int, PatchedLock] = {}
 
-    def end_of_thread() -> TurnLock:
+    def end_of_thread() -> PatchedLock:
         """Return the lock that `join` acquires, released when the calling thread ends."""
-        return ends.setdefault(_thread.get_ident(), TurnLock())
+        return ends.setdefault(_thread.get_ident(), PatchedLock())
 
     def start(run: Callable[..., object], args: tuple[object, ...] = ()) -> int:
-        gate = turns.enter()
+        gate = scheduler.enter()
 
         def body() -> None:
-            turns.take(gate)
+            scheduler.take(gate)
             try:
                 run(*args)
             finally:
                 ended = ends.pop(_thread.get_ident(), None)
                 if ended is not None and ended.locked():
                     ended.release()
-                turns.leave()
+                scheduler.leave()
 
         return _start_thread(body, ())
 
@@ -112,7 +112,7 @@ def _replace_threads(turns: Turns) -> None:
     setattr(threading, "_set_sentinel", end_of_thread)  # noqa: B010
 
 
-def _replace_selectors(turns: Turns) -> None:
+def _replace_selectors(scheduler: CooperativeScheduler) -> None:
     Ready = list[tuple[selectors.SelectorKey, int]]
     look = selectors.DefaultSelector.select
 
@@ -124,23 +124,23 @@ def _replace_selectors(turns: Turns) -> None:
             return bool(found)
 
         if not ready() and timeout != 0:
-            turns.wait(ready, math.inf if timeout is None else turns.now + max(timeout, 0.0))
+            scheduler.wait(ready, math.inf if timeout is None else scheduler.now + max(timeout, 0.0))
         return found
 
     setattr(selectors.DefaultSelector, "select", select)  # noqa: B010
 
 
-def watch_main_thread(turns: Turns) -> None:
+def watch_main_thread(scheduler: CooperativeScheduler) -> None:
     """Let time pass while the calling thread computes from now on; not while cflib is imported before."""
     main = _thread.get_ident()
     seen = -1
 
     def look(_: int, __: FrameType | None) -> None:
         nonlocal seen
-        computing = not turns.handing_on and turns.given == seen and turns.holder == main
+        computing = not scheduler.handing_on and scheduler.given == seen and scheduler.holder == main
         if computing:
-            turns.spend(BUSY_S)
-        seen = turns.given
+            scheduler.spend(BUSY_S)
+        seen = scheduler.given
 
     signal.signal(signal.SIGPROF, look)
     signal.setitimer(signal.ITIMER_PROF, BUSY_S, BUSY_S)
