@@ -8,7 +8,12 @@ import pytest
 from q2q_model.signals.values import CommandStatus
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Circumstances, Evidence, judge
-from q2q_sim.monitors.policies.unforeseen import PUSH, helpless_lately, unforeseen, unforeseen_lately
+from q2q_sim.monitors.policies.exemptions.unforeseen import (
+    PUSH,
+    helpless_lately,
+    unforeseen,
+    unforeseen_lately,
+)
 
 TICKS = np.arange(1000) * 0.01
 LOST = slice(300, 400)

@@ -32,9 +32,9 @@ from q2q_sim.experiments.falsification.stated_properties.evasion_property import
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, run_ticks
 from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
+from q2q_sim.monitors.policies.exemptions.overpowered import overpowered
+from q2q_sim.monitors.policies.exemptions.unforeseen import unforeseen
 from q2q_sim.monitors.policies.margins import margins
-from q2q_sim.monitors.policies.overpowered import overpowered
-from q2q_sim.monitors.policies.unforeseen import unforeseen
 
 RECORD = "record"
 """Name of the recorder's property."""

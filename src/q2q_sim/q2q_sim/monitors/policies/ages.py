@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, CommandStatus
-from q2q_sim.monitors.policies.blindness import after_label_swap, with_doubtful_stamps
 from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.exemptions.sensor_errors import after_label_swap, with_doubtful_stamps
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation, worst_violations
 
 ROUNDING = 1e-6

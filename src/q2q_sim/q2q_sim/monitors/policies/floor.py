@@ -3,9 +3,9 @@
 import numpy as np
 
 from q2q_model.signals.values import Mask
-from q2q_sim.monitors.policies.blindness import sent_down_lately
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.unforeseen import helpless_lately
+from q2q_sim.monitors.policies.exemptions.feedback_loss import sent_down_lately
+from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
 

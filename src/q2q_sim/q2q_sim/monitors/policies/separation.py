@@ -6,14 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.blindness import (
-    blind_lately,
-    evading_lately,
-    marker_displacement,
-    with_sensor_error,
-)
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.unforeseen import helpless_lately, unforeseen_lately
+from q2q_sim.monitors.policies.exemptions.feedback_loss import evading_lately, without_feedback_lately
+from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement, with_sensor_error
+from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately, unforeseen_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 from q2q_sim.monitors.proximity import in_zone_once, least_distances
 
@@ -69,7 +65,7 @@ def clearances(
     Each of `pairs` is yielded in both orders.
     """
     settle = circumstances.limits.settle
-    lost = blind_lately(evidence, settle) | evading_lately(evidence, settle)
+    lost = without_feedback_lately(evidence, settle) | evading_lately(evidence, settle)
     lost |= with_sensor_error(evidence, circumstances.faults, settle) | helpless_lately(
         evidence, circumstances
     )

@@ -4,18 +4,20 @@ import numpy as np
 
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import (
-    RECOVERY_S,
-    blind,
-    blind_lately,
+from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.exemptions.feedback_loss import (
     evading_lately,
-    marker_displacement,
     runs_of_true,
     sent_down_lately,
+    without_feedback,
+    without_feedback_lately,
+)
+from q2q_sim.monitors.policies.exemptions.sensor_errors import (
+    RECOVERY_S,
+    marker_displacement,
     with_sensor_error,
 )
-from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.unforeseen import helpless_lately
+from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
 
 
@@ -31,7 +33,7 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     limits = circumstances.limits
     down = sent_down_lately(evidence, limits.settle)
     off = _distance(evidence.true_pos - evidence.sent_pos, down)
-    stopped = blind_lately(evidence, limits.settle) | evading_lately(evidence, limits.settle)
+    stopped = without_feedback_lately(evidence, limits.settle) | evading_lately(evidence, limits.settle)
     for row in range(len(evidence.names)):
         for begin, end in runs_of_true(stopped[:, row]):
             late = begin + np.flatnonzero(off[begin:end, row] > limits.stray_room)
@@ -102,7 +104,7 @@ def _least_before(values: Array, ticks: int) -> Array:
 
 def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
     """Return the time of the last fault or fallback command [s]; -inf without any."""
-    wrong = blind(evidence).any(axis=1)
+    wrong = without_feedback(evidence).any(axis=1)
     noted = [float(evidence.t[wrong][-1])] if wrong.any() else []
     return max([*noted, *(_end(fault) for fault in faults)], default=-np.inf)
 

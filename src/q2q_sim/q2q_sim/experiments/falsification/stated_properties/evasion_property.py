@@ -33,7 +33,7 @@ from q2q_sim.experiments.falsification.stated_properties.hidden_motion import (
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.blindness import runs_of_true
+from q2q_sim.monitors.policies.exemptions.feedback_loss import runs_of_true
 
 CALM_TICKS = 300
 """Ticks in which no vehicle was lost before an evasion is judged: earlier shifts have ended."""

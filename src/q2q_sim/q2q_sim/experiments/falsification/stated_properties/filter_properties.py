@@ -18,7 +18,7 @@ from q2q_sim.experiments.falsification.stated_properties.stated_outcome import S
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import filter_params
 from q2q_sim.monitors.policies import Limits, Violation
-from q2q_sim.monitors.policies.blindness import RECOVERY_S
+from q2q_sim.monitors.policies.exemptions.sensor_errors import RECOVERY_S
 
 SETTLED_S = 1.0
 """Time at the start of a flight in which names may still be settled [s]."""

@@ -17,7 +17,7 @@ from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.blindness import runs_of_true
+from q2q_sim.monitors.policies.exemptions.feedback_loss import runs_of_true
 
 UNTOLD_S = FallbackParams().degraded_s + TICK_S
 """Largest age of a state on which a command may be OK [s]."""

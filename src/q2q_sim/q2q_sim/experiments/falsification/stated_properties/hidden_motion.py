@@ -27,8 +27,8 @@ from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.falsification.stated_properties.stated_outcome import struck_by_kinds
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import RECOVERY_S
-from q2q_sim.monitors.policies.unforeseen import PUSH
+from q2q_sim.monitors.policies.exemptions.sensor_errors import RECOVERY_S
+from q2q_sim.monitors.policies.exemptions.unforeseen import PUSH
 
 OF_SENSORS = ("jump", "swap")
 """Faults that mislead the last measurement."""

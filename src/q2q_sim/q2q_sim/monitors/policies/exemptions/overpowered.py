@@ -14,8 +14,8 @@ from q2q_control.failsafe.blind_flight.braking_law import TOUCHDOWN_MAX
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.blindness import struck_vehicles
 from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.exemptions.sensor_errors import struck_vehicles
 from q2q_sim.monitors.policies.violations import Circumstances
 
 ROTORS = 4

@@ -1,6 +1,6 @@
 """Vehicles without measurements in a downwash that nothing can report to their controller.
 
-A vehicle flown blind knows of the push on it by prediction only. There is none if
+A vehicle without feedback knows of the push on it by prediction only. There is none if
 
     its controller ignores the downwash, and |eta| > PUSH
     it is below another, nearer than where it evades one, and the marker of either is displaced
@@ -12,9 +12,10 @@ judged again `settle` later (helpless_lately), as those are that no command carr
 import numpy as np
 
 from q2q_model.signals.values import Mask
-from q2q_sim.monitors.policies.blindness import beneath, blind, marker_displacement, within_settle_time
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.overpowered import overpowered
+from q2q_sim.monitors.policies.exemptions.feedback_loss import beneath, within_settle_time, without_feedback
+from q2q_sim.monitors.policies.exemptions.overpowered import overpowered
+from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement
 from q2q_sim.monitors.policies.violations import Circumstances
 
 PUSH = 0.1
@@ -22,15 +23,15 @@ PUSH = 0.1
 
 
 def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
-    """Return which blind vehicles nothing can predict the downwash of, at each tick, (T, n)."""
-    flown_blind = blind(evidence)
-    if not flown_blind.any():
-        return flown_blind
+    """Return which vehicles without feedback nothing can predict the downwash of, at each tick, (T, n)."""
+    unaided = without_feedback(evidence)
+    if not unaided.any():
+        return unaided
     pos, displaced = evidence.true_pos, marker_displacement(evidence, circumstances.faults) > 0.0
     untold = beneath(pos, pos, displaced) | (displaced & beneath(pos, pos, np.ones_like(displaced)))
     if not circumstances.aware:
         untold |= np.linalg.norm(evidence.true_downwash, axis=2) > PUSH
-    return flown_blind & untold
+    return unaided & untold
 
 
 def unforeseen_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:

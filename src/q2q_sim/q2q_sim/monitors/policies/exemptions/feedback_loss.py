@@ -1,0 +1,76 @@
+"""Vehicles flown without feedback, by a fallback command, and vehicles that may evade them."""
+
+import numpy as np
+
+from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
+from q2q_model.signals.values import Array, CommandStatus, Mask
+from q2q_sim.monitors.policies.evidence import Evidence
+
+FALLBACKS = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
+"""Commands without feedback of the position."""
+DOWN = (CommandStatus.LAND, CommandStatus.CUT)
+"""Commands that send a vehicle to the floor, whatever its setpoint."""
+EVADED = (CommandStatus.LEVEL, CommandStatus.LAND)
+"""Commands of vehicles that others evade."""
+DRIFT_M = 0.4
+"""How far a vehicle without feedback may be from where its controller believes it [m] (descent_evasion)."""
+
+
+def without_feedback(evidence: Evidence) -> Mask:
+    """Return which vehicles are flown without feedback at each tick, (T, n)."""
+    return np.asarray(np.isin(evidence.command_status, FALLBACKS))
+
+
+def without_feedback_lately(evidence: Evidence, settle: float) -> Mask:
+    """Return which vehicles are flown without feedback, or were less than `settle` [s] before, (T, n)."""
+    return within_settle_time(evidence, without_feedback(evidence), settle)
+
+
+def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
+    """Return which vehicles are sent to the floor, or were less than `settle` [s] before, (T, n)."""
+    return within_settle_time(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
+
+
+def evading_lately(evidence: Evidence, settle: float) -> Mask:
+    """Return which vehicles may evade one without feedback, or might less than `settle` [s] before, (T, n).
+
+    They or where they are sent are near it, at whichever height; it counts, too. The controller shifts their
+    setpoints (q2q_control.failsafe.evasion.descent_evasion), which the flight records before the shift.
+    """
+    pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
+    evading = np.zeros(gone.shape, dtype=np.bool_)
+    for places in (pos, evidence.sent_pos):
+        for j in np.flatnonzero(gone.any(axis=0)):
+            evading |= _near(places, pos[:, j], FARTHEST) & gone[:, j, None]
+    return within_settle_time(evidence, evading, settle)
+
+
+def beneath(places: Array, pos: Array, some: Mask) -> Mask:
+    """Return which `places` [m] (T, n, 3) are below `some` (T, m) of the vehicles at pos (T, m, 3), (T, n).
+
+    Nearer to them than vehicles evade one without feedback, and that may have drifted.
+    """
+    below = np.zeros(places.shape[:2], dtype=np.bool_)
+    for j in np.flatnonzero(some.any(axis=0)):
+        lower = pos[:, j, None, 2] > places[..., 2]
+        below |= lower & _near(places, pos[:, j], REACH) & some[:, j, None]
+    return below
+
+
+def _near(places: Array, pos: Array, reach: float) -> Mask:
+    """Return which places [m] (T, n, 3) are within `reach` [m] of a vehicle that drifted, (T, n)."""
+    offset = pos[:, None, :2] - places[..., :2]
+    return np.asarray(np.hypot(offset[..., 0], offset[..., 1]) < reach + DRIFT_M)
+
+
+def within_settle_time(evidence: Evidence, when: Mask, settle: float) -> Mask:
+    """Return which vehicles are in a condition, or were less than `settle` [s] before, (T, n)."""
+    t = evidence.t[:, None]
+    last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
+    return np.asarray(t - last < settle)
+
+
+def runs_of_true(mask: Mask) -> list[tuple[int, int]]:
+    """Return begin and end of each run of True in (T,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
