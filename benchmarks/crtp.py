@@ -9,10 +9,10 @@ from time import process_time
 
 import numpy as np
 
-from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
+from q2q_sim.link.shared_radios import SharedRadioParams
 from row import Row
 
 TICK_MS = 10.0
@@ -73,7 +73,7 @@ def _connection() -> Row:
     logging.getLogger("cflib").setLevel(logging.ERROR)
     cflib.crtp.init_drivers()
     pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
         before = process_time()
         with SyncCrazyflie(endpoint.uris[0]) as client:
             client.wait_for_params()

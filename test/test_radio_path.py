@@ -30,11 +30,12 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.thrust_map import BRUSHED_MOTOR, PWM_FULL
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
-from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
+from q2q_sim.crtp.packets.packet import is_stream
 from q2q_sim.crtp.pilot import STILL, Wire
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.motors.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
 from q2q_sim.firmware.motors.thrust_curve import CURVE
+from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadios
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
 from q2q_sim.loop.room import Room
@@ -66,7 +67,7 @@ class _RadioPath:
         self.room = Room(scenario, seed)
         self.fleet = fleet_in(self.room, scenario, CrtpRoomParams(start="air", positioning=positioning))
         late, loss = scenario.radio.latency + scenario.vicon.latency, scenario.radio.loss
-        self._radios = Radios(LinkParams(latency=late, loss=loss), len(scenario.names), seed)
+        self._radios = SharedRadios(SharedRadioParams(latency=late, loss=loss), len(scenario.names), seed)
         self._air: DelayLine[tuple[int, bytes]] = DelayLine()
         still = np.tile(STILL, (len(scenario.names), 1))
         for _ in range(BOOT_TICKS):
@@ -74,7 +75,7 @@ class _RadioPath:
 
     def link(self, row: int) -> _Link:
         def offer(datagram: bytes) -> list[bytes]:
-            arrival = self._radios.arrival(row, datagram, self.room.tick * TICK_S)
+            arrival = self._radios.arrival(row, self.room.tick * TICK_S, streamed=is_stream(datagram))
             if arrival is not None:
                 self._air.push(arrival, (row, datagram))
             return []

@@ -18,9 +18,9 @@ from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
 from room_time import RoomTime, in_room_time
 
 from q2q_sim.crtp.fleet_room import CrtpRoomParams
-from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.link.shared_radios import SharedRadioParams
 
 ANSWER_S = 60.0
 """An answer that has not come by then is missing [s]."""
@@ -45,7 +45,7 @@ class Stage:
 def staged(monkeypatch: pytest.MonkeyPatch, cache: str, count: int, positioning: str) -> Iterator[Stage]:
     """Yield a room with `count` vehicles that have a positioning; cflib keeps its tables in `cache`."""
     pilot = Pilot(SPOTS[:count], build=CrtpRoomParams(positioning=positioning).build)
-    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
         clock = RoomTime(pilot, endpoint)
         in_room_time(clock, monkeypatch)
         cflib.crtp.init_drivers()

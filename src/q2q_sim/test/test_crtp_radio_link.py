@@ -22,9 +22,9 @@ from q2q_control.radio.firmware_params import (
     unsettable,
 )
 from q2q_control.radio.link import LinkHealth, OnboardPose
-from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import ECHO, Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.link.shared_radios import SharedRadioParams
 
 ANSWER_S = 600.0
 """A link that has not connected by then does not [s]."""
@@ -152,7 +152,7 @@ def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so_and_whet
     tmp_path: Path,
 ) -> None:
     pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
         asked = {"locSrv.extPosStDev": 0.002, "locSrv.extQuatStdDev": 0.07}
         link = CflibLink("cf1", endpoint.uris[0], asked, str(tmp_path))
         held = pilot.firmware().parameters
@@ -180,7 +180,7 @@ def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
     raised: list[threading.ExceptHookArgs] = []
     monkeypatch.setattr(threading, "excepthook", raised.append)
     pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as endpoint:
+    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
         port = int(endpoint.uris[0].rpartition(":")[2])
         link = CflibLink("cf1", endpoint.uris[0], {}, str(tmp_path))
 
@@ -189,7 +189,7 @@ def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
         until(lambda: not kept_open(link).connected)
         assert math.isnan(link.health().quality)
         again = Pilot(np.zeros((1, 4)))
-        with CrtpEndpoint(again.fleet, port, LinkParams()) as endpoint:
+        with CrtpEndpoint(again.fleet, port, SharedRadioParams()) as endpoint:
             fly_until(lambda: kept_open(link).quality == 1.0, again, endpoint)
     finally:
         link.close()

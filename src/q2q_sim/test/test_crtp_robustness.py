@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_sim.crtp.client_troubles import ClientTroubles
-from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios, is_stream
-from q2q_sim.crtp.packets.packet import MAX_DATA, MalformedError, Packet, datagram_of, packet_of
+from q2q_sim.crtp.packets.packet import MAX_DATA, MalformedError, Packet, datagram_of, is_stream, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.supervisor.rules import State
+from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadios
 from q2q_sim.plant.body.state_row import ROTOR_MAX1
 
 PORTS = st.sampled_from([0, 2, 3, 4, 5, 6, 7, 8, 9, 13, 15])
@@ -137,23 +137,23 @@ def test_the_radios_reboot_command_starts_a_locked_vehicle_anew(grounded: Pilot)
 
 
 def test_a_radio_sends_one_packet_at_a_time_for_all_its_vehicles() -> None:
-    radios = Radios(LinkParams(latency=0.005, rate=1000.0, per_radio=2), vehicles=4, seed=0)
-    times = [radios.arrival(row, b"\x3c", 1.0) for row in (0, 1, 0, 2)]
+    radios = SharedRadios(SharedRadioParams(latency=0.005, rate=1000.0, per_radio=2), vehicles=4, seed=0)
+    times = [radios.arrival(row, 1.0, streamed=True) for row in (0, 1, 0, 2)]
     np.testing.assert_allclose(times, [1.006, 1.007, 1.008, 1.006])
 
 
 def test_a_packet_that_would_wait_too_long_is_dropped() -> None:
-    radios = Radios(LinkParams(rate=100.0, patience=0.05), vehicles=1, seed=0)
-    arrived = [radios.arrival(0, b"\x3c", 0.0) for _ in range(10)]
+    radios = SharedRadios(SharedRadioParams(rate=100.0, patience=0.05), vehicles=1, seed=0)
+    arrived = [radios.arrival(0, 0.0, streamed=True) for _ in range(10)]
     assert [one is not None for one in arrived] == [True] * 6 + [False] * 4
 
 
 def test_losses_end_streams_and_delay_answers() -> None:
-    radios = Radios(LinkParams(latency=0.01, loss=0.3), vehicles=1, seed=1)
-    streamed = [radios.arrival(0, b"\x3c", 0.0) for _ in range(4000)]
+    radios = SharedRadios(SharedRadioParams(latency=0.01, loss=0.3), vehicles=1, seed=1)
+    streamed = [radios.arrival(0, 0.0, streamed=True) for _ in range(4000)]
     lost = sum(one is None for one in streamed) / 4000
     assert lost == pytest.approx(0.3, abs=0.03)  # 4 standard deviations
-    answers = [radios.arrival(0, b"\x2c", 0.0) for _ in range(4000)]
+    answers = [radios.arrival(0, 0.0, streamed=False) for _ in range(4000)]
     assert None not in answers
     # geometric: 0.01 s times the mean number of tries, 1 / 0.7
     assert np.mean([one for one in answers if one is not None]) == pytest.approx(0.01 / 0.7, rel=0.03)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from open_ports import addresses_of
 
-from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.plant.body.state_row import ROTOR_MAX1
 
 VERSION = b"\xdd\x00"
@@ -29,7 +29,7 @@ def pilot() -> Pilot:
 
 @pytest.fixture
 def endpoint(pilot: Pilot) -> Iterator[CrtpEndpoint]:
-    with CrtpEndpoint(pilot.fleet, 0, LinkParams()) as opened:
+    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as opened:
         yield opened
 
 
@@ -97,7 +97,7 @@ def test_logs_reach_their_client_and_a_client_that_is_gone_disturbs_nobody(
 
 def test_a_delayed_link_answers_late_but_answers(pilot: Pilot) -> None:
     now = [0.0]
-    link = LinkParams(latency=0.05)
+    link = SharedRadioParams(latency=0.05)
     opened = CrtpEndpoint(pilot.fleet, 0, link, now=lambda: now[0])
     with opened as endpoint, client_of(endpoint) as client:
         client.send(VERSION)
@@ -127,7 +127,7 @@ def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
     with _below_a_free_port() as probe:
         second = probe.getsockname()[1]
         with pytest.raises(OSError, match=f"UDP port {second} of cf2 is taken on 127.0.0.1"):
-            CrtpEndpoint(pilot.fleet, second - 1, LinkParams())
+            CrtpEndpoint(pilot.fleet, second - 1, SharedRadioParams())
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
             again.bind(("127.0.0.1", second - 1))
 
@@ -135,7 +135,7 @@ def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
 def test_ports_that_do_not_exist_are_refused_with_those_that_do(pilot: Pilot) -> None:
     last = 65536 - len(pilot.swarm.names)
     with pytest.raises(ValueError, match=f"need a port each: 0 to {last} is allowed"):
-        CrtpEndpoint(pilot.fleet, last + 1, LinkParams())
+        CrtpEndpoint(pilot.fleet, last + 1, SharedRadioParams())
 
 
 def test_ports_are_open_on_loopback_only(endpoint: CrtpEndpoint) -> None:

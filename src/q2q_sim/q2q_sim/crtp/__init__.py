@@ -18,5 +18,5 @@ line of either is copied.
 | 13 platform | protocol and firmware version, arming (old) | platform |
 | 15 link | echo, source | link_service |
 
-vehicle serves all ports, fleet and fleet_room fly the vehicles, link_model delays and loses packets.
+vehicle serves all ports, fleet and fleet_room fly the vehicles, link.shared_radios delays and loses packets.
 """

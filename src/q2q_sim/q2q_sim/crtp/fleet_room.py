@@ -94,7 +94,7 @@ def apps_in(scenario: Scenario, folder: str, seed: int) -> OnboardApps | None:
 
 
 def unflown_faults(scenario: Scenario) -> str:
-    """Return which faults of a scenario do not act here, where packets are lost by LinkParams; or nothing."""
+    """Return which faults of a scenario do not act here, where SharedRadioParams lose packets; or nothing."""
     if all(fault.kind != "radio_loss" for fault in scenario.faults):
         return ""
     return "fault radio_loss does not act on CRTP clients: set the loss of their link"

@@ -18,8 +18,9 @@ from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.client_troubles import ClientTroubles
 from q2q_sim.crtp.fleet import Fleet, Sent
-from q2q_sim.crtp.packets.link_model import DelayLine, LinkParams, Radios
+from q2q_sim.crtp.packets.packet import is_stream
 from q2q_sim.crtp.vehicle import CrtpVehicle
+from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadios
 
 LOOPBACK = "127.0.0.1"
 LAST_PORT = 65535
@@ -63,7 +64,7 @@ class CrtpEndpoint:
         self,
         fleet: Fleet,
         base_port: int,
-        link: LinkParams,
+        link: SharedRadioParams,
         *,
         seed: int = 0,
         now: Callable[[], float] = monotonic,
@@ -78,7 +79,7 @@ class CrtpEndpoint:
         self._fleet = fleet
         self._troubles = ClientTroubles(fleet.vehicles)
         self._now = now
-        self._radios = Radios(link, len(fleet.vehicles), seed)
+        self._radios = SharedRadios(link, len(fleet.vehicles), seed)
         self._up: DelayLine[tuple[int, Address, bytes]] = DelayLine()
         self._down: DelayLine[tuple[int, Address, bytes]] = DelayLine()
         self._lock = threading.Lock()
@@ -159,7 +160,7 @@ class CrtpEndpoint:
                 self._take(row, client, datagram)
 
     def _take(self, row: int, client: Address, datagram: bytes) -> None:
-        arrival = self._radios.arrival(row, datagram, self._now()) if datagram else None
+        arrival = self._radios.arrival(row, self._now(), streamed=is_stream(datagram)) if datagram else None
         if arrival is None:
             self.traffic.dropped += 1
         elif arrival <= self._now():
@@ -175,7 +176,7 @@ class CrtpEndpoint:
         client = one.client
         if not isinstance(client, tuple):
             return
-        arrival = self._radios.arrival(one.vehicle, one.datagram, self._now())
+        arrival = self._radios.arrival(one.vehicle, self._now(), streamed=is_stream(one.datagram))
         if arrival is None:
             self.traffic.dropped += 1
         elif arrival <= self._now():

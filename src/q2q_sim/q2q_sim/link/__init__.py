@@ -1,1 +1,1 @@
-"""Simulated Crazyradio link: latency, loss, quantisation."""
+"""Simulated Crazyradio links: latency, loss, quantisation, and radios that vehicles share."""

@@ -4,8 +4,8 @@ from rclpy.node import Node
 
 from q2q_model.ros.node.node_parameters import declare
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, rehearse_firmware, unflown_faults
-from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint, PortParams
+from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -22,7 +22,7 @@ def open_crtp(node: Node, room: Room, scenario: Scenario) -> CrtpEndpoint:
     rehearse_firmware(scenario)
     port = declare(node, PortParams(), PREFIX).port
     fleet = fleet_in(room, scenario, declare(node, CrtpRoomParams(), PREFIX))
-    endpoint = CrtpEndpoint(fleet, port, declare(node, LinkParams(), PREFIX), seed=room.seed)
+    endpoint = CrtpEndpoint(fleet, port, declare(node, SharedRadioParams(), PREFIX), seed=room.seed)
     if jams := unflown_faults(scenario):
         node.get_logger().warning(jams)
     for name, uri in zip(scenario.names, endpoint.uris, strict=True):

@@ -9,8 +9,8 @@ from types import FrameType
 
 from q2q_model.signals.stamps import TICK_S
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, unflown_faults
-from q2q_sim.crtp.packets.link_model import LinkParams
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
+from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_firmware
@@ -40,7 +40,7 @@ def _open(args: Namespace) -> None:
     fleet = fleet_in(room, scenario, waiting)
     if jams := unflown_faults(scenario):
         print(f"crtp: {jams}", file=sys.stderr)
-    link = LinkParams(latency=args.latency, loss=args.loss, rate=args.rate)
+    link = SharedRadioParams(latency=args.latency, loss=args.loss, rate=args.rate)
     room.fly(fleet.fly)  # compiles
     with CrtpEndpoint(fleet, args.port, link, seed=args.seed) as endpoint:
         for name, uri in zip(scenario.names, endpoint.uris, strict=True):

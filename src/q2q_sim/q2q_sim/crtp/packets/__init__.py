@@ -1,1 +1,1 @@
-"""CRTP packets, their fields, and the radio link that carries them."""
+"""CRTP packets and their fields."""

@@ -29,6 +29,12 @@ class Port(IntEnum):
     LINK = 15
 
 
+STREAMED = frozenset((Port.SETPOINT, Port.GENERIC, Port.LOCALIZATION))
+"""Ports whose packets are not retransmitted."""
+LOG_DATA = 2
+"""Channel of port 5 whose packets are not retransmitted."""
+
+
 class MalformedError(ValueError):
     """Datagram that is not a packet, or packet that is short or invalid."""
 
@@ -58,3 +64,9 @@ def datagram_of(packet: Packet) -> bytes:
     if len(packet.data) > MAX_DATA:
         raise ValueError(f"packet of {len(packet.data)} bytes on port {packet.port}: {MAX_DATA} are allowed")
     return bytes([packet.port << 4 | 0x0C | packet.channel]) + packet.data
+
+
+def is_stream(datagram: bytes) -> bool:
+    """Return whether a datagram belongs to a stream."""
+    port = datagram[0] >> 4
+    return port in STREAMED or (port == Port.LOG and datagram[0] & 0x03 == LOG_DATA)

@@ -26,21 +26,16 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.crtp.packets.packet import Port
 from q2q_sim.random_streams import stream
 
 T = TypeVar("T")
 
-STREAMED = frozenset((Port.SETPOINT, Port.GENERIC, Port.LOCALIZATION))
-"""Ports whose packets are not retransmitted."""
-LOG_DATA = 2
-"""Channel of port 5 whose packets are not retransmitted."""
 TRIES = 20
 """Losses after which a safe link drops a packet."""
 
 
 @dataclass(frozen=True, slots=True)
-class LinkParams:
+class SharedRadioParams:
     """Quality of the link; the defaults are transparent."""
 
     latency: float = tunable(0.0, "from sending a packet to receiving it", unit="s", low=0.0, high=0.5)
@@ -58,18 +53,18 @@ class LinkParams:
         check_bounds(self)
 
 
-class Radios:
+class SharedRadios:
     """Radios with the times from which they are free."""
 
-    def __init__(self, params: LinkParams, vehicles: int, seed: int) -> None:
+    def __init__(self, params: SharedRadioParams, vehicles: int, seed: int) -> None:
         self._params = params
         self._free = np.zeros(-(-vehicles // params.per_radio))
         self._losses = stream(seed, "crtp loss")
 
-    def arrival(self, vehicle: int, datagram: bytes, t: float) -> float | None:
-        """Return the arrival time of a vehicle's datagram offered at t [s]; None if it is lost."""
+    def arrival(self, vehicle: int, t: float, *, streamed: bool) -> float | None:
+        """Return the arrival time of a vehicle's packet offered at t [s]; None if it is lost."""
         radio = vehicle // self._params.per_radio
-        losses = self._count_losses(streamed=is_stream(datagram))
+        losses = self._count_losses(streamed=streamed)
         if losses is None:
             return None
         turn = 1.0 / self._params.rate if self._params.rate > 0.0 else 0.0
@@ -109,9 +104,3 @@ class DelayLine(Generic[T]):
     def next_arrival(self) -> float | None:
         """Return the next arrival time [s]."""
         return self._heap[0][0] if self._heap else None
-
-
-def is_stream(datagram: bytes) -> bool:
-    """Return whether a datagram belongs to a stream."""
-    port = datagram[0] >> 4
-    return port in STREAMED or (port == Port.LOG and datagram[0] & 0x03 == LOG_DATA)
