@@ -15,7 +15,7 @@ import numpy as np
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_sim.loop.flight_blocks import Options, blocks_of
+from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 from row import Row
@@ -51,7 +51,7 @@ def _flown(name: str, ticks: int) -> dict[str, list[float]]:
     """Return the seconds that every block took, tick by tick."""
     scenario = library.load(name)
     blocks, room = (
-        blocks_of(scenario, Options("aware"), find_model(scenario.model).interaction),
+        blocks_of(scenario, BlockChoices("aware"), find_model(scenario.model).interaction),
         Room(scenario, 0),
     )
     spent: defaultdict[str, list[float]] = defaultdict(list)

@@ -40,9 +40,9 @@ from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.faults.faults import KINDS, Fault
-from q2q_sim.loop.closed_loop import FlightOptions, fly, fly_blocks
+from q2q_sim.loop.closed_loop import FlightOptions, LoopSettings, fly, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc
-from q2q_sim.loop.flight_blocks import Options, blocks_of
+from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.monitors.proximity import any_in_zone, in_zone_once, least_distances, near_sample
@@ -123,10 +123,10 @@ def flown(scenario: Scenario, controller: str, replan: str) -> RecordedSignal:
 
 def through_messages(scenario: Scenario, controller: str, replan: str) -> None:
     """Fly blocks whose signals come as messages."""
-    known, options = find_model(scenario.model).interaction, FlightOptions(controller=controller)
-    blocks = blocks_of(scenario, Options("aware", controller, replan), known)
+    known = find_model(scenario.model).interaction
+    blocks = blocks_of(scenario, BlockChoices("aware", controller, replan), known)
     fed = {name: FedByMessages(getattr(blocks, name).update) for name in BLOCKS}
-    fly_blocks(scenario, replace(blocks, **fed), options)
+    fly_blocks(scenario, replace(blocks, **fed), LoopSettings())
 
 
 class FedByMessages:
@@ -147,10 +147,10 @@ def received(signal: Signal) -> Signal:
 
 def distributed(scenario: Scenario) -> None:
     """Fly one MPC for each vehicle."""
-    model, options = find_model(scenario.model).interaction, FlightOptions(controller="mpc")
-    blocks = blocks_of(scenario, Options("aware", "mpc"), model)
-    controller = DistributedMpc(scenario, Options("aware", "mpc"), model, blocks.plan)
-    fly_blocks(scenario, replace(blocks, controller=controller), options)
+    model = find_model(scenario.model).interaction
+    blocks = blocks_of(scenario, BlockChoices("aware", "mpc"), model)
+    controller = DistributedMpc(scenario, BlockChoices("aware", "mpc"), model, blocks.plan)
+    fly_blocks(scenario, replace(blocks, controller=controller), LoopSettings())
 
 
 def measured(signals: RecordedSignal) -> None:

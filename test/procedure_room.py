@@ -26,7 +26,7 @@ from q2q_planner.playing.glide import GlideParams
 from q2q_planner.playing.plan_player import PlanPlayer
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import Wire
-from q2q_sim.loop.flight_blocks import Options, blocks_of
+from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -53,7 +53,7 @@ class ProcedureRoom:
         self.room = Room(scenario, 0)
         params = CrtpRoomParams(start="ground", positioning="deck", auto_arming=auto_arming)
         self.fleet = fleet_in(self.room, scenario, params)
-        self.blocks = blocks_of(scenario, Options("aware"), find_model(scenario.model).interaction)
+        self.blocks = blocks_of(scenario, BlockChoices("aware"), find_model(scenario.model).interaction)
         self.plan = plan or self.blocks.plan
         self.player = PlanPlayer(self.plan, -1.0, GlideParams(), wait=True)
         self._monkeypatch = monkeypatch

@@ -25,7 +25,7 @@ from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
 from q2q_sim.loop import flight_blocks
-from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.loop.closed_loop import FlightOptions, LoopSettings, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.simulator_params import SimulatorParams
@@ -110,8 +110,7 @@ def test_one_mpc_node_a_vehicle_flies_the_numbers_of_the_distributed_loop_withou
     scenario, model = load_scenario(request), find_model(load_scenario(request).model).interaction
     blocks = flight_blocks.blocks_of(scenario, request.options, model)
     distributed = DistributedMpc(scenario, request.options, model, blocks.plan)
-    options = FlightOptions(controller="mpc", seed=3, model=model)
-    alone = fly_blocks(scenario, replace(blocks, controller=distributed), options)
+    alone = fly_blocks(scenario, replace(blocks, controller=distributed), LoopSettings(seed=3))
     np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
     assert through_nodes.timing.missed_ticks == 0
     sent = len(list(BagReader(tmp_path / "bag").raw(["/predictions"])))

@@ -139,7 +139,7 @@ class _Watcher:
 
 def specs(folder: Path, domain: int, more: Mapping[str, Mapping[str, float]]) -> list[NodeSpec]:
     scenario = library.load(SCENARIO)
-    options = flight_blocks.Options()
+    options = flight_blocks.BlockChoices()
     plan, port = folder / "plan.json", first_port(domain)
     plan_file.save(plan, flight_blocks.plan_of(scenario))
     uris = tuple(f"udp://127.0.0.1:{port + k}" for k in range(2))

@@ -37,7 +37,7 @@ from q2q_sim.firmware.motors.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
 from q2q_sim.firmware.motors.thrust_curve import CURVE
 from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadios
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
+from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.metrics import measure
 from q2q_sim.scenarios import library
@@ -95,7 +95,7 @@ class _RadioPath:
 def flown(scenario: Scenario, mode: Mode, by: str, positioning: str = "deck", seed: int = 0) -> Array:
     """Return every vehicle's height error [m], (T, n), of a flight by RPYT setpoint or by full state."""
     model = find_model(scenario.model).interaction
-    blocks = blocks_of(scenario, Options(mode), model)
+    blocks = blocks_of(scenario, BlockChoices(mode), model)
     path = _RadioPath(scenario, seed, positioning)
     names, scale = scenario.names, RpytScale(scenario.vehicle.full_pwm_thrust)
     pilot = RadioPilot(

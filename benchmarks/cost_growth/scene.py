@@ -25,7 +25,7 @@ from q2q_model.signals.values import (
     index_of,
 )
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_sim.loop.flight_blocks import Options, blocks_of, plan_of
+from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of, plan_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
@@ -75,7 +75,7 @@ def scene_of(vehicles: int, timed: int) -> Scene:
     side = ceil(sqrt(vehicles / 2))
     scenario = scenario_from_document(f"pairs_{vehicles}", passing_pairs(vehicles, DURATION, side))
     plan, model = plan_of(scenario), find_model(scenario.model).interaction
-    blocks, room = blocks_of(scenario, Options("aware"), model, plan), Room(scenario, 0)
+    blocks, room = blocks_of(scenario, BlockChoices("aware"), model, plan), Room(scenario, 0)
     ticks, seconds = [], []
     for _ in range(BEFORE + timed):
         start = process_time()

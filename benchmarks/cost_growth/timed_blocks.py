@@ -39,7 +39,7 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.loop.flight_blocks import Options, blocks_of, filter_params, pid_params
+from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of, filter_params, pid_params
 from q2q_sim.loop.room import STEPS
 from q2q_sim.plant.swarm import Swarm, still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
@@ -212,7 +212,7 @@ def _unseen(state: SwarmState, last: float) -> SwarmState:
 def _mpc(scene: Scene) -> TimedBlock:
     def make(names: Names) -> Made:
         plan = SwarmPlan(names, scene.plan.trajectories[: len(names)])
-        block = blocks_of(scene.scenario, Options(controller="mpc"), scene.model, plan).controller
+        block = blocks_of(scene.scenario, BlockChoices(controller="mpc"), scene.model, plan).controller
         return block, lambda tick: block.update(tick.state, tick.planned, tick.downwash)
 
     return _by_pairs("MPC of pairs", scene, make)

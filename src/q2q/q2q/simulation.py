@@ -22,8 +22,8 @@ from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
-from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
-from q2q_sim.loop.flight_blocks import Blocks, Mode, Options, blocks_of, ignore_accelerometers
+from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
+from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.policies import RecordedSignal
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import in_another_air
@@ -72,7 +72,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     flown = _in_air(scenario(chosen), air)
     known = flown_model(flown.model if model is None else model)
     mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
-    choice = Options(mode, _name_of(controller), replan, correct)
+    choice = BlockChoices(mode, _name_of(controller), replan, correct)
     residual = known.residual or REAL_FLIGHTS
     path = None if plan is None else plan_for(flown, plan)
     blocks = blocks_of(flown, choice, known.interaction, path, residual)
@@ -83,8 +83,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     def record(topic: str, stamp_ns: int, signal: Signal) -> None:
         signals.append(RecordedSignal(topic, time_from_stamp(stamp_ns), signal))
 
-    options = FlightOptions(mode=mode, seed=seed, air=_own_air(air), on_signal=record)
-    arrays = fly_blocks(flown, blocks, options)
+    arrays = fly_blocks(flown, blocks, LoopSettings(mode, seed, _own_air(air), record))
     facts = replace(scenario_facts(flown, choice, seed), controller=_word(controller))
     facts = facts if model is None else replace(facts, model=_word(model))
     facts = facts if isinstance(air, AirName) else replace(facts, wake="", air=_word(air))

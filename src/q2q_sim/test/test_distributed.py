@@ -9,9 +9,9 @@ import pytest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
+from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.distributed import DistributedMpc, ExchangeParams
-from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
+from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
 from q2q_sim.scenarios import library
 
 SECONDS = 5.0
@@ -24,12 +24,12 @@ def flown(exchange: ExchangeParams | None, mode: Mode = "aware", *, coupled: boo
     """Return a flight of two vehicles by one MPC, or by one for each that exchange predictions."""
     scenario = replace(library.load("swarm2"), duration=SECONDS)
     model = PAPER_LAW if coupled else NoInteraction()
-    choice = Options(mode, "mpc")
+    choice = BlockChoices(mode, "mpc")
     blocks = blocks_of(scenario, choice, model)
     if exchange is not None:
         distributed = DistributedMpc(scenario, choice, model, blocks.plan, exchange)
         blocks = replace(blocks, controller=distributed)
-    return fly_blocks(scenario, blocks, FlightOptions(mode=mode, controller="mpc", model=model))
+    return fly_blocks(scenario, blocks, LoopSettings(mode))
 
 
 def height_rms(flight: Flight) -> float:

@@ -25,7 +25,7 @@ from q2q_sim.experiments.explanation.recorded_case import RecordedCase, recorded
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
 from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares, standard_error
 from q2q_sim.faults.faults import KINDS, Fault
-from q2q_sim.loop.flight_blocks import Options
+from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_air
@@ -43,7 +43,7 @@ FOUND = Explanation(
 def short(name: str, air: str = "") -> FlightCase:
     """Return the first half second of a scenario."""
     scenario = replace(with_air(library.load(name), air, ()), duration=0.5)
-    return flight_case(scenario, Options("ignoring"), 0)
+    return flight_case(scenario, BlockChoices("ignoring"), 0)
 
 
 def test_shares_of_an_additive_loss_are_its_terms_in_every_order() -> None:
@@ -82,7 +82,10 @@ def test_without_all_causes_none_is_left() -> None:
 
 def test_an_ideal_room_without_a_wake_has_causes_in_its_vehicles_only() -> None:
     still = replace(library.load("table6"), wake="none", duration=0.5)
-    assert present_causes(flight_case(still, Options("ignoring"), 0)) == ("battery and saturation", "control")
+    assert present_causes(flight_case(still, BlockChoices("ignoring"), 0)) == (
+        "battery and saturation",
+        "control",
+    )
 
 
 def test_a_cause_is_taken_out_and_the_others_stay() -> None:
@@ -281,7 +284,7 @@ def test_of_causes_that_only_act_together_the_unusual_one_is_first(
     struck = tuple(Fault(kind, 1.0, 1.0, (), 0.9) for kind in faults)
     scenario = replace(own, faults=struck, disturbance=replace(own.disturbance, air_std=gusts))
     shares_of = {"wind": 0.4, "lost messages": 0.3, "control": 0.2}
-    case, loss = flight_case(scenario, Options("ignoring"), 0), Loss("distance", "cf1", 0, 3.0, 1.0)
+    case, loss = flight_case(scenario, BlockChoices("ignoring"), 0), Loss("distance", "cf1", 0, 3.0, 1.0)
     assert first_cause(case, loss, shares_of, lambda out: left[next(iter(out))]) == first
 
 
@@ -289,7 +292,7 @@ def test_a_fault_after_the_loss_or_from_the_start_is_no_event_and_a_flight_may_h
     loss = Loss("distance", "cf1", 0, 3.0, 1.0)
     for start in (0.0, 3.5):
         scenario = replace(library.load("table6"), faults=(Fault("radio_loss", start, 9.0, (), 0.9),))
-        case = flight_case(scenario, Options("ignoring"), 0)
+        case = flight_case(scenario, BlockChoices("ignoring"), 0)
         found = first_cause(case, loss, {"control": 0.4, "lost messages": 0.3}, lambda _: 0.1)
         assert found == "control"
     assert first_cause(case, loss, {}, lambda _: 1.0) is None

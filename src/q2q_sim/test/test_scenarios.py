@@ -49,8 +49,8 @@ def test_every_scenario_loads_plans_and_says_what_it_is(name: str) -> None:
     assert wake_by_name(scenario.wake)
     for parameters in (
         filter_node_parameters(scenario),
-        replanner_node_parameters(scenario, flight_blocks.Options()),
-        controller_node_parameters(scenario, flight_blocks.Options()),
+        replanner_node_parameters(scenario, flight_blocks.BlockChoices()),
+        controller_node_parameters(scenario, flight_blocks.BlockChoices()),
     ):
         assert all(isinstance(value, bool | int | float | str | tuple) for value in parameters.values())
 
@@ -59,7 +59,7 @@ def test_controller_nodes_fly_the_vehicle_of_the_scenario() -> None:
     loaded = [library.load(name) for name in library.names()]
     upgraded = with_firmware(library.load("stack3"), "thrust_upgrade")
     for one in filter(None, (*loaded, *(scenario.in_air for scenario in loaded), upgraded)):
-        parameters = controller_node_parameters(one, flight_blocks.Options())
+        parameters = controller_node_parameters(one, flight_blocks.BlockChoices())
         assert vehicle_by_name(str(parameters["vehicle"]), str(parameters["firmware"])) == one.vehicle
 
 

@@ -6,14 +6,14 @@ from pathlib import Path
 from q2q_model.bag import FlightFacts, read_facts
 from q2q_model.vehicle.constants import firmware_of, is_named
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.flight_blocks import Options
+from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.loop.scenario_air import air_description
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import with_air, with_choices, with_firmware
 
 
-def scenario_facts(scenario: Scenario, options: Options, seed: int, name: str = "") -> FlightFacts:
+def scenario_facts(scenario: Scenario, options: BlockChoices, seed: int, name: str = "") -> FlightFacts:
     """Return the metadata of a flight; `name` is that of the scenario or its file, if not its own."""
     return FlightFacts(
         vehicle=scenario.vehicle.name if is_named(scenario.vehicle) else "",

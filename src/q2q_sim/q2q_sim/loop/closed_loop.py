@@ -18,7 +18,7 @@ from q2q_model.signals.stamps import TICK_NS, TICK_S
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.loop.flight_blocks import Blocks, Mode, Options, blocks_of
+from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.loop.room import Room, Tick
 from q2q_sim.scenarios.scenario import Scenario
@@ -29,6 +29,19 @@ Listener = Callable[[str, int, Signal], None]
 
 def ignore_signals(_: str, __: int, ___: Signal) -> None:
     """Ignore the signal."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopSettings:
+    """What the loop itself depends on, whichever blocks fly."""
+
+    mode: Mode = "aware"
+    """Ignoring: the controller is not told of the downwash."""
+    seed: int = 0
+    air: FlownAir | None = None
+    """Air in place of the scenario's air, or wake and disturbance."""
+    on_signal: Listener = ignore_signals
+    """Called with every signal of q2q_sim.bag_topics.topics, as a recorder of the nodes' topics."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +57,18 @@ class FlightOptions:
     """Interaction model of the predictor; the scenario's own is find_model(scenario.model).interaction
     (q2q_model.model_files.find_model)."""
     air: FlownAir | None = None
-    """Air in place of the scenario's air, or wake and disturbance."""
+    """As in LoopSettings."""
     plan: SwarmPlan | None = None
     """Plan in place of the scenario's own."""
     correct: ResidualProcess | None = None
     """Residual of the model that the controller corrects by accelerometers; None corrects nothing."""
     on_signal: Listener = ignore_signals
-    """Called with every signal of q2q_sim.bag_topics.topics, as a recorder of the nodes' topics."""
+    """As in LoopSettings."""
+
+    @property
+    def loop(self) -> LoopSettings:
+        """Return the settings of the loop."""
+        return LoopSettings(self.mode, self.seed, self.air, self.on_signal)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,28 +88,28 @@ def fly(scenario: Scenario, options: FlightOptions) -> Flight:
     Raises:
         ValueError: an unknown mode or controller, a seed below 0, or an air that cannot be flown in.
     """
-    return fly_blocks(scenario, _blocks(scenario, options), options)
+    return fly_blocks(scenario, _blocks(scenario, options), options.loop)
 
 
-def fly_blocks(scenario: Scenario, blocks: Blocks, options: FlightOptions) -> Flight:
-    """Fly given blocks and return the recording; of the options, mode, seed, air and on_signal apply."""
-    room = Room(scenario, options.seed, options.air)
+def fly_blocks(scenario: Scenario, blocks: Blocks, loop: LoopSettings) -> Flight:
+    """Fly given blocks and return the recording."""
+    room = Room(scenario, loop.seed, loop.air)
     recording = FlightRecording(scenario.names, ticks_of(scenario))
     while room.tick * TICK_S < scenario.duration:
         number, tick, imu = room.tick, room.capture(), room.imu()
         recording.frame(number, tick.stamp_ns, tick.frame)
         recording.truth(number, tick.truth, tick.truth_interference, imu)
-        options.on_signal("truth", tick.stamp_ns, tick.truth)
-        options.on_signal("truth_interference", tick.stamp_ns, tick.truth_interference)
-        options.on_signal("imu", tick.stamp_ns, imu)
+        loop.on_signal("truth", tick.stamp_ns, tick.truth)
+        loop.on_signal("truth_interference", tick.stamp_ns, tick.truth_interference)
+        loop.on_signal("imu", tick.stamp_ns, imu)
         state = blocks.mocap_filter.update(tick.frame)
         downwash = blocks.predictor.update(state)
-        answer = _answer(blocks, tick, state, downwash if options.mode != "ignoring" else None)
+        answer = _answer(blocks, tick, state, downwash if loop.mode != "ignoring" else None)
         blocks.sense(imu)
         _record(recording, tick, answer, downwash)
-        _report(options.on_signal, tick, answer, downwash)
+        _report(loop.on_signal, tick, answer, downwash)
         room.advance(answer.command)
-    return recording.flight(f"{scenario.name} {options.mode} seed {options.seed}")
+    return recording.flight(f"{scenario.name} {loop.mode} seed {loop.seed}")
 
 
 def answered_ticks(scenario: Scenario, options: FlightOptions) -> Iterator[tuple[Tick, BlockSignals]]:
@@ -121,7 +139,7 @@ def ticks_of(scenario: Scenario) -> int:
 
 
 def _blocks(scenario: Scenario, options: FlightOptions) -> Blocks:
-    choice = Options(options.mode, options.controller, options.replan, options.correct is not None)
+    choice = BlockChoices(options.mode, options.controller, options.replan, options.correct is not None)
     return blocks_of(scenario, choice, options.model, options.plan, options.correct or REAL_FLIGHTS)
 
 

@@ -42,8 +42,8 @@ MODES: tuple[Mode, ...] = ("ignoring", "aware", "aware_unlimited")
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
-    """Choices between blocks."""
+class BlockChoices:
+    """Which blocks fly, and in which mode."""
 
     mode: str = "aware"
     controller: str = "pid"
@@ -156,7 +156,7 @@ def mpc_params(scenario: Scenario, *, limited: bool) -> MpcParams:
 
 def blocks_of(
     scenario: Scenario,
-    options: Options,
+    choices: BlockChoices,
     model: InteractionModel,
     plan: SwarmPlan | None = None,
     residual: ResidualProcess = REAL_FLIGHTS,
@@ -165,40 +165,40 @@ def blocks_of(
 
     Args:
         scenario: vehicles, path and room.
-        options: choices between blocks.
+        choices: which blocks fly, and in which mode.
         model: of the predictor and the controller.
         plan: replaces the scenario's own.
         residual: of the model, for a controller that corrects.
     """
     flown = plan or plan_of(scenario)
-    correct = residual if options.correct else None
-    controller, sense = _controller(scenario, options, Knowledge(model, flown, correct))
+    correct = residual if choices.correct else None
+    controller, sense = _controller(scenario, choices, Knowledge(model, flown, correct))
     return Blocks(
         plan=flown,
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
         predictor=InteractionPredictor(model),
-        replanner=_replanner(scenario, options),
+        replanner=_replanner(scenario, choices),
         controller=Guard(controller, FallbackParams(), scenario.vehicle.hover_thrust),
         sense=sense,
     )
 
 
-def _replanner(scenario: Scenario, options: Options) -> Replanner:
-    if options.replan == "safe":
+def _replanner(scenario: Scenario, choices: BlockChoices) -> Replanner:
+    if choices.replan == "safe":
         return SafeReplanner(safe_replanner_params(scenario))
-    return PotentialField(replanner_params(scenario, enabled=options.replan == "paper"))
+    return PotentialField(replanner_params(scenario, enabled=choices.replan == "paper"))
 
 
 def _controller(
-    scenario: Scenario, options: Options, known: Knowledge
+    scenario: Scenario, choices: BlockChoices, known: Knowledge
 ) -> tuple[Controller, Callable[[SwarmImu], None]]:
     """Return a controller, and what takes its accelerometers."""
-    if options.controller == "mpc":
+    if choices.controller == "mpc":
         preview = sampled_preview(known.plan.names, known.plan.trajectories, 0.0)
         setup = MpcSetup(preview=preview, correct=known.correct)
-        mpc = Mpc(mpc_params(scenario, limited=options.limited), scenario.vehicle, known.model, setup)
+        mpc = Mpc(mpc_params(scenario, limited=choices.limited), scenario.vehicle, known.model, setup)
         return mpc, mpc.sense
-    params = pid_params(scenario, limited=options.limited)
+    params = pid_params(scenario, limited=choices.limited)
     if known.correct is None:
         return Pid(params, scenario.vehicle), ignore_accelerometers
     pid = ObservedPid(params, tracker_params(scenario), scenario.vehicle, correct=known.correct)

@@ -6,7 +6,7 @@ from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import firmware_of
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_sim.loop.flight_blocks import (
-    Options,
+    BlockChoices,
     filter_params,
     mpc_params,
     pid_params,
@@ -25,7 +25,7 @@ def filter_node_parameters(scenario: Scenario) -> NodeParameters:
     return {"vehicles": scenario.names} | asdict(filter_params(scenario))
 
 
-def replanner_node_parameters(scenario: Scenario, options: Options) -> NodeParameters:
+def replanner_node_parameters(scenario: Scenario, options: BlockChoices) -> NodeParameters:
     """Return the parameters of the node replanner."""
     if options.replan == "safe":
         safe = asdict(safe_replanner_params(scenario))
@@ -33,7 +33,7 @@ def replanner_node_parameters(scenario: Scenario, options: Options) -> NodeParam
     return {"law": "paper"} | asdict(replanner_params(scenario, enabled=options.replan == "paper"))
 
 
-def controller_node_parameters(scenario: Scenario, options: Options) -> NodeParameters:
+def controller_node_parameters(scenario: Scenario, options: BlockChoices) -> NodeParameters:
     """Return the parameters of the node pid or mpc."""
     own: NodeParameters = {"vehicle": scenario.vehicle.name, "aware": options.aware}
     own |= {"firmware": firmware_of(scenario.vehicle) or STOCK, "vehicles": scenario.names}

@@ -76,9 +76,9 @@ class FlightRequest:
     """Correct the predicted downwash by positions and accelerometers."""
 
     @property
-    def options(self) -> flight_blocks.Options:
+    def options(self) -> flight_blocks.BlockChoices:
         """Return the choices between blocks; raise ValueError for an unknown one."""
-        return flight_blocks.Options(self.mode, self.controller, self.replan, self.correct)
+        return flight_blocks.BlockChoices(self.mode, self.controller, self.replan, self.correct)
 
 
 @dataclass(frozen=True, slots=True)

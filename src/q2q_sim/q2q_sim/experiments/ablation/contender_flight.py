@@ -24,8 +24,8 @@ from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup
 from q2q_sim.experiments.ablation.onboard_flight import Trace, fly_on_board
 from q2q_sim.experiments.ablation.side_by_side import side_by_side, with_vehicles
-from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
-from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of
+from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
+from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -72,9 +72,11 @@ def fly_groups(
 ) -> Trace:
     """Return a flight of groups of vehicles in one room."""
     control = GroupedController(scenario.names, groups)
-    shared = replace(blocks_of(scenario, Options(), NoInteraction()), controller=control, sense=control.sense)
+    shared = replace(
+        blocks_of(scenario, BlockChoices(), NoInteraction()), controller=control, sense=control.sense
+    )
     mode: Mode = "aware" if contender.aware else "ignoring"
-    flight = fly_blocks(scenario, shared, FlightOptions(mode, seed=asked.seed, air=asked.air))
+    flight = fly_blocks(scenario, shared, LoopSettings(mode, asked.seed, asked.air))
     return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2])
 
 

@@ -30,7 +30,7 @@ from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.loop.distributed import DistributedMpc, ExchangeParams
-from q2q_sim.loop.flight_blocks import Blocks, Options, blocks_of, pid_params, plan_of, tracker_params
+from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, blocks_of, pid_params, plan_of, tracker_params
 from q2q_sim.scenarios.scenario import Scenario
 
 INTEGRAL_SHARE = 0.12
@@ -56,7 +56,7 @@ class Contender:
     """Whether it is given the predicted downwash."""
 
 
-def _shipped(choice: Options) -> Callable[[Situation], Blocks]:
+def _shipped(choice: BlockChoices) -> Callable[[Situation], Blocks]:
     def built(given: Situation) -> Blocks:
         return blocks_of(given.scenario, choice, given.model.jet, residual=given.model.process)
 
@@ -76,27 +76,27 @@ def _observed(given: Situation) -> Blocks:
 
 def _with(given: Situation, controller: Controller) -> Blocks:
     guarded = Guard(controller, FallbackParams(), given.scenario.vehicle.hover_thrust)
-    return replace(_shipped(Options())(given), controller=guarded)
+    return replace(_shipped(BlockChoices())(given), controller=guarded)
 
 
 def _distributed(given: Situation) -> Blocks:
     names = given.scenario.names
     controlled = tuple(names[k :: given.each] for k in range(given.each))  # draws are out of reach
-    choice = Options(controller="mpc")
+    choice = BlockChoices(controller="mpc")
     network = ExchangeParams(controlled=controlled)
     controller = DistributedMpc(given.scenario, choice, given.model.jet, plan_of(given.scenario), network)
     return replace(_shipped(choice)(given), controller=controller)
 
 
 CONTENDERS = {
-    "ignoring": Contender(_shipped(Options("ignoring")), aware=False),
+    "ignoring": Contender(_shipped(BlockChoices("ignoring")), aware=False),
     "integral": Contender(_integral, aware=False),
     "observer": Contender(_observed, aware=False),
-    "aware": Contender(_shipped(Options())),
+    "aware": Contender(_shipped(BlockChoices())),
     "aware + observer": Contender(_observed),
-    "aware + correction": Contender(_shipped(Options(correct=True))),
-    "MPC": Contender(_shipped(Options(controller="mpc"))),
-    "MPC + correction": Contender(_shipped(Options(controller="mpc", correct=True))),
+    "aware + correction": Contender(_shipped(BlockChoices(correct=True))),
+    "MPC": Contender(_shipped(BlockChoices(controller="mpc"))),
+    "MPC + correction": Contender(_shipped(BlockChoices(controller="mpc", correct=True))),
     "distributed": Contender(_distributed),
 }
 """Contenders on a ground station."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_sim.faults.faults import Fault, random_faults
-from q2q_sim.loop.flight_blocks import Options
+from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
@@ -75,7 +75,7 @@ class Run:
     seed: int
     document: Document
     """The scenario as a YAML document."""
-    options: Options
+    options: BlockChoices
 
     @cached_property
     def scenario(self) -> Scenario:
@@ -91,7 +91,7 @@ def draw_run(seed: int, air: str = "", replan: str = "") -> Run:
     rng = stream(seed, "campaign")
     cut = CUTS[int(rng.integers(len(CUTS)))]
     room = str(rng.choice(ROOMS))
-    options = Options(
+    options = BlockChoices(
         mode=str(rng.choice(["aware_unlimited", "ignoring"], p=[0.8, 0.2])),
         controller=str(rng.choice(["pid", "mpc"], p=[0.8, 0.2])),
         replan=str(rng.choice(["none", "safe"], p=[0.8, 0.2])),
@@ -113,7 +113,7 @@ def draw_run(seed: int, air: str = "", replan: str = "") -> Run:
     return Run(seed, document, options)
 
 
-def _replanning(shipped: Mapping[str, object], options: Options, rng: np.random.Generator) -> Document:
+def _replanning(shipped: Mapping[str, object], options: BlockChoices, rng: np.random.Generator) -> Document:
     """Return a scenario's overrides of the safe replanner, for half of the runs that fly it."""
     if options.replan != "safe" or rng.random() < 0.5:
         return {}

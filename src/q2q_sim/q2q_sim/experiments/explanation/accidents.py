@@ -28,7 +28,7 @@ from q2q_sim.experiments.campaign.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.experiments.explanation.loss import largest_loss
 from q2q_sim.faults.faults import Fault
-from q2q_sim.loop.flight_blocks import Options
+from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.monitors.policies import Limits
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios.scenario import Scenario
@@ -91,7 +91,7 @@ def ordinary_flight(seed: int, rng: np.random.Generator) -> FlightCase:
         "overrides": {"pid": gains},
     }
     mode = str(rng.choice(["ignoring", "aware_unlimited"]))
-    return flight_case(scenario_from_document("accident", document), Options(mode), seed)
+    return flight_case(scenario_from_document("accident", document), BlockChoices(mode), seed)
 
 
 def _paths(gap: float, aside: float) -> dict[str, object]:

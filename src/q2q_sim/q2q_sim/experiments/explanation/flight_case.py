@@ -8,7 +8,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.loop.flight_blocks import MODES, Options, plan_of
+from q2q_sim.loop.flight_blocks import MODES, BlockChoices, plan_of
 from q2q_sim.loop.scenario_air import air_of
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -18,14 +18,14 @@ class FlightCase:
     """Flight of a scenario."""
 
     scenario: Scenario
-    options: Options
+    options: BlockChoices
     seed: int
     plan: SwarmPlan
     air: FlownAir | None
     """Air in place of the scenario's wake and disturbance; None keeps those."""
 
 
-def flight_case(scenario: Scenario, options: Options, seed: int) -> FlightCase:
+def flight_case(scenario: Scenario, options: BlockChoices, seed: int) -> FlightCase:
     """Return the flight of a scenario in its own air, along its own plan.
 
     Raises:

@@ -17,7 +17,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import check_air
 from q2q_sim.bag_topics.scenario_facts import flown_scenario
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
-from q2q_sim.loop.flight_blocks import Options
+from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -48,7 +48,7 @@ def recorded_case(bag: Path) -> RecordedCase:
     scenario = _as_recorded(flown_scenario(facts, bag), recorded)
     found = np.inf
     for replan in REPLANNERS:
-        options = Options(facts.mode, facts.controller, replan, facts.correct == "true")
+        options = BlockChoices(facts.mode, facts.controller, replan, facts.correct == "true")
         case = flight_case(scenario, options, int(facts.seed))
         flight = fly_flight_case(case)
         found = min(found, difference := largest_difference(recorded, flight))
@@ -102,7 +102,7 @@ def _checked(facts: FlightFacts, bag: Path) -> FlightFacts:
     try:
         check_model_name(facts.model)
         check_air(facts.air.partition(" without ")[0] or "none")
-        Options(facts.mode, facts.controller)
+        BlockChoices(facts.mode, facts.controller)
     except ValueError as unknown:
         raise ValueError(f"{bag}: {unknown}; an object of Python cannot be flown again by a bag") from unknown
     return facts

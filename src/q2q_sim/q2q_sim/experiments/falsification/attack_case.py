@@ -15,7 +15,7 @@ from q2q_model.documents.yaml_text import load_yaml
 from q2q_sim.experiments.campaign.campaign_flight import plain_document
 from q2q_sim.experiments.campaign.random_run import Run, fault_document
 from q2q_sim.faults.faults import Fault, earliest_start
-from q2q_sim.loop.flight_blocks import Options
+from q2q_sim.loop.flight_blocks import BlockChoices
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 DIGITS = (1, 2)
@@ -29,7 +29,7 @@ class AttackCase:
     seed: int
     violates: tuple[str, ...]
     """Policies that it violated when it was found."""
-    options: Options
+    options: BlockChoices
     scenario: Mapping[str, object]
     """Document of the scenario."""
 

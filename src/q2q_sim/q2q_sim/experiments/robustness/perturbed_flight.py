@@ -26,8 +26,8 @@ from q2q_sim.experiments.robustness.perturbations import (
     flown_room,
     with_faster_paths,
 )
-from q2q_sim.loop.closed_loop import FlightOptions, fly_blocks
-from q2q_sim.loop.flight_blocks import Mode, Options, blocks_of, ignore_accelerometers
+from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
+from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
@@ -68,12 +68,12 @@ def fly_perturbed(asked: PerturbedFlight) -> Errors:
     scenario = side_by_side([one], asked.draws)
     model = model_in(scenario, asked.air)
     mode: Mode = "aware" if asked.corrects else "ignoring"
-    choice = Options(mode, asked.controller, correct=asked.corrects)
+    choice = BlockChoices(mode, asked.controller, correct=asked.corrects)
     blocks = blocks_of(scenario, choice, believed_model(model, asked.perturbation), residual=REAL_FLIGHTS)
     if asked.perturbation.silent:
         blocks = replace(blocks, sense=ignore_accelerometers)
-    options = FlightOptions(mode, seed=asked.seed, air=find_air(asked.air))
-    flight = fly_blocks(flown_room(scenario, asked.perturbation), blocks, options)
+    settings = LoopSettings(mode, asked.seed, find_air(asked.air))
+    flight = fly_blocks(flown_room(scenario, asked.perturbation), blocks, settings)
     return draw_errors(flight, len(one.names))
 
 
