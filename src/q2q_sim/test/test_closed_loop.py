@@ -165,5 +165,5 @@ def test_a_flight_that_is_not_recorded_is_the_same_flight(mode: Mode) -> None:
     for k, (tick, answer) in enumerate(answered):
         np.testing.assert_array_equal(tick.truth.pos, recorded.true_pos[k])
         np.testing.assert_array_equal(answer.state.vel, recorded.vel[k])
-        np.testing.assert_array_equal(answer.given.pos, recorded.safe_pos[k])
+        np.testing.assert_array_equal(answer.reference_safe.pos, recorded.safe_pos[k])
         np.testing.assert_array_equal(answer.command.thrust, recorded.thrust[k])

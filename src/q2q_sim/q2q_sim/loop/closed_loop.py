@@ -76,8 +76,8 @@ class BlockSignals:
     """Signals with which the blocks answer the frame of a tick."""
 
     state: SwarmState
-    planned: SwarmSetpoint
-    given: SwarmSetpoint
+    reference: SwarmSetpoint
+    reference_safe: SwarmSetpoint
     """By the replanner."""
     command: SwarmCommand
 
@@ -145,20 +145,26 @@ def _blocks(scenario: Scenario, options: FlightOptions) -> Blocks:
 
 def _answer(blocks: Blocks, tick: Tick, state: SwarmState, downwash: Interference | None) -> BlockSignals:
     """Return the answer to a tick; without downwash, the controller ignores it."""
-    planned = setpoint_at(blocks.plan, tick.frame.t)
-    given = blocks.replanner.update(planned, state)
-    return BlockSignals(state, planned, given, blocks.controller.update(state, given, downwash))
+    reference = setpoint_at(blocks.plan, tick.frame.t)
+    reference_safe = blocks.replanner.update(reference, state)
+    return BlockSignals(
+        state, reference, reference_safe, blocks.controller.update(state, reference_safe, downwash)
+    )
 
 
 def _record(recording: FlightRecording, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
     number = tick.stamp_ns // TICK_NS
     recording.state(number, answer.state, downwash)
-    recording.setpoints(number, answer.planned, answer.given)
+    recording.setpoints(number, answer.reference, answer.reference_safe)
     recording.command(number, answer.command)
 
 
 def _report(on_signal: Listener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
     signals: dict[str, Signal] = {"mocap": tick.frame, "state": answer.state, "interference": downwash}
-    signals |= {"reference": answer.planned, "reference_safe": answer.given, "command": answer.command}
+    signals |= {
+        "reference": answer.reference,
+        "reference_safe": answer.reference_safe,
+        "command": answer.command,
+    }
     for topic, signal in signals.items():
         on_signal(topic, tick.stamp_ns, signal)

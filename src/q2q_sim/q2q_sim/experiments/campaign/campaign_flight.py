@@ -76,7 +76,7 @@ def fly_pure(run: Run) -> JudgedFlight:
     try:
         for tick, answer in answered_ticks(run.scenario, flight_options(run)):
             seen: tuple[Signal, ...] = (tick.truth, tick.truth_interference, tick.frame)
-            heard = (*seen, answer.state, answer.given, answer.command)
+            heard = (*seen, answer.state, answer.reference_safe, answer.command)
             for signals, one in zip(topics.values(), heard, strict=True):
                 signals.append(one)
         evidence = evidence_in_lockstep(topics)

@@ -163,7 +163,9 @@ def _flown(seed: int, scenario: Scenario, controller: str) -> _Flown:
     options = FlightOptions(controller=controller, replan="safe", seed=seed, model=known)
     ticks = [
         (given.t, tick.truth.pos, given.pos, np.stack((given.vel, given.acc), axis=-1), given.status)
-        for tick, given in ((tick, answer.given) for tick, answer in answered_ticks(scenario, options))
+        for tick, given in (
+            (tick, answer.reference_safe) for tick, answer in answered_ticks(scenario, options)
+        )
     ]
     t, true_pos, safe_pos, motion, status = (np.array(column) for column in zip(*ticks, strict=True))
     return _Flown(t, true_pos, safe_pos, motion, status == SetpointStatus.PROMISE_BROKEN)
