@@ -10,15 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.processes.preloaded_fork import say_in_a_line
+from q2q_sim.processes.fork_server import say_in_a_line
 
 NODES = 7
 ORPHAN = """
 import os
-from q2q_sim.processes.preloaded_fork import join_session
+from q2q_sim.processes.fork_server import join_session
 
 alive, held = os.pipe()
-if os.fork() == 0:  # the warm parent's part: it dies before its fork settles
+if os.fork() == 0:  # the fork server's part: it dies before its fork settles
     os.fork() and os._exit(0)
     os.close(held)
     os.read(alive, 1)
@@ -86,7 +86,7 @@ def children(parent: int) -> list[int]:
 
 
 def nodes_of(flight: subprocess.Popen[str]) -> list[int]:
-    """Return the process ids of a flight's nodes, children of its warm parent, once all are started."""
+    """Return the process ids of a flight's nodes, children of its fork server, once all are started."""
     while flight.poll() is None:
         families = [children(child) for child in children(flight.pid)]
         found = next((family for family in families if len(family) >= NODES), None)

@@ -33,9 +33,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _prepare(args: Namespace) -> Work:
     require_existing("flight", *(args.real or []))
-    from q2q_sim.processes.preloaded_fork import start_warm_parent
+    from q2q_sim.processes.fork_server import start_fork_server
 
-    start_warm_parent()  # it imports in parallel
+    start_fork_server()  # it imports in parallel
     if args.real is not None:
         from q2q_sim.tools import demo_real
 

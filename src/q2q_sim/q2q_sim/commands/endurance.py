@@ -31,9 +31,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if not args.minutes >= SHORTEST:
         raise ValueError(f"--minutes {args.minutes:g}: {SHORTEST:g} or more is allowed")
-    from q2q_sim.processes.preloaded_fork import start_warm_parent
+    from q2q_sim.processes.fork_server import start_fork_server
 
-    start_warm_parent()  # it imports in parallel
+    start_fork_server()  # it imports in parallel
     from q2q_sim.experiments.endurance.fly_endurance import run
 
     return run

@@ -41,10 +41,10 @@ def _prepare(args: Namespace) -> Work:
     if args.real:
         _check_replay(args)
     if not args.list:
-        from q2q_sim.processes.preloaded_fork import start_warm_parent
+        from q2q_sim.processes.fork_server import start_fork_server
 
         print(f"fly: {args.real or args.scenario}: starting", file=sys.stderr, flush=True)
-        start_warm_parent()  # it imports in parallel
+        start_fork_server()  # it imports in parallel
     from q2q_sim.tools.fly_scenario import run
 
     return run

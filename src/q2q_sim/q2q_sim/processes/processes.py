@@ -13,7 +13,7 @@ from typing import Self
 import yaml
 
 from q2q_model.tunable import ParameterValue
-from q2q_sim.processes.preloaded_fork import NodeStart, start_forked
+from q2q_sim.processes.fork_server import NodeStart, start_forked
 
 END_PATIENCE_S = 60.0
 """Time from the first SIGINT to SIGKILL [s]: a recorder of a busy machine writes what it still has."""

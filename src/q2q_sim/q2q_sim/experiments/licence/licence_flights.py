@@ -1,6 +1,6 @@
 """Licence of a program: its flight without faults, then, if that passes, with one fault each.
 
-Every flight has a process of its own, forked from the warm parent, which has imported the simulator. One tick
+Every flight has a process of its own, forked from the fork server, which has imported the simulator. One tick
 is rehearsed before all flights: compiling the kernels is no time of a program, and an air that cannot be
 flown in is refused.
 """
@@ -29,7 +29,7 @@ from q2q_sim.experiments.licence.program_flight import (
     received_log,
 )
 from q2q_sim.experiments.licence.trials import LicenceTrial
-from q2q_sim.processes.preloaded_fork import start_warm_parent
+from q2q_sim.processes.fork_server import start_fork_server
 from q2q_sim.sensors.range_finder import RoomBox
 
 MOST_VEHICLES = 15
@@ -165,8 +165,8 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
         AirError: the air does not exist, or cannot be flown in.
         ValueError: there are starts, but not one for each vehicle.
     """
-    start_warm_parent()
-    LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the warm parent imports
+    start_fork_server()
+    LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the fork server imports
     began = monotonic()
     until = began + options.budget
     nominal = _nominal(program, options, until)
@@ -243,7 +243,7 @@ class _Running:
 
 def fly_trials(orders: Sequence[FlightOrder], options: LicenceOptions, until: float) -> Iterator[FlownTrial]:
     """Yield the flights in the order of their ends; none starts after `until` (monotonic [s])."""
-    start_warm_parent()
+    start_fork_server()
     context = get_context("forkserver")
     waiting = list(orders)
     running: dict[Connection, _Running] = {}

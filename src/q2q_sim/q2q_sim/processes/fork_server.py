@@ -1,9 +1,9 @@
 """Start of nodes as forks of one process that has imported and run their code once.
 
-    this process --starts--> warm parent (q2q_sim.ros.warm_parent) --forks--> node, node, ...
+    this process --starts--> fork server (q2q_sim.ros.fork_server_preload) --forks--> node, node, ...
 
-The warm parent is Python's fork server: a separate process that never initialises ROS, so that it has no
-middleware threads, which would not survive a fork. It ends with this process, and the nodes with it.
+The fork server, of Python's multiprocessing, is a separate process that never initialises ROS, so that it has
+no middleware threads, which would not survive a fork. It ends with this process, and the nodes with it.
 """
 
 import os
@@ -19,10 +19,10 @@ from types import TracebackType
 
 from q2q_sim.processes.parent_death import live_with
 
-PARENT = "q2q_sim.ros.warm_parent"
+PRELOADED = "q2q_sim.ros.fork_server_preload"
 """Module that the fork server imports."""
 IMPORTER = os.getpid()
-"""Process that imported this module: in a node, which is a fork, its warm parent."""
+"""Process that imported this module: in a node, which is a fork, the fork server."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +34,16 @@ class NodeStart:
     command: Sequence[str]
     """Its command line."""
     environment: Mapping[str, str]
-    """Environment; variables read on import (NUMBA_CACHE_DIR) keep the warm parent's values."""
+    """Environment; variables read on import (NUMBA_CACHE_DIR) keep the fork server's values."""
     log: Path
     """File for its output."""
     cores: frozenset[int] = frozenset()
     """Allowed cores; empty is any."""
 
 
-def start_warm_parent() -> None:
-    """Start the warm parent unless it runs; it is ready some seconds later."""
-    forkserver.set_forkserver_preload([PARENT])
+def start_fork_server() -> None:
+    """Start the fork server unless it runs; it is ready some seconds later."""
+    forkserver.set_forkserver_preload([PRELOADED])
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # inherited: only this process handles Ctrl-C
     try:
         forkserver.ensure_running()
@@ -53,7 +53,7 @@ def start_warm_parent() -> None:
 
 def start_forked(start: NodeStart) -> BaseProcess:
     """Start a node and return its process."""
-    start_warm_parent()
+    start_fork_server()
     process = get_context("forkserver").Process(target=_become, args=(start,), daemon=True)
     process.start()
     return process
@@ -62,7 +62,7 @@ def start_forked(start: NodeStart) -> BaseProcess:
 def say_in_a_line(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
     """Report an uncaught exception; in one line, where the process that asks for forks was killed meanwhile.
 
-    The warm parent's excepthook: what such a fork should become can no longer be read (EOFError).
+    The fork server's excepthook: what such a fork should become can no longer be read (EOFError).
     """
     if isinstance(error, EOFError):
         print("the flight was killed while this node was starting", file=sys.stderr)
@@ -71,10 +71,10 @@ def say_in_a_line(kind: type[BaseException], error: BaseException, trace: Traceb
 
 
 def join_session(cores: frozenset[int]) -> None:
-    """Make this process a session of its own on its cores that ends with the warm parent.
+    """Make this process a session of its own on its cores that ends with the fork server.
 
     Raises:
-        SystemExit: the warm parent is already dead.
+        SystemExit: the fork server is already dead.
     """
     os.setsid()
     if cores:
@@ -85,7 +85,7 @@ def join_session(cores: frozenset[int]) -> None:
 def _become(start: NodeStart) -> None:
     sys.excepthook = sys.__excepthook__
     join_session(start.cores)
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the warm parent ignores it
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the fork server ignores it
     with start.log.open("wb") as log:
         for stream in (1, 2):
             os.dup2(log.fileno(), stream)

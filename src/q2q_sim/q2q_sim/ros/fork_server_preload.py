@@ -1,4 +1,4 @@
-"""Preloading of all code of a flight's nodes, for the parent process of q2q_sim.processes.preloaded_fork.
+"""Preloading of all code of a flight's nodes, for the fork server (q2q_sim.processes.fork_server).
 
 A few ticks of flight without ROS load the compiled code of every block. All objects are then frozen: the
 garbage collectors of forks skip them, so their memory stays shared.
@@ -10,8 +10,8 @@ from dataclasses import replace
 from importlib import import_module
 
 from q2q_model.node.lean_imports import lean_imports
+from q2q_sim.processes.fork_server import say_in_a_line
 from q2q_sim.processes.parent_death import die_with_parent
-from q2q_sim.processes.preloaded_fork import say_in_a_line
 from q2q_sim.scenarios.choices import CONTROLLERS
 
 NODES = ("bag_play_node", "bag_record_node", "simulator_node", "stack")
