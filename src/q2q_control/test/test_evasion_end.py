@@ -173,3 +173,29 @@ def test_who_is_found_again_is_evaded_while_a_replanned_setpoint_climbs_with_it(
     assert low.sum() > 100
     assert np.array(shift)[low].min() > 0.95 * REACH
     assert shift[-1] < 0.01
+
+
+def test_who_is_found_again_aside_and_led_back_is_not_shifted_twice() -> None:
+    """cf2 evades a lost one, is not measured itself for a moment, and its setpoint begins where it is."""
+    evasion, sent = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)])
+    for k in range(200):
+        evasion.update(setpoint_of(k * TICK, sent), state_of(sent), flown(2, 0), {})
+    aside = np.array([UPPER, (REACH, 0.0, 1.0)])
+    evasion.update(setpoint_of(2.0, sent), state_of(aside), flown(2, 0, 1), {})
+    for k in range(201, 400):
+        output = evasion.update(setpoint_of(k * TICK, sent), state_of(aside), flown(2, 0), {})
+        np.testing.assert_allclose(output.pos[1], aside[1], atol=0.1)
+
+
+@pytest.mark.parametrize(("to", "kept"), [(REACH, 0.0), (-REACH, REACH)])
+def test_a_setpoint_that_jumps_to_its_vehicle_ends_the_shift_and_no_other_jump_does(
+    to: float, kept: float
+) -> None:
+    """A replanner restarts the motion of a vehicle that is far from it; the lost one is at the origin."""
+    evasion, sent = DescentEvasion(), np.array([UPPER, (0.0, 0.0, 1.0)])
+    for k in range(300):
+        evasion.update(setpoint_of(k * TICK, sent), state_of(sent), flown(2, 0), {})
+    state = state_of(np.array([UPPER, (REACH, 0.0, 1.0)]))
+    sent[1, 0] = to
+    output = evasion.update(setpoint_of(3.0, sent), state, flown(2, 0), {})
+    assert output.pos[1, 0] - to == pytest.approx(kept, abs=0.01)

@@ -140,10 +140,12 @@ class DescentEvasion:
             shift = self._shifts.get(name)
             if shift is None:
                 continue
+            (x, y), (dx, dy) = setpoint.pos[row, :2].tolist(), (dt * setpoint.vel[row, :2]).tolist()
+            at = evaded[name][0] if name in evaded else (x, y)
+            shift.begin_at((x, y), (dx, dy), at)
             if name in unmeasured:
                 target, target_vel = shift.resting_place, np.zeros(2)
             else:
-                at = evaded[name][0] if name in evaded else tuple(setpoint.pos[row, :2].tolist())
                 target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], at, evaded)
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos

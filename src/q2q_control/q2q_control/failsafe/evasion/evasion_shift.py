@@ -9,6 +9,9 @@ where goal' counts while r approaches only: nothing that moves away is braked. B
 way of the vehicle to r keeps d_j from p_j, as it does past j. The shift of a vehicle that is not measured
 comes to rest, s'' = -w s': it would be lost at speed.
 
+A setpoint that jumps to where its vehicle is (rejoining, climb_back, a replanner that restarts its motion)
+contains the shift already: s and s' begin at 0 again. Kept, they would send the vehicle twice as far.
+
 | symbol | name | meaning [unit] |
 |---|---|---|
 | s | pos | horizontal shift of a setpoint [m], (2,) |
@@ -32,6 +35,8 @@ PACE = 3.0
 """80 % of the shift within 1 s, the time from level to landing, and for 0.6 m no more than 5.4 m/s^2."""
 AT_REST = 1e-3
 """Shift below which an evasion has ended [m]."""
+JUMP = 0.1
+"""Step of a setpoint, less its velocity, that is a jump [m]: a corner of a plan at 1 m/s in LONGEST_STEP."""
 
 
 @dataclass(slots=True)
@@ -44,6 +49,23 @@ class EvasionShift:
     """u for each vehicle that is evaded."""
     returning: set[str] = field(default_factory=set)
     """Those of them that are measured again."""
+    sent: Place | None = None
+    """Setpoint of the last tick, without the shift."""
+
+    def begin_at(self, sent: Place, step: Place, at: Place) -> None:
+        """Begin at 0 if the setpoint has jumped to where the vehicle is.
+
+        Args:
+            sent: setpoint [m].
+            step: by how much its velocity has moved it since the last tick [m].
+            at: where the vehicle is [m].
+        """
+        (x, y), (was_x, was_y), (dx, dy) = sent, self.sent or sent, step
+        self.sent = sent
+        sx, sy = self.pos.tolist()
+        jumped = math.hypot(x - was_x - dx, y - was_y - dy) > JUMP
+        if jumped and math.dist(sent, at) < math.dist((x + sx, y + sy), at):
+            self.pos, self.vel = np.zeros(2), np.zeros(2)
 
     def goal(
         self, pos: Array, vel: Array, at: Place, evaded: Mapping[str, tuple[Place, float]]
