@@ -199,3 +199,15 @@ def test_a_setpoint_that_jumps_to_its_vehicle_ends_the_shift_and_no_other_jump_d
     sent[1, 0] = to
     output = evasion.update(setpoint_of(3.0, sent), state, flown(2, 0), {})
     assert output.pos[1, 0] - to == pytest.approx(kept, abs=0.01)
+
+
+def test_who_is_led_back_from_beyond_the_lost_one_evades_on_that_side() -> None:
+    """cf2 evades along -x, has passed the lost one nevertheless, is lost itself, and found beyond it."""
+    evasion, sent = DescentEvasion(), np.array([UPPER, (-0.1, 0.0, 1.0)])
+    for k in range(30):
+        evasion.update(setpoint_of(k * TICK, sent), state_of(sent), flown(2, 0), {})
+    sent[1, 0], beyond = 1.2, np.array([UPPER, (0.4, 0.0, 1.0)])
+    evasion.update(setpoint_of(0.3, sent), state_of(beyond), flown(2, 0, 1), {})
+    for k in range(31, 200):
+        output = evasion.update(setpoint_of(k * TICK, sent), state_of(beyond), flown(2, 0), {})
+        assert output.pos[1, 0] > beyond[1, 0] - 0.01

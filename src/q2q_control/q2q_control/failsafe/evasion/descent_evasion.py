@@ -79,6 +79,7 @@ class DescentEvasion:
         setpoint, returning = self._climbs.update(setpoint, state, fallback)
         pos, rest = _places(state, {name: known[name] for name in blind if name in known})
         self._end(returning.union(blind).intersection(state.names))
+        self._begin_anew(setpoint, state.names, (pos[:, :2], rest), dt)
         sent, gone = _sent(setpoint, state.names, pos), index_of(state.names, blind) >= 0
         self._turn(returning, state, sent)
         reach = _distances(state.age, gone)
@@ -96,6 +97,27 @@ class DescentEvasion:
         """End the evasions of all but some vehicles."""
         for shift in self._shifts.values():
             shift.directions = {name: u for name, u in shift.directions.items() if name in evaded}
+
+    def _begin_anew(
+        self, setpoint: SwarmSetpoint, names: Names, places: tuple[Array, Array], dt: float
+    ) -> None:
+        """Begin the evasions again, in directions chosen anew, of vehicles to which their setpoints jump.
+
+        Args:
+            setpoint: reference of the tick.
+            names: of all vehicles.
+            places: their positions and where they come to rest [m], (n, 2) each.
+            dt: time since the last tick [s].
+        """
+        (xy, rest), evading = places, tuple(self._shifts)
+        rows = zip(evading, index_of(evading, setpoint.names), index_of(evading, names), strict=True)
+        for name, row, i in rows:
+            shift, sent, step = self._shifts[name], setpoint.pos[row, :2], dt * setpoint.vel[row, :2]
+            if min(row, i) < 0 or not shift.begin_at(sent, step, xy[i]):
+                continue
+            for other in shift.directions:
+                j = names.index(other)
+                shift.directions[other] = evasion_direction(xy, (i, j), rest[j], REACH)
 
     def _turn(self, back: frozenset[str], state: SwarmState, sent: Array) -> None:
         """Evade vehicles that are measured again where they are.
@@ -140,12 +162,10 @@ class DescentEvasion:
             shift = self._shifts.get(name)
             if shift is None:
                 continue
-            (x, y), (dx, dy) = setpoint.pos[row, :2].tolist(), (dt * setpoint.vel[row, :2]).tolist()
-            at = evaded[name][0] if name in evaded else (x, y)
-            shift.begin_at((x, y), (dx, dy), at)
             if name in unmeasured:
                 target, target_vel = shift.resting_place, np.zeros(2)
             else:
+                at = evaded[name][0] if name in evaded else tuple(setpoint.pos[row, :2].tolist())
                 target, target_vel = shift.goal(setpoint.pos[row], setpoint.vel[row], at, evaded)
             acc[row, :2] += shift.follow(target, target_vel, dt)
             pos[row, :2] += shift.pos

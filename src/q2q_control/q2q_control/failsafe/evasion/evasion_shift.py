@@ -52,20 +52,22 @@ class EvasionShift:
     sent: Place | None = None
     """Setpoint of the last tick, without the shift."""
 
-    def begin_at(self, sent: Place, step: Place, at: Place) -> None:
-        """Begin at 0 if the setpoint has jumped to where the vehicle is.
+    def begin_at(self, sent: Array, step: Array, at: Array) -> bool:
+        """Begin at 0 if the setpoint has jumped to where the vehicle is; return whether it has.
 
         Args:
-            sent: setpoint [m].
-            step: by how much its velocity has moved it since the last tick [m].
-            at: where the vehicle is [m].
+            sent: setpoint [m], (2,).
+            step: by how much its velocity has moved it since the last tick [m], (2,).
+            at: where the vehicle is [m], (2,).
         """
-        (x, y), (was_x, was_y), (dx, dy) = sent, self.sent or sent, step
-        self.sent = sent
-        sx, sy = self.pos.tolist()
+        (x, y), (dx, dy), (px, py), (sx, sy) = sent.tolist(), step.tolist(), at.tolist(), self.pos.tolist()
+        was_x, was_y = self.sent or (x, y)
+        self.sent = x, y
         jumped = math.hypot(x - was_x - dx, y - was_y - dy) > JUMP
-        if jumped and math.dist(sent, at) < math.dist((x + sx, y + sy), at):
+        begins = jumped and math.hypot(x - px, y - py) < math.hypot(x + sx - px, y + sy - py)
+        if begins:
             self.pos, self.vel = np.zeros(2), np.zeros(2)
+        return begins
 
     def goal(
         self, pos: Array, vel: Array, at: Place, evaded: Mapping[str, tuple[Place, float]]
