@@ -63,6 +63,7 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         name=name,
         motion=motion,
         samples=(),
+        gaps=~whole,
         measured=whole,
         clear=whole & rows_alone(motion.pos, ALONE),
         specific_force=np.broadcast_to([0.0, 0.0, GRAVITY], (*shape, 3)).copy(),

@@ -78,6 +78,14 @@ def test_of_a_vehicle_whose_thrust_is_never_logged_nothing_is_measured(flown: Re
     assert np.isfinite(record.thrust_ratio[:, 1]).all()
 
 
+def test_a_log_slower_than_that_of_the_force_is_told(flown: Recording) -> None:
+    slow = without(flown, "specific_force_body", slice(None, None, 2))
+    (record,), notes = air_records([slow], CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    assert record.measured[:, 0].mean() == 0.5
+    assert notes == ["pair: rows without thrust, acceleration or rates are gaps: 50% of cf1"]
+    assert not air_records([flown], CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)[1]
+
+
 def test_a_flight_without_an_accelerometer_is_measured_by_its_log(flown: Recording) -> None:
     assert record_of(without(flown, "specific_force_body", slice(None))).measured.all()
 

@@ -31,6 +31,8 @@ ALONE = 0.3
 """Horizontal distance to every neighbour in clear air [m]: the scoring rule's."""
 THRUST = "thrust_est"
 """Log column of the thrust by duty and voltage [N]."""
+MANY_GAPS = 0.1
+"""Share of a vehicle's rows that are gaps from which on that is told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +53,8 @@ class AirRecord:
     motion: Motion
     samples: tuple[PushSamples, ...]
     """Vertical downwash of each vehicle with enough rows in clear air."""
+    gaps: Mask
+    """Rows that lack a thrust, or an acceleration or rate of which the vehicle has others, (T, n)."""
     measured: Mask
     """Rows known by the scoring rule, without a saturated motor of this vehicle, at any height, (T, n)."""
     clear: Mask
@@ -112,9 +116,12 @@ def air_records(
 
 
 def _remarks(record: AirRecord, names: Names) -> list[str]:
-    """Return a remark on the vehicles without a usable row, if there are any."""
+    """Return remarks on the vehicles without a usable row, and on those with many gaps, if there are any."""
     idle = [name for name, rows in zip(names, record.measured.T, strict=True) if not rows.any()]
-    return [f"{record.name}: no usable row of {', '.join(idle)}"] if idle else []
+    shares = zip(names, record.gaps.mean(axis=0), strict=True)
+    gaps = [f"{share:.0%} of {name}" for name, share in shares if share >= MANY_GAPS and name not in idle]
+    told = {"no usable row of": idle, "rows without thrust, acceleration or rates are gaps:": gaps}
+    return [f"{record.name}: {what} {', '.join(found)}" for what, found in told.items() if found]
 
 
 def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
@@ -125,8 +132,8 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     command = first_order_lag(flight.thrust, t, lag)
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
     specific_force = rotate(flight.quat, flight.specific_force_body)
-    lost = ~np.isfinite(thrust) | _lost(specific_force) | _lost(flight.gyro_body)
-    pushes = replace(pushes, whole=pushes.whole & ~lost)
+    gaps = ~np.isfinite(thrust) | _lost(specific_force) | _lost(flight.gyro_body)
+    pushes = replace(pushes, whole=pushes.whole & ~gaps)
     thrust = _filled(t, thrust[..., None])[..., 0]
     measured: Mask = known_rows(pushes) & ~pushes.saturated
     clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, ALONE)
@@ -134,6 +141,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
         name=flight.name,
         motion=pushes.motion,
         samples=_samples(pushes),
+        gaps=gaps,
         measured=measured,
         clear=clear,
         specific_force=specific_force,
