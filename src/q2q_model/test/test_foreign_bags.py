@@ -45,6 +45,7 @@ float64 value
     + POSE
     + HEADER
 )
+POSE_STAMPED = "std_msgs/Header header\ngeometry_msgs/Pose pose\n" + POSE + HEADER
 SECOND_VERSION = "uint64 timestamp\nLatencyInfo[] latencies\n"
 TICKS = 20
 MS = 1_000_000
@@ -77,6 +78,9 @@ def _write_named(file: Path, kind: str = "NamedPoseArray", extra: str = "", numb
                 "poses": [{"name": f"cf{numbers[k]}", "pose": _pose(tick, k)} for k in seen],
             }
             writer.write_message("/poses", schema, message, log_time=tick, publish_time=tick)
+        alone = writer.register_msgdef("geometry_msgs/msg/PoseStamped", POSE_STAMPED)
+        message = {"header": {"stamp": {"sec": 1}, "frame_id": "world"}, "pose": _pose(0, 0)}
+        writer.write_message("/cf231/pose", alone, message, log_time=0, publish_time=0)
 
 
 @pytest.mark.parametrize(("kind", "extra"), [("NamedPoseArray", ""), ("NamedPoseArrayV2", SECOND_VERSION)])
@@ -100,9 +104,15 @@ def test_named_poses_of_both_versions_are_read_by_their_own_definition(tmp_path:
     ("mapped", "message"),
     [
         (TopicMap(poses="/poses", rename={"cf231": "cf232"}), "cf232 has poses from cf231 in /poses and"),
-        (TopicMap({"cf231": "/poses"}, "/poses"), "cf231 has poses from /poses and from cf231 in /poses"),
+        (
+            TopicMap({"cf231": "/cf231/pose"}, "/poses"),
+            "cf231 has poses from /cf231/pose and from cf231 in /",
+        ),
         (TopicMap(poses="/poses", rename={"cf2": "cf1"}), "rename has cf2, .*; names are cf231, cf232"),
-        (TopicMap({"cf1": "/poses"}, rename={"cf2": "cf1"}), "rename has cf2, .* the topic map has no poses"),
+        (
+            TopicMap({"cf1": "/cf231/pose"}, rename={"cf2": "cf1"}),
+            "rename has cf2, .* the topic map has no poses",
+        ),
     ],
 )
 def test_a_vehicle_with_two_sources_or_a_name_of_nobody_is_refused(
@@ -110,6 +120,24 @@ def test_a_vehicle_with_two_sources_or_a_name_of_nobody_is_refused(
 ):
     _write_named(tmp_path / "room.mcap")
     with pytest.raises(BagError, match=message):
+        read_mapped_flight(tmp_path / "room.mcap", mapped)
+
+
+@pytest.mark.parametrize(
+    ("mapped", "known"),
+    [
+        (
+            TopicMap({"cf231": "/poses"}),
+            "NamedPoseArray, .* known are PoseStamped, .*Array is read under poses",
+        ),
+        (TopicMap(poses="/cf231/pose"), "PoseStamped, which is not read here; known are NamedPoseArray,"),
+    ],
+)
+def test_poses_of_one_vehicle_and_of_all_are_not_taken_for_each_other(
+    tmp_path: Path, mapped: TopicMap, known: str
+) -> None:
+    _write_named(tmp_path / "room.mcap")
+    with pytest.raises(BagError, match=known):
         read_mapped_flight(tmp_path / "room.mcap", mapped)
 
 

@@ -117,12 +117,11 @@ def _tracks(
     source: Source, channels: dict[str, Channel], topic_map: TopicMap
 ) -> tuple[dict[str, Poses], list[str]]:
     """Return the poses of every vehicle, and remarks on those that a message has twice."""
-    known = (*POSES, *NAMED)
-    rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map, known)
+    rows = _rows_by_vehicle(source, channels, topic_map.vehicles, topic_map, tuple(POSES))
     named: dict[str, list[Row]] = {}
     twice: Counter[str] = Counter()
     if topic_map.poses:
-        for found in _messages(source, channels[topic_map.poses], topic_map, known):
+        for found in _messages(source, channels[topic_map.poses], topic_map, NAMED):
             twice.update(given_twice(name for name, _ in found))
             for name, row in _once(found):
                 named.setdefault(name, []).append(row)
@@ -167,9 +166,7 @@ def _rows_by_vehicle(
     known: Sequence[str],
 ) -> dict[str, list[Row]]:
     return {
-        vehicle: [
-            row for found in _messages(source, channels[topic], topic_map, known) for _, row in _once(found)
-        ]
+        vehicle: [row for found in _messages(source, channels[topic], topic_map, known) for _, row in found]
         for vehicle, topic in topics.items()
     }
 
@@ -198,9 +195,10 @@ def _messages(
     """Yield the poses of each message of a known type: name (empty for a topic of one vehicle) and row."""
     kind = channel.type_name.rsplit("/", 1)[-1]
     if kind not in known:
+        hint = f"; {kind} is read under poses" if kind in NAMED else ""
         raise BagError(
             f"topic {channel.topic} holds {channel.type_name}, which is not read here; known are "
-            f"{', '.join(known)}"
+            f"{', '.join(known)}{hint}"
         )
     decode = _decoder(source, channel)
     for message in source.read({channel.topic}):
