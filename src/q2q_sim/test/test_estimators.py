@@ -87,6 +87,16 @@ def test_rows_without_a_sample_are_neither_given_nor_compared() -> None:
     assert not given_samples(found, "100 Hz", 0)[501:519].any()
 
 
+def test_stamps_that_jitter_thin_no_samples_and_hide_no_hole() -> None:
+    whole = circle(missing=slice(500, 520)).flight
+    jitter = np.random.default_rng(1).uniform(-0.4, 0.4, len(whole.t)) * DT
+    jitter[0] = 0.4 * DT  # the times of the ticks are counted from here
+    found = recorded_motion(Recording(replace(whole, t=whole.t + jitter)))
+    expected = np.ones(len(found.seen), dtype=np.bool_)
+    expected[500:520] = False
+    np.testing.assert_array_equal(found.seen, expected)
+
+
 def test_cuts_take_what_they_say_and_begin_in_flight(motion: RecordedMotion) -> None:
     flying = slice(240, 1000)
     shares = {name: given_samples(motion, name, 3)[flying].mean() for name in CONDITIONS}

@@ -108,7 +108,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
         name=flight.name,
         pos=pos,
         quat=quat,
-        seen=np.abs(at - t[nearest_ticks(t, at)]) <= 0.5 * DT + ROUNDING,
+        seen=seen_ticks(t, at),
         flying=flying,
         body_quat=body,
         specific_force_body=rotate_inverse(normalised(before + body), felt),
@@ -138,6 +138,16 @@ def tilt_of(force: Array) -> Array:
     axis = np.cross(UP, direction)
     sine = float(np.linalg.norm(axis))
     return quat_from_vector(axis * (np.arctan2(sine, direction[2]) / sine if sine > 0.0 else 0.0))
+
+
+def seen_ticks(t: Array, at: Array) -> Mask:
+    """Return the ticks `at` with a sample of time `t` within half a tick, (T,).
+
+    Ticks are counted from the mean phase of all samples, as that of the first is off by its jitter.
+    """
+    phase = DT * float(np.angle(np.exp(2j * np.pi * (t - at[0]) / DT).mean())) / (2.0 * np.pi)
+    even = at + phase
+    return np.asarray(np.abs(even - t[nearest_ticks(t, even)]) <= 0.5 * DT + ROUNDING)
 
 
 def nearest_ticks(t: Array, at: Array) -> NDArray[np.intp]:
