@@ -73,6 +73,9 @@ def test_vehicles_whose_controller_is_cut_are_not_flown(step: Step, call: Call) 
     assert answer is not None
     assert not answer.granted
     assert answer.reason.startswith("the controller has cut cf2 (all/emergency")
+    assert (
+        "restart it; after a loss of measurements stamps that are set back by more than 1 s" in answer.reason
+    )
     bench.wait(2.0)
     assert bench.sent == []
 

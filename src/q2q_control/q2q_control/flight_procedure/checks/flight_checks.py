@@ -11,9 +11,14 @@ import numpy as np
 
 from q2q_control.flight_procedure.observation import Observation, VehicleReport
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
+from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Array
 
 AXES = "xyz"
+CUT_REMEDY = (
+    "(all/emergency, or without measurements): restart it; after a loss of measurements stamps that are set "
+    f"back by more than {SET_BACK_S:g} s do, too"
+)
 
 
 def connection_refusal(observation: Observation) -> str:
@@ -25,7 +30,7 @@ def connection_refusal(observation: Observation) -> str:
 def cut_refusal(observation: Observation) -> str:
     """Return whose motors the controller has cut; its commands carry them no more."""
     cut = ", ".join(observation.cut)
-    return f"the controller has cut {cut} (all/emergency, or without measurements): restart it" if cut else ""
+    return f"the controller has cut {cut} {CUT_REMEDY}" if cut else ""
 
 
 def take_off_refusal(observation: Observation, params: FlightProcedureParams, landing: LandingParams) -> str:
