@@ -36,6 +36,14 @@ UNFIT = (
 )
 """What pip says where a package does not go with the others or with this Python."""
 UNFITTING, ABSENT = "does not go with this Python's packages", "is not in the package index"
+WITHOUT_TORCH = {
+    RETRY.format("ReadTimeoutError(Read timed out.)")
+    + NO_VERSIONS: "could not be fetched for lack of a network",
+    NO_VERSIONS.replace("none", "2.11.0, 2.12.0"): "has no CPU build for this Python in the package indices",
+    "ERROR: ResolutionImpossible": UNFITTING,
+    "ERROR: THESE PACKAGES DO NOT MATCH THE HASHES": "could not be installed (see ",
+}
+"""What pip says where it cannot install torch, and what the set-up says of it."""
 WHOLE = (".venv/q2q/kept", "build/kept", "install/kept")
 
 
@@ -158,9 +166,9 @@ def test_machine_code_goes_where_nodes_look_for_it_once_for_each_folder(bare: Ch
     assert all(folder.is_dir() for folder in (own, chosen, relative))
 
 
-def without_cflib(lines: str) -> str:
-    """Return a pip that fails with these lines where cflib is asked for."""
-    return f"""case "$*" in *radio.txt*) printf '%s\\n' "{lines}"; exit 1 ;; esac"""
+def without(requirements: str, lines: str) -> str:
+    """Return a pip that fails with these lines where it is asked for some requirements."""
+    return f"""case "$*" in *{requirements}*) printf '%s\\n' "{lines}"; exit 1 ;; esac"""
 
 
 def test_cflib_is_asked_for_again_where_it_could_not_be_fetched(bare: Checkout) -> None:
@@ -169,7 +177,7 @@ def test_cflib_is_asked_for_again_where_it_could_not_be_fetched(bare: Checkout) 
     set_pip(bare, "exit 0")
     bare.setup()
     for lines, told in FAILURES.items():
-        set_pip_of_venv(bare, without_cflib(lines))
+        set_pip_of_venv(bare, without("radio.txt", lines))
         done = bare.setup("--dev")
         assert done.returncode == 1
         assert f"setup: error: {told}" in done.stderr
@@ -179,8 +187,22 @@ def test_cflib_is_asked_for_again_where_it_could_not_be_fetched(bare: Checkout) 
 @pytest.mark.parametrize(("lines", "why"), [*((one, UNFITTING) for one in UNFIT), (NO_VERSIONS, ABSENT)])
 def test_cflib_is_left_out_where_it_does_not_fit_or_is_absent(bare: Checkout, lines: str, why: str) -> None:
     stamp = bare.root / ".venv/q2q/dev"
-    set_pip(bare, without_cflib(lines))
+    set_pip(bare, without("radio.txt", lines))
     done = bare.setup("--dev")
     assert done.returncode == 0
     assert f"cflib {why}" in done.stderr
     assert stamp.read_text() != "incomplete\n"
+
+
+def test_a_set_up_without_torch_says_why(bare: Checkout) -> None:
+    """It said that no CPU build can be reached, whatever had failed."""
+    set_pip(bare, "exit 0")
+    bare.setup()
+    for lines, why in WITHOUT_TORCH.items():
+        set_pip_of_venv(bare, without("train.txt", lines))
+        done = bare.setup("--dev")
+        assert done.returncode == 0
+        assert f"setup: torch {why}" in done.stderr
+        (bare.root / ".venv/q2q/dev").unlink()
+    set_pip_of_venv(bare, without("train.txt", "ERROR: [Errno 28] No space left on device"))
+    assert "setup: error: the disk is full" in bare.setup("--dev").stderr

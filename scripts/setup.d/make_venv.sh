@@ -119,6 +119,22 @@ ensure_venv() {
   MAKING=
 }
 
+# Torch is left out where it cannot be had: only training needs it, and its index is another one.
+report_no_torch() {
+  local why
+  ! lacked_room || fail "torch could not be fetched"
+  if lacked_network; then
+    why="could not be fetched for lack of a network"
+  elif last_step | grep -q 'from versions:'; then
+    why="has no CPU build for this Python in the package indices"
+  elif packages_do_not_fit; then
+    why="does not go with this Python's packages"
+  else
+    why="could not be installed (see $LOG)"
+  fi
+  report "torch $why: training is off and its tests skip (to try again: rm .venv/q2q/dev)"
+}
+
 ensure_dev() {
   fresh dev "$(dev_hash)" && return
   report "step 2b of 3: packages of the tests and checks"
@@ -133,6 +149,6 @@ ensure_dev() {
   report "step 2c of 3: torch, CPU build"
   in_log pip_install -r "$ROOT/requirements/train.txt" ||
     in_log pip_install --extra-index-url https://download.pytorch.org/whl/cpu -r "$ROOT/requirements/train.txt" ||
-    report "no CPU build of torch can be reached: training is off and its tests skip (to try again: rm .venv/q2q/dev)"
+    report_no_torch
   stamp dev "$(dev_hash)"
 }
