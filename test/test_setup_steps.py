@@ -153,6 +153,25 @@ def test_without_a_network_an_update_leaves_the_set_up_of_the_files_before(bare:
     assert (again.returncode, again.stderr) == (0, "")
 
 
+def test_what_is_built_of_a_package_goes_with_its_sources(bare: Checkout) -> None:
+    """`ros2 pkg list` had it, and `ros2 run` started what no longer was there."""
+    marks = "install/$p/share/colcon-core/packages"
+    make = f"mkdir -p build/numba install/own build/$p {marks} && touch {marks}/$p"
+    colcon = f"""case "$*" in
+      *" list "*) cat listed ;;
+      *) {BUILT}; for p in $(cat listed); do {make}; done ;;
+    esac"""
+    set_pip(bare, "exit 0", colcon)
+    left = []
+    for listed in ("toy q2q_sim", "q2q_sim", ""):
+        (bare.root / "listed").write_text("\n".join([*listed.split(), ""]))
+        (bare.root / ".venv/q2q/build").unlink(missing_ok=True)
+        assert bare.setup().returncode == 0
+        left.append({f"{one.parent.name}/{one.name}" for one in bare.root.glob("[bi]*/*/")})
+    both = {"build/numba", "install/own", "build/q2q_sim", "install/q2q_sim"}
+    assert left == [both | {"build/toy", "install/toy"}, both, both]
+
+
 def test_machine_code_goes_where_nodes_look_for_it_once_for_each_folder(bare: Checkout) -> None:
     """A folder that the user chose stayed empty: nodes compiled in flight. One made another's stale."""
     set_pip(bare, "exit 0")

@@ -33,6 +33,17 @@ colcon_build() (
     --event-handlers desktop_notification- --cmake-args "${generator[@]}" "-DPython3_EXECUTABLE=$VENV/bin/python"
 )
 
+# Remove what was built of packages that src/ no longer has: ros2 would still list them.
+drop_gone_packages() {
+  local listed name
+  listed=$(cd "$ROOT" && "$VENV/bin/python" -m colcon --log-base /dev/null list --names-only --base-paths src 2>/dev/null)
+  [ -n "$listed" ] || return
+  for name in "$ROOT"/install/*/share/colcon-core/packages/*; do
+    name=${name##*/}
+    grep -qxF -- "$name" <<<"$listed" || rm -rf -- "$ROOT/install/$name" "$ROOT/build/$name"
+  done
+}
+
 ensure_build() {
   fresh build "$(build_hash)" && [ -f "$ROOT/install/local_setup.bash" ] && return
   report "step 3 of 3: colcon build of src/"
@@ -40,6 +51,7 @@ ensure_build() {
   begin build
   logged "colcon build failed" colcon_build
   "$VENV/bin/python" -I -S "$ROOT/scripts/setup.d/console_scripts.py" "$ROOT"
+  drop_gone_packages
   drop_replaced
   stamp build "$(build_hash)"
   MAKING=
