@@ -19,7 +19,7 @@ from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
 from q2q_model.node.claim import claim
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
-from q2q_model.vehicle.vehicle_uri import canonical_uri
+from q2q_model.vehicle.vehicle_uri import resolved_uri
 
 if TYPE_CHECKING:
     from cflib.crazyflie import Crazyflie
@@ -73,7 +73,7 @@ class CflibLink:
         self._params = dict(firmware_params)
         self._required = dict(firmware_params)
         self._crazyflie = _crazyflie(cache)
-        self._claim = claim(canonical_uri(uri))
+        self._claim = claim(resolved_uri(uri))
         self._known = _Known()
         self._pings = PingShare()
         self._counts_pings = uri.startswith("udp://")  # its driver reports no quality
