@@ -45,7 +45,8 @@ def test_the_faults_of_a_run_are_reported_with_their_units(tmp_path: Path):
     assert message in (tmp_path / "7.html").read_text()
 
 
-def test_a_run_that_crashed_at_once_has_no_replay(tmp_path: Path):
+def test_a_run_that_crashed_at_once_has_no_replay_nor_that_of_an_earlier_run(tmp_path: Path):
+    (tmp_path / "7.html").write_text("an earlier run")
     write_replay(tmp_path / "7.html", library.load("table6"), {}, [replace(TILTED, t=float("nan"))])
     assert not (tmp_path / "7.html").exists()
 

@@ -20,7 +20,11 @@ def write_replay(
     topics: Mapping[str, Sequence[Signal]],
     violations: Sequence[Violation],
 ) -> None:
-    """Write the replay of a run with its violations marked; nothing if it ended before it can be replayed."""
+    """Write the replay of a run with its violations marked; none if it ended before it can be replayed.
+
+    A page of that name of an earlier run goes.
+    """
+    file.unlink(missing_ok=True)
     try:
         flight = flight_from_signals(file.stem, topics).flight
         run = replay_run(flight, scenario.vehicle, scenario.name)
