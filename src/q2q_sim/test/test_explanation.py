@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from q2q_model.bag import FlightFacts, read_flight
-from q2q_sim.bag_topics.scenario_facts import flown_scenario
+from q2q_sim.bag_topics.scenario_facts import flown_scenario, scenario_facts
 from q2q_sim.commands.explain import main
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure, keep_run
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
@@ -265,6 +265,14 @@ def test_a_scenario_is_that_of_the_metadata() -> None:
     assert (without.air, without.air_without) == ("room", ("residual", "wind"))
     for stated, length in (("", 40.0), ("47.5", 47.5), ("0.5", 0.5)):  # without one, that of the scenario
         assert flown_scenario(replace(facts, duration=stated), Path()).duration == length
+
+
+@pytest.mark.parametrize(
+    ("duration", "text"), [(36.0, "36"), (1234.5678, "1234.5678"), (0.1234567, "0.1234567")]
+)
+def test_the_duration_of_a_flight_is_in_its_metadata_to_the_last_digit(duration: float, text: str) -> None:
+    facts = scenario_facts(replace(library.load("stack3"), duration=duration), Options(), 0)
+    assert facts.duration == text
 
 
 @pytest.mark.parametrize(("left", "faults", "gusts", "first"), [

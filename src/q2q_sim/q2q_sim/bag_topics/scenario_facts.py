@@ -26,7 +26,7 @@ def scenario_facts(scenario: Scenario, options: BlockChoices, seed: int, name: s
         wake="" if scenario.air else scenario.wake,
         air=air_description(scenario),
         seed=str(seed),
-        duration=f"{scenario.duration:g}",
+        duration=repr(scenario.duration).removesuffix(".0"),
     )
 
 
