@@ -1,13 +1,15 @@
 """Reach of a vehicle: a free fall, a climb at full thrust, and jumps, against their closed forms."""
 
 import math
+import struct
 
 import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
-from q2q_sim.crtp.packets.packet import Packet, datagram_of, packet_of
+from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.ports import memory
 from q2q_sim.experiments.licence.client_commands.client_command import client_command
 from q2q_sim.experiments.licence.client_commands.plan_reach import beyond_reach, reach_violation
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
@@ -141,6 +143,24 @@ def test_a_trajectory_that_is_started_during_its_upload_is_told():
     assert impossible(pilot, other) == ""  # before its first piece
     pilot.fly(4.1)
     assert impossible(pilot, written[0]) == ""  # it is over
+
+
+def test_a_change_of_a_compressed_trajectory_that_is_flown_is_told():
+    """One segment of 2 s that rises by two control points on x, and its end mark: 8 + 3 + 3 * 2 + 3 bytes."""
+    packed = struct.pack("<4hBH3hBH", 200, 0, 1000, 0, 0b10, 2000, 200, 210, 220, 0, 0)
+    pilot, at = hovering(1.0), 100  # at x = 0.2
+
+    def write(place: int, content: bytes) -> Packet:
+        return Packet(Port.MEMORY, memory.WRITE, struct.pack("<BI", 0, place) + content)
+
+    for packet in (write(at, packed), Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBIB", 6, 3, 1, 1, at, 1))):
+        assert not impossible(pilot, packet)
+    assert not impossible(pilot, server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
+    changes = "a change of the trajectory that it flies"
+    writes = {at - 1: "", at: changes, at + len(packed) - 1: changes, at + len(packed): ""}
+    assert {place: impossible(pilot, write(place, b"\0")) for place in writes} == writes
+    pilot.fly(2.1)
+    assert impossible(pilot, write(at, b"\0")) == ""  # it is over
 
 
 @pytest.mark.parametrize("arrived", range(6))

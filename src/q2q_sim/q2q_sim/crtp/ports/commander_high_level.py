@@ -28,7 +28,7 @@ import numpy as np
 
 from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
-from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
+from q2q_sim.firmware.commander.compressed_pieces import compressed_bytes, compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Piece
@@ -143,8 +143,8 @@ def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool
     pieces = () if compressed and (scale != 1.0 or how[2]) else _uploaded(firmware.uploads.memory, one)
     if not pieces:
         return PlannerAnswer.UNKNOWN
-    where = None if compressed else one
-    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2], uploaded=where)
+    stored = _stored(firmware.uploads.memory, one)
+    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2], stored=stored)
     return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1] and not compressed)
 
 
@@ -155,10 +155,17 @@ def _uploaded(memory: bytearray, one: Uploaded) -> tuple[Piece, ...]:
             return compressed_pieces(memory, one.offset)
         except ValueError:
             return ()
-    end = one.offset + one.pieces * PIECE_BYTES
-    if end > TRAJECTORY_BYTES:
+    stored = _stored(memory, one)
+    if stored.stop > TRAJECTORY_BYTES:
         return ()
-    return tuple(_piece(memory, at) for at in range(one.offset, end, PIECE_BYTES))
+    return tuple(_piece(memory, at) for at in stored[::PIECE_BYTES])
+
+
+def _stored(memory: bytearray, one: Uploaded) -> range:
+    """Return the bytes of an uploaded trajectory, which may leave the memory unless it is compressed."""
+    if one.kind == COMPRESSED:
+        return compressed_bytes(memory, one.offset)
+    return range(one.offset, one.offset + one.pieces * PIECE_BYTES)
 
 
 def _piece(memory: bytearray, at: int) -> Piece:

@@ -33,6 +33,17 @@ def compressed_pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
         raise ValueError(f"the trajectory at byte {at} has no end in the memory") from error
 
 
+def compressed_bytes(memory: bytes | bytearray, at: int) -> range:
+    """Return the bytes of the trajectory at an offset, which has an end in the memory."""
+    end = at + _START.size
+    while True:
+        types, milliseconds = _HEAD.unpack_from(memory, end)
+        end += _HEAD.size
+        if not milliseconds:
+            return range(at, end)
+        end += 2 * sum(POINTS[types >> 2 * axis & 3] for axis in range(4))
+
+
 def _pieces(memory: bytes | bytearray, at: int) -> tuple[Piece, ...]:
     here = [unit * value for unit, value in zip(SCALE, _START.unpack_from(memory, at), strict=True)]
     at, start = at + _START.size, goal_at_rest(np.array(here[:3]), here[3])

@@ -10,7 +10,6 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, cos_sin, goal_at, goal_at_rest
-from q2q_sim.firmware.parameters.uploads import Uploaded
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +26,8 @@ class Piecewise:
     """Added to every position [m], world."""
     turn: float = 0.0
     """Rotation about the world's z before the shift [rad]; forwards only."""
-    uploaded: Uploaded | None = None
-    """Where its pieces were in the memory; None if they were not uploaded, or compressed."""
+    stored: range | None = None
+    """Bytes of the trajectory memory with its pieces; None if they were not uploaded."""
 
     @property
     def duration(self) -> float:

@@ -5,7 +5,6 @@ The firmware starts whatever its memory holds: nothing, the pieces that have arr
 
 import struct
 
-from q2q_sim.crtp.ports.commander_high_level import PIECE_BYTES
 from q2q_sim.firmware.commander.planner import MOVING
 from q2q_sim.firmware.firmware import Firmware
 
@@ -31,12 +30,11 @@ def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
     """Return that a packet to the memory has changed the trajectory that is flown; or nothing."""
     planner = firmware.planner
     plan = planner.trajectory
-    if plan is None or plan.uploaded is None:
+    if plan is None or plan.stored is None:
         return ""
     if planner.state not in MOVING or planner.finished(firmware.seconds):
         return ""
     memory, at = _PLACE.unpack_from(data)
-    begin, end = plan.uploaded.offset, plan.uploaded.offset + plan.uploaded.pieces * PIECE_BYTES
-    overlaps = at < end and at + len(data) - _PLACE.size > begin
+    overlaps = at < plan.stored.stop and at + len(data) - _PLACE.size > plan.stored.start
     changes = "a change of the trajectory that it flies"
     return changes if memory == TRAJECTORIES and overlaps else ""
