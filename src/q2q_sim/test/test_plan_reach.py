@@ -59,7 +59,7 @@ def test_a_short_step_a_quick_one_and_a_jump_are_told_apart():
         assert jumps == "a trajectory that jumps by 1.00 m between two pieces"
     assert refusal(second, rest_to_rest(1.0, 0.0, 0.0, 2.0)) == ""
     nothing = Piece(2.0, np.full((4, 8), math.nan))
-    assert refusal(nothing, nothing) == ""
+    assert refusal(nothing, nothing).startswith("a place that is not finite")
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0])
@@ -107,6 +107,21 @@ def test_commands_in_zero_seconds_are_told_by_how_far_they_take_the_goal():
     assert impossible(pilot, go(0.0, 0.5, relative=True)).startswith("a place that is 0.50 m farther")
     pilot.fly(0.02)  # the goal is there now, the vehicle is not
     assert impossible(pilot, go(0.0, 0.0, relative=True)) == ""
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        struct.pack("<BBBB5f", 12, 0, 0, 1, 0.2, 0.0, 1.5, 0.0, 0.0),  # go_to, linear
+        struct.pack("<BBBB5f", 11, 0, 0, 0, 1.0, 0.5, 0.5, 0.0, 0.0),  # spiral
+    ],
+)
+def test_a_line_and_a_spiral_in_zero_seconds_have_no_place(content: bytes):
+    pilot = hovering(1.0)
+    told = "a place that is not finite, as that of a line or a spiral in 0 s is: it drops the plan"
+    assert impossible(pilot, Packet(Port.HIGH_LEVEL, 0, content)) == told
+    pilot.fly(0.01)
+    assert pilot.firmware().planner.state == PlanState.DISABLED
 
 
 def test_a_take_off_in_zero_seconds_is_a_jump_and_a_landing_in_zero_seconds_stops_the_motors(grounded: Pilot):

@@ -7,10 +7,11 @@ ball
 
 so that a piece whose end is outside leaves the vehicle behind by the difference at least, whatever the
 controller. Between two pieces T is 0: a trajectory must not jump, nor begin away from the goal before it. A
-plan of 0 s or less is its end at once.
+plan of 0 s or less is its end at once, but that of a line or a spiral, whose speeds are infinite, has none.
 """
 
 from itertools import pairwise
+from math import isfinite
 
 import numpy as np
 
@@ -35,6 +36,8 @@ def reach_violation(plan: Piecewise, here: Array, vehicle: Vehicle) -> str:
     if jump > BEHIND:
         return f"a trajectory that jumps by {jump:.2f} m between two pieces"
     away = _away(plan, here)
+    if not isfinite(away):
+        return "a place that is not finite, as that of a line or a spiral in 0 s is: it drops the plan"
     if plan.duration > 0.0 and away > BEHIND:
         return f"a trajectory that begins {away:.2f} m from where it is"
     behind = _behind(plan, here, vehicle)
