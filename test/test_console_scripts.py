@@ -51,3 +51,32 @@ def test_scripts_whose_entry_points_are_gone_go_and_others_stay(workspace: Path)
     assert build(workspace) == {}
     foreign = {path.name: path.read_bytes() for path in (workspace / "install/toy/lib/toy").iterdir()}
     assert foreign == FOREIGN
+
+
+CTRL_C = "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n"
+"""What a program does whom somebody interrupts."""
+
+
+@pytest.mark.parametrize(
+    ("module", "ignoring", "ended"),
+    [
+        (f"{CTRL_C}print('imported')", "", (130, "", False)),
+        (f"{CTRL_C}def main():\n    print('began')", "trap '' INT; ", (0, "began\n", False)),
+        (f"def main():\n    print('began', flush=True)\n    exec({CTRL_C!r})", "", (-2, "began\n", True)),
+    ],
+)
+def test_a_program_interrupted_in_its_imports_ends_without_a_traceback(
+    workspace: Path, module: str, ignoring: str, ended: tuple[int, str, bool]
+) -> None:
+    """Not where its shell ignores interrupts, and once it has begun as Python does, by KeyboardInterrupt."""
+    build(workspace, where="where:main")
+    (workspace / "where.py").write_text(module)
+    script = workspace / "install/toy/lib/toy/where"
+    done = subprocess.run(
+        ["sh", "-c", f'{ignoring}exec "$0" "$1"', sys.executable, script],
+        env={"PYTHONPATH": str(workspace)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, "KeyboardInterrupt" in done.stderr) == ended

@@ -13,13 +13,21 @@ MADE_BY_SETUPTOOLS = "load_entry_point"
 MADE_HERE = '"""Start {}\'s '
 LONGEST = 120
 """Longest path of an interpreter that every kernel takes from a first line."""
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
 SCRIPT = '''{first}
 """Start {package}'s {name}."""
 
+import os
+import signal
 import sys
 
+handler = signal.getsignal(signal.SIGINT)
+if handler is signal.default_int_handler:
+    signal.signal(signal.SIGINT, lambda *_: os._exit({interrupted}))  # a traceback of imports says nothing
 from {module} import {function}
 
+signal.signal(signal.SIGINT, handler)
 if __name__ == "__main__":
     sys.exit({function}())
 '''
@@ -47,7 +55,12 @@ def rewrite(root: Path, python: str) -> None:
 
 def _script(first: str, package: str, entry: EntryPoint) -> str:
     return SCRIPT.format(
-        first=first, package=package, name=entry.name, module=entry.module, function=entry.attr
+        first=first,
+        package=package,
+        name=entry.name,
+        module=entry.module,
+        function=entry.attr,
+        interrupted=INTERRUPTED,
     )
 
 
