@@ -16,7 +16,7 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.node.health import Health
-from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, trouble_log
+from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, warning_log
 from q2q_model.ros.node.input_warnings import (
     FRAMES,
     AbsentNames,
@@ -127,7 +127,7 @@ def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: N
 
 def test_names_that_change_for_ever_are_reported_once_with_the_parameter_to_set(node: Node) -> None:
     block, health = MocapFilter(MocapFilterParams(), ()), Health()
-    log = trouble_log(node, health, block)
+    log = warning_log(node, health, block)
     for tick in range(100):
         log(0, block.update(level(0.01 * tick, "cf1", f"m{tick}")))
     assert warnings(node).count(CHANGING_NAMES) == 1

@@ -20,8 +20,8 @@ from q2q_model.identification.push.push_samples import (
     known_rows,
     pooled_score,
     push_samples,
-    remark_on_unmeasured,
     score,
+    unmeasured_note,
 )
 from q2q_model.identification.push.recorded_push import (
     LOG_MASS,
@@ -156,9 +156,9 @@ def test_a_vehicle_that_is_away_spoils_no_row_of_others():
     brief[100:250, 2] = False  # 1.5 s: a gap, in which it may be anywhere
     gap = known_rows(replace(joined, whole=brief))
     np.testing.assert_array_equal(gap[:, 0], brief[:, 2])
-    assert remark_on_unmeasured(joined) == ""
+    assert unmeasured_note(joined) == ""
     never = replace(joined, whole=np.concatenate([made.whole, np.zeros((1000, 1), dtype=bool)], axis=1))
-    assert remark_on_unmeasured(never) == "made: nothing was measured of c"
+    assert unmeasured_note(never) == "made: nothing was measured of c"
     assert push_samples(never)[0].usable.sum() == 600
 
 

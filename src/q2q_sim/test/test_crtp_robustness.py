@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_sim.crtp.client_troubles import ClientTroubles
+from q2q_sim.crtp.client_warnings import ClientWarnings
 from q2q_sim.crtp.packets.packet import MAX_DATA, MalformedError, Packet, datagram_of, is_stream, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
@@ -108,19 +108,19 @@ def test_a_silent_client_is_forgotten_and_many_clients_do_not_pile_up(grounded: 
 def test_what_vehicles_refuse_is_reported_with_its_count_and_cause_until_they_refuse_no_more() -> None:
     pilot = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]))
     one, other = pilot.fleet.vehicles
-    troubles = ClientTroubles(pilot.fleet.vehicles)
-    assert troubles.look() == ""
+    warnings = ClientWarnings(pilot.fleet.vehicles)
+    assert warnings.look() == ""
     for bad in (b"\x7c\x03" + bytes(16), b"\xac\x00"):
         one.handle(bad)
     for client in range(MOST_CLIENTS + 3):
         other.handle(b"\xfc", client)
     refused = f"CRTP of {one.name}: packets refused: 2 (port 10: not served)"
     displaced = f"CRTP of {other.name}: clients displaced: 3 (at most 8: stop the others)"
-    assert troubles.look() == f"{refused}; {displaced}"
+    assert warnings.look() == f"{refused}; {displaced}"
     one.handle(b"\xfc")
-    assert troubles.look() == ""
+    assert warnings.look() == ""
     one.handle(b"\xac\x00")
-    assert troubles.look() == refused.replace("2", "1")
+    assert warnings.look() == refused.replace("2", "1")
     assert other.refusals.count == 0  # its packets were taken
 
 

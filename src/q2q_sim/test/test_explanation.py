@@ -17,12 +17,12 @@ from q2q_sim.experiments.explanation.accidents import INJECTIONS, ordinary_fligh
 from q2q_sim.experiments.explanation.causes import CAUSES, FAULTS, present_causes, without_causes
 from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation, ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_page import write_page
-from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
+from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
 from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.experiments.explanation.loss import LOST, Loss, largest_loss
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase, recorded_case
-from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
+from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_text
 from q2q_sim.experiments.explanation.shapley import orders_of, shapley_shares, standard_error
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.flight_blocks import BlockChoices
@@ -147,7 +147,7 @@ def test_first_causes_of_accidents_are_named_first() -> None:
     assert isinstance(total, dict)
     assert (total["accidents"], total["named_first"], total["mistaken"]) == (2, 2, [])
     wrong = replace(found[0], named="wind", first="control")
-    assert score_words([*found, wrong]) == "first cause named first in 2 of 3 accidents (67%)"
+    assert score_text([*found, wrong]) == "first cause named first in 2 of 3 accidents (67%)"
 
 
 def test_shares_and_rest_add_up_to_the_loss_and_other_seeds_widen_the_intervals() -> None:

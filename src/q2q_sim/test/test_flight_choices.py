@@ -7,7 +7,7 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.commands.fly import main, parser
 from q2q_sim.scenarios import library
-from q2q_sim.tools.fly_scenario import request_of, scenario_remarks, vehicle_change
+from q2q_sim.tools.fly_scenario import request_of, scenario_notes, vehicle_change
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_another_vehicle_is_told_from_the_same_one_on_another_firmware():
 
 
 @pytest.mark.parametrize(
-    ("lines", "words", "remarks"),
+    ("lines", "words", "notes"),
     [
         ("wake: measured", [], ["wake: measured is replaced by air: room"]),
         (
@@ -65,8 +65,8 @@ def test_another_vehicle_is_told_from_the_same_one_on_another_firmware():
     ],
 )
 def test_what_the_files_own_air_replaces_is_told_and_what_a_choice_replaces_is_not(
-    lines: str, words: list[str], remarks: list[str], tmp_path: Path
+    lines: str, words: list[str], notes: list[str], tmp_path: Path
 ) -> None:
     file = tmp_path / "both.yaml"
     file.write_text(f"{lines}\nair: room\nvehicles: {{cf1: [{{pos: [0, 0, 1]}}, {{pos: [0, 1, 1]}}]}}\n")
-    assert scenario_remarks(request_of(parser().parse_args([str(file), *words]))) == remarks
+    assert scenario_notes(request_of(parser().parse_args([str(file), *words]))) == notes

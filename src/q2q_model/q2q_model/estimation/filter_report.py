@@ -6,7 +6,7 @@ from typing import NamedTuple
 from q2q_model.signals.values import Names
 
 
-class FrameTrouble(NamedTuple):
+class FrameWarnings(NamedTuple):
     """Vehicles of which a frame was wrong, or said nothing."""
 
     exchanged: Names = ()

@@ -29,7 +29,7 @@ import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
-from q2q_model.estimation.filter_report import FilterReport, FrameTrouble
+from q2q_model.estimation.filter_report import FilterReport, FrameWarnings
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
 from q2q_model.estimation.nominal_frame import (
     POSE_WIDTH,
@@ -81,9 +81,9 @@ class MocapFilter:
         return FilterReport(**self._counts)
 
     @property
-    def trouble(self) -> FrameTrouble:
+    def warnings(self) -> FrameWarnings:
         """Return the vehicles of which the last frame was wrong."""
-        return FrameTrouble(*map(self._named, self._wrong))
+        return FrameWarnings(*map(self._named, self._wrong))
 
     @property
     def refuses_names(self) -> bool:

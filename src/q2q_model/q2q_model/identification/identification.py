@@ -32,8 +32,8 @@ from q2q_model.identification.selection.candidates import (
     Trial,
     candidates,
     fit_best,
+    network_notes,
     parameter_intervals,
-    remarks_on_networks,
     score_candidates,
     with_deviation,
 )
@@ -101,7 +101,7 @@ def identify(
     evidence = [DownwashEvidence(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
     decay, no_decay = _decay(records)
-    omitted = remarks_on_networks(params.model_type, evidence)
+    omitted = network_notes(params.model_type, evidence)
     tried = candidates(params.model_type, evidence, loop)
     trials, failed = score_candidates(tried, evidence, loop, on_step)
     on_step("final fit")

@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from q2q_model.estimation.mocap_filter import LOST_MOST, MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.estimation.mocap_troubles import MocapTroubles
+from q2q_model.estimation.mocap_warnings import MocapWarnings
 from q2q_model.node.health import Health
 from q2q_model.ros.node.input_warnings import StalledStampWarning, warn_of_unknown_names
 from q2q_model.ros.node.node_parameters import declare
@@ -53,7 +53,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
         lambda: {f"mocap_{name}": str(count) for name, count in asdict(block.report).items()}
     )
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
-    wiring.after_publish(trouble_log(node, wiring.health, block))
+    wiring.after_publish(warning_log(node, wiring.health, block))
     wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
     wiring.listen("mocap", StalledStampWarning(node, "mocap").look)
@@ -61,14 +61,14 @@ def build(node: Node) -> TickWiring[SwarmState]:
     return wiring
 
 
-def trouble_log(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
+def warning_log(node: Node, health: Health, block: MocapFilter) -> Callable[[int, SwarmState], None]:
     """Return a listener that logs, and keeps in `health`, what motion capture gets wrong."""
-    troubles = MocapTroubles()
+    warnings = MocapWarnings()
 
     def log(_: int, state: SwarmState) -> None:
-        if line := troubles.take(state.t, block.trouble):
+        if line := warnings.take(state.t, block.warnings):
             node.get_logger().warning(line)
-        health.doubts["mocap"] = troubles.text
+        health.doubts["mocap"] = warnings.text
         health.doubts["names"] = CHANGING_NAMES if block.refuses_names else ""
         if block.refuses_names:
             node.get_logger().warning(CHANGING_NAMES, once=True)

@@ -13,8 +13,8 @@ from q2q_model.identification.push.push_samples import (
     PushSamples,
     PushScore,
     push_samples,
-    remark_on_unmeasured,
     score,
+    unmeasured_note,
 )
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
@@ -61,8 +61,8 @@ def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, lis
         record = push_record(one, vehicle, vehicle.thrust_lag)
         if record is None:
             print(f"evaluate: {one.flight.name} has no measured push: not scored", file=sys.stderr)
-        elif remark := remark_on_unmeasured(record):
-            print(f"evaluate: {remark}", file=sys.stderr)
+        elif note := unmeasured_note(record):
+            print(f"evaluate: {note}", file=sys.stderr)
         measured = measured or record is not None
         found[one.flight.name] = [] if record is None else push_samples(record)
     if not measured:

@@ -19,7 +19,7 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.setpoint_troubles import SetpointTroubles
+from q2q_planner.online.setpoint_warnings import SetpointWarnings
 
 SAFE = "safe"
 PREFIX = f"{SAFE}."
@@ -44,7 +44,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         node, {"reference": SwarmSetpoint, "state": SwarmState}, ("reference_safe", SwarmSetpoint)
     )
     wiring.rehearse(block.update, block.reset)
-    wiring.after_publish(_trouble_log(node, wiring.health))
+    wiring.after_publish(_warning_log(node, wiring.health))
     wiring.start(block.update)
     return wiring
 
@@ -61,14 +61,14 @@ def _block(node: Node, law: str) -> Replanner:
     return field
 
 
-def _trouble_log(node: Node, health: Health) -> Callable[[int, SwarmSetpoint], None]:
+def _warning_log(node: Node, health: Health) -> Callable[[int, SwarmSetpoint], None]:
     """Return a listener that logs, and keeps in `health`, what is wrong with setpoints."""
-    troubles = SetpointTroubles()
+    warnings = SetpointWarnings()
 
     def log(_: int, setpoint: SwarmSetpoint) -> None:
-        if line := troubles.take(setpoint):
+        if line := warnings.take(setpoint):
             node.get_logger().warning(line)
-        health.doubts["reference_safe"] = troubles.text
+        health.doubts["reference_safe"] = warnings.text
 
     return log
 

@@ -16,7 +16,7 @@ from typing import Self
 from q2q_model.counted import counted
 from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.crtp.client_troubles import ClientTroubles
+from q2q_sim.crtp.client_warnings import ClientWarnings
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.packets.packet import is_stream
 from q2q_sim.crtp.vehicle import CrtpVehicle
@@ -77,7 +77,7 @@ class CrtpEndpoint:
         """
         self.traffic = Traffic()
         self._fleet = fleet
-        self._troubles = ClientTroubles(fleet.vehicles)
+        self._warnings = ClientWarnings(fleet.vehicles)
         self._now = now
         self._radios = SharedRadios(link, len(fleet.vehicles), seed)
         self._up: DelayLine[tuple[int, Address, bytes]] = DelayLine()
@@ -102,9 +102,9 @@ class CrtpEndpoint:
             f"crtp_{one.name}": _clients_of(one) for one in self._fleet.vehicles
         }
 
-    def troubles(self) -> str:
+    def warnings(self) -> str:
         """Return what the vehicles have refused of clients since the last call; empty if nothing."""
-        return self._troubles.look()
+        return self._warnings.look()
 
     def __enter__(self) -> Self:
         """Return the endpoint."""

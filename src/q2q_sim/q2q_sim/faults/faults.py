@@ -131,8 +131,8 @@ def check_sizes(faults: Sequence[Fault]) -> None:
             )
 
 
-def remarks_on_late_faults(faults: Sequence[Fault], duration: float) -> list[str]:
-    """Return remarks on faults that start after a flight of `duration` [s]."""
+def late_fault_notes(faults: Sequence[Fault], duration: float) -> list[str]:
+    """Return notes on faults that start after a flight of `duration` [s]."""
     late = [fault for fault in faults if fault.start >= duration]
     return [f"fault {one.kind} at {one.start:g} s is after the end, {duration:g} s" for one in late]
 

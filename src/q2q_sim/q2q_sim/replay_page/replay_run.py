@@ -14,7 +14,7 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
 from q2q_sim.monitors.metrics import best_position
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances
-from q2q_sim.replay_page.sag_under_another import SAG_SHOWN, sag_under_another, sag_words
+from q2q_sim.replay_page.sag_under_another import SAG_SHOWN, sag_text, sag_under_another
 
 MOST_SAGS = 4
 """Vehicles whose deepest sag is marked."""
@@ -101,7 +101,7 @@ def replay_run(
     if not np.isfinite(pos).any():
         raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
     verdict = verdict or verdict_of(flight, Circumstances(vehicle=vehicle))
-    sag = sag_words(flight, pos, _reference(flight), since)
+    sag = sag_text(flight, pos, _reference(flight), since)
     return ReplayRun(
         name=name or flight.name,
         names=flight.names,

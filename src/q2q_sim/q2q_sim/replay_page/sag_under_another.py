@@ -27,7 +27,7 @@ def sag_under_another(flight: Flight, pos: Array, ref_pos: Array) -> Array:
     return np.where(under | (decaying & (last_back < last_under)), sag, np.nan)
 
 
-def sag_words(flight: Flight, pos: Array, ref_pos: Array, since: float) -> str:
+def sag_text(flight: Flight, pos: Array, ref_pos: Array, since: float) -> str:
     """Return who sagged deepest and when, `since` seconds after the start of the flight; or why nobody."""
     under = exposed(pos, 0).any(axis=0)
     if not under.any():

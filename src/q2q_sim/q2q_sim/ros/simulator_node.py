@@ -155,7 +155,7 @@ class Simulator:
         doubts |= {COMMAND: self._controllers.look(), CLOCK: self._clocks.look()}
         if self._crtp is None:
             return self._flight.clock.recent()
-        doubts[CRTP] = self._crtp.troubles()
+        doubts[CRTP] = self._crtp.warnings()
         return {**self._flight.clock.recent(), **self._crtp.diagnostics()}
 
     def _doubled(self) -> str:

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.vehicle.constants import Vehicle, firmware_of
-from q2q_sim.faults.faults import remarks_on_late_faults
+from q2q_sim.faults.faults import late_fault_notes
 from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import MEASURED, FlightRequest, FlightRun, fly, load_scenario
 from q2q_sim.node_flights.unfinished_bag import recorder_notes
@@ -86,22 +86,22 @@ def vehicle_change(own: Vehicle, flown: Vehicle) -> str:
     return f"{flown.name} with firmware {firmware_of(flown)}, not {firmware_of(own)}"
 
 
-def scenario_remarks(request: FlightRequest) -> list[str]:
+def scenario_notes(request: FlightRequest) -> list[str]:
     """Return what is flown otherwise than the scenario or a reader of its file expects, one line each."""
     own, flown = library.load(request.scenario), load_scenario(request)
-    remarks = remarks_on_late_faults(flown.faults, flown.duration)
+    notes = late_fault_notes(flown.faults, flown.duration)
     if not (request.wake or request.air):
-        remarks = [*library.replaced_by_air(request.scenario), *remarks]
+        notes = [*library.replaced_by_air(request.scenario), *notes]
     if flown.vehicle != own.vehicle and not request.vehicle:
         change = vehicle_change(own.vehicle, flown.vehicle)
-        remarks = [f"in air {request.air} by {change} (`in_air` of the scenario)", *remarks]
-    return remarks
+        notes = [f"in air {request.air} by {change} (`in_air` of the scenario)", *notes]
+    return notes
 
 
 def _fly(args: Namespace) -> FlightRun:
     request = request_of(args)
-    for remark in scenario_remarks(request):
-        print(f"fly: {request.scenario}: {remark}", file=sys.stderr)
+    for note in scenario_notes(request):
+        print(f"fly: {request.scenario}: {note}", file=sys.stderr)
     interruption = Interruption()
     with tempfile.TemporaryDirectory(prefix="q2q-fly-") as scratch:
         bag = args.bag or Path(scratch) / "bag"

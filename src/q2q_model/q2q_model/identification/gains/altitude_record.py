@@ -156,11 +156,11 @@ def _between_holes(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecor
     long = [part for part in parts if flight.t[part][-1] - flight.t[part][0] >= SHORTEST]
     if not long:
         raise _too_short(flight)
-    remark = _remark_on_holes(flight.name, t[holes], steps[holes], len(parts) - len(long))
+    remark = _holes_note(flight.name, t[holes], steps[holes], len(parts) - len(long))
     return [altitude_record(of_rows(flight, part), vehicle) for part in long], [remark]
 
 
-def _remark_on_holes(name: str, t: Array, seconds: Array, left_out: int) -> str:
+def _holes_note(name: str, t: Array, seconds: Array, left_out: int) -> str:
     worst = int(np.argmax(seconds))
     which = f"hole of {seconds[worst]:.1f} s at t = {t[worst]:.2f} s"
     several = f"{len(t)} holes, the longest a {which}" if len(t) > 1 else which

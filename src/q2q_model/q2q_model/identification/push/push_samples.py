@@ -185,7 +185,7 @@ def _absent(record: PushRecord) -> Mask:
     return found
 
 
-def remark_on_unmeasured(record: PushRecord) -> str:
+def unmeasured_note(record: PushRecord) -> str:
     """Return a remark on the vehicles without any measurement; empty if there is none."""
     never = [name for name, own in zip(record.names, record.whole.T, strict=True) if not own.any()]
     return f"{record.name}: nothing was measured of {', '.join(never)}" if never else ""

@@ -85,7 +85,7 @@ def candidates(kind: str, flights: Sequence[DownwashEvidence], loop: AltitudeLoo
     return [one for made in kept for one in made(flights, loop)]
 
 
-def remarks_on_networks(kind: str, flights: Sequence[DownwashEvidence]) -> list[str]:
+def network_notes(kind: str, flights: Sequence[DownwashEvidence]) -> list[str]:
     """Return a remark on long encounters: auto omits the networks, else flights are decimated."""
     if kind == "jet" or not (long := _long_encounters(flights)):
         return []

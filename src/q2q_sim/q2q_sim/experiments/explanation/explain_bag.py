@@ -8,9 +8,9 @@ from rich.progress import Progress
 from q2q_model.documents.json_file import write_json
 from q2q_sim.experiments.explanation.explanation import ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_json import explanation_json
-from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
+from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
 from q2q_sim.experiments.explanation.recorded_case import recorded_case
-from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_words
+from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_text
 
 
 def explain_bag(args: Namespace) -> int:
@@ -40,5 +40,5 @@ def score_explanations(args: Namespace) -> int:
         )
     if args.json:
         write_json(score_json(found), args.json)
-    print(score_words(found))
+    print(score_text(found))
     return 0

@@ -1,7 +1,7 @@
 """JSON of an explanation: the contract of `explain --json`."""
 
 from q2q_sim.experiments.explanation.explanation import Explanation
-from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
+from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
 from q2q_sim.node_flights.run_json import Json
 
 

@@ -8,7 +8,7 @@ from q2q_model import palette
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.explanation import Explanation
-from q2q_sim.experiments.explanation.explanation_words import explanation_sentence
+from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
 from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
 from q2q_sim.experiments.explanation.loss import LOST
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase

@@ -48,7 +48,7 @@ def score_json(found: Sequence[Answer]) -> Json:
     }
 
 
-def score_words(found: Sequence[Answer]) -> str:
+def score_text(found: Sequence[Answer]) -> str:
     """Return the score in one line."""
     right = sum(one.right for one in found)
     return f"first cause named first in {right} of {len(found)} accidents ({right / len(found):.0%})"

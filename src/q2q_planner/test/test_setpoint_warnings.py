@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
-from q2q_planner.online.setpoint_troubles import SETTLED_S, SetpointTroubles
+from q2q_planner.online.setpoint_warnings import SETTLED_S, SetpointWarnings
 
 NAMES = ("cf1", "cf2")
 
@@ -19,22 +19,22 @@ def setpoint(t: float, *, broken: bool = False, nan: bool = False) -> SwarmSetpo
     return SwarmSetpoint(t, NAMES, pos, zero, zero, np.zeros(2), np.zeros(2), status)
 
 
-def test_trouble_is_reported_once_until_it_has_been_over_for_a_while() -> None:
-    troubles = SetpointTroubles()
+def test_a_warning_is_reported_once_until_it_has_been_over_for_a_while() -> None:
+    warnings = SetpointWarnings()
     lines = [
-        troubles.take(setpoint(0.01 * k, broken=100 <= k < 200 or k == 400)) for k in range(int(1e2 * 16))
+        warnings.take(setpoint(0.01 * k, broken=100 <= k < 200 or k == 400)) for k in range(int(1e2 * 16))
     ]
     assert {k: line for k, line in enumerate(lines) if line} == {
         100: "promise broken: cf2",
         401 + round(100 * SETTLED_S): "setpoints have been sound for 10 s",
     }
-    assert troubles.take(setpoint(30.0, broken=True)) == "promise broken: cf2"
+    assert warnings.take(setpoint(30.0, broken=True)) == "promise broken: cf2"
 
 
 def test_setpoints_that_are_not_finite_are_named_beside_broken_promises() -> None:
-    troubles = SetpointTroubles()
-    assert troubles.take(setpoint(0.0, broken=True, nan=True)) == (
+    warnings = SetpointWarnings()
+    assert warnings.take(setpoint(0.0, broken=True, nan=True)) == (
         "promise broken: cf2; no finite setpoint: cf1"
     )
-    troubles.take(setpoint(0.01))
-    assert troubles.text == ""
+    warnings.take(setpoint(0.01))
+    assert warnings.text == ""

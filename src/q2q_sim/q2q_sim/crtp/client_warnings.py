@@ -13,7 +13,7 @@ class _Counts(NamedTuple):
     displaced: int = 0
 
 
-class ClientTroubles:
+class ClientWarnings:
     """Refusals of a fleet since the last look."""
 
     def __init__(self, vehicles: Sequence[CrtpVehicle]) -> None:

@@ -5,53 +5,53 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.estimation.filter_report import FrameTrouble
+from q2q_model.estimation.filter_report import FrameWarnings
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.estimation.mocap_troubles import LASTING, MocapTroubles
+from q2q_model.estimation.mocap_warnings import LASTING, MocapWarnings
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, MocapFrame
 
 PAIR = ("cf1", "cf2")
 PLACES = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]])
-NOTHING = FrameTrouble()
+NOTHING = FrameWarnings()
 DT = 0.01
 
 
-def reported(trouble: FrameTrouble, ticks: int) -> list[str]:
-    troubles = MocapTroubles()
-    return [line for k in range(ticks) if (line := troubles.take(k * DT, trouble))]
+def reported(wrong: FrameWarnings, ticks: int) -> list[str]:
+    warnings = MocapWarnings()
+    return [line for k in range(ticks) if (line := warnings.take(k * DT, wrong))]
 
 
-def test_trouble_is_reported_once_it_lasts_with_its_vehicles() -> None:
+def test_a_fault_is_warned_of_once_it_lasts_with_its_vehicles() -> None:
     lasts = round(LASTING / DT) + 2
-    for trouble, word in (
-        (FrameTrouble(exchanged=PAIR), "exchanged"),
-        (FrameTrouble(frozen=PAIR), "repeat"),
-        (FrameTrouble(outside=PAIR), "in metres"),
-        (FrameTrouble(not_unit=PAIR), "unit length"),
-        (FrameTrouble(missing=PAIR), "no position"),
+    for wrong, word in (
+        (FrameWarnings(exchanged=PAIR), "exchanged"),
+        (FrameWarnings(frozen=PAIR), "repeat"),
+        (FrameWarnings(outside=PAIR), "in metres"),
+        (FrameWarnings(not_unit=PAIR), "unit length"),
+        (FrameWarnings(missing=PAIR), "no position"),
     ):
-        assert reported(trouble, lasts - 2) == []
-        (line,) = reported(trouble, 10 * lasts)
+        assert reported(wrong, lasts - 2) == []
+        (line,) = reported(wrong, 10 * lasts)
         assert word in line
         assert "cf1, cf2" in line
     assert reported(NOTHING, lasts) == []
 
 
-def test_its_end_is_reported_and_interrupted_trouble_is_not() -> None:
-    troubles, flicker = MocapTroubles(), MocapTroubles()
+def test_its_end_is_reported_and_interrupted_faults_are_not() -> None:
+    warnings, flicker = MocapWarnings(), MocapWarnings()
     for k in range(100):
-        troubles.take(k * DT, FrameTrouble(exchanged=PAIR))
-        assert flicker.take(k * DT, FrameTrouble(exchanged=PAIR) if k % 20 else NOTHING) == ""
-    assert troubles.text
-    assert "again" in troubles.take(1.0, NOTHING)
-    assert troubles.text == ""
+        warnings.take(k * DT, FrameWarnings(exchanged=PAIR))
+        assert flicker.take(k * DT, FrameWarnings(exchanged=PAIR) if k % 20 else NOTHING) == ""
+    assert warnings.text
+    assert "again" in warnings.take(1.0, NOTHING)
+    assert warnings.text == ""
 
 
-def seen_by(block: MocapFilter, k: int, places: Array) -> FrameTrouble:
+def seen_by(block: MocapFilter, k: int, places: Array) -> FrameWarnings:
     block.update(MocapFrame(k * DT, PAIR, places, identity_quat((2,))))
-    return block.trouble
+    return block.warnings
 
 
 def test_a_filter_knows_whose_names_are_exchanged_and_whose_poses_repeat() -> None:
@@ -60,21 +60,21 @@ def test_a_filter_knows_whose_names_are_exchanged_and_whose_poses_repeat() -> No
         places = PLACES + noise.normal(0.0, 3e-4, (2, 3))
         assert seen_by(block, k, places) == NOTHING
     other = PLACES + noise.normal(0.0, 3e-4, (2, 3))
-    assert seen_by(block, 50, other[::-1].copy()) == FrameTrouble(exchanged=PAIR)
+    assert seen_by(block, 50, other[::-1].copy()) == FrameWarnings(exchanged=PAIR)
     half = np.stack([places[0], PLACES[1] + noise.normal(0.0, 3e-4, 3)])
-    assert seen_by(block, 51, half) == FrameTrouble(frozen=("cf1",))
+    assert seen_by(block, 51, half) == FrameWarnings(frozen=("cf1",))
     assert seen_by(block, 52, PLACES + noise.normal(0.0, 3e-4, (2, 3))) == NOTHING
 
 
 def test_a_filter_knows_whose_positions_are_in_millimetres() -> None:
     block = MocapFilter(MocapFilterParams(), ())
-    assert seen_by(block, 0, 1e3 * PLACES) == FrameTrouble(outside=PAIR)
-    assert seen_by(block, 1, PLACES * [[1.0], [1e3]]) == FrameTrouble(outside=("cf2",))
+    assert seen_by(block, 0, 1e3 * PLACES) == FrameWarnings(outside=PAIR)
+    assert seen_by(block, 1, PLACES * [[1.0], [1e3]]) == FrameWarnings(outside=("cf2",))
 
 
 def test_a_filter_knows_who_has_no_position_whether_its_row_is_there_or_not() -> None:
     block = MocapFilter(MocapFilterParams(), (*PAIR, "cf3"))
-    assert seen_by(block, 0, PLACES * [[1.0], [np.nan]]) == FrameTrouble(missing=("cf2", "cf3"))
+    assert seen_by(block, 0, PLACES * [[1.0], [np.nan]]) == FrameWarnings(missing=("cf2", "cf3"))
 
 
 @pytest.mark.parametrize("quat", [[0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 57.3], [1.0, 0.0, 0.0, 1.0]])
@@ -83,7 +83,7 @@ def test_a_filter_knows_whose_quaternions_are_none(quat: list[float]) -> None:
     for k in range(50):
         frame = MocapFrame(k * DT, PAIR, PLACES + 1e-4 * k, np.array([quat, [0.0, 0.0, 0.0, 1.0]]))
         block.update(frame)
-        assert block.trouble == FrameTrouble(not_unit=("cf1",))
+        assert block.warnings == FrameWarnings(not_unit=("cf1",))
     markers = np.array([[np.nan] * 4, [0.0, 0.0, 0.0, 1.0]])  # of single markers, which have none
     block.update(replace(frame, t=1.0, pos=PLACES, quat=markers))
-    assert block.trouble == NOTHING
+    assert block.warnings == NOTHING

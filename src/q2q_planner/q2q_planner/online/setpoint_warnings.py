@@ -7,23 +7,23 @@ import numpy as np
 from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
 
 SETTLED_S = 10.0
-"""Time without trouble after which it is reported as over, and anew if it comes back [s]."""
+"""Time of sound setpoints after which a warning is reported as over, and anew if it comes back [s]."""
 BROKEN = int(SetpointStatus.PROMISE_BROKEN)
 
 
-class SetpointTroubles:
-    """Trouble of the last setpoints, and what of it was reported."""
+class SetpointWarnings:
+    """Warning of the last setpoints, and whether it was reported."""
 
     def __init__(self) -> None:
         self.text = ""
-        """Trouble of the last setpoints; empty if there is none."""
+        """Warning of the last setpoints; empty if there is none."""
         self._last = (
             -np.inf
-        )  # stamp of the last troubled setpoints, until it is reported that they are over [s]
+        )  # stamp of the last setpoints with a warning, until it is reported that they are over [s]
 
     def take(self, setpoint: SwarmSetpoint) -> str:
         """Return what to log of new setpoints; empty if nothing has changed."""
-        self.text = trouble_of(setpoint)
+        self.text = setpoint_warning(setpoint)
         reported = self._last > -np.inf
         if self.text:
             self._last = setpoint.t
@@ -34,7 +34,7 @@ class SetpointTroubles:
         return ""
 
 
-def trouble_of(setpoint: SwarmSetpoint) -> str:
+def setpoint_warning(setpoint: SwarmSetpoint) -> str:
     """Return what is wrong with setpoints, with the vehicles; empty if nothing is."""
     broken = setpoint.status == BROKEN
     if isfinite(setpoint.pos.sum()) and not np.count_nonzero(broken):
@@ -45,6 +45,6 @@ def trouble_of(setpoint: SwarmSetpoint) -> str:
 
 
 def _of(names: Names, which: Mask, what: str) -> str:
-    """Return the vehicles of a trouble, and what it is."""
+    """Return the vehicles of a warning, and what is wrong."""
     rows = np.flatnonzero(which)
     return f"{what}: {', '.join(names[row] for row in rows)}" if rows.size else ""

@@ -4,10 +4,10 @@ The filter goes on without what is wrong (q2q_model.estimation.position), but so
 the markers.
 """
 
-from q2q_model.estimation.filter_report import FrameTrouble
+from q2q_model.estimation.filter_report import FrameWarnings
 
 LASTING = 0.35
-"""Time after which trouble is reported [s]: rooms exchange names, and repeat frames, for less."""
+"""Time after which it is warned of [s]: rooms exchange names, and repeat frames, for less."""
 
 _WORDS = {
     "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
@@ -18,19 +18,19 @@ _WORDS = {
 }
 
 
-class MocapTroubles:
-    """Lasting trouble of the frames so far, and what of it was reported."""
+class MocapWarnings:
+    """Lasting faults of the frames so far, and which of them were reported."""
 
     def __init__(self) -> None:
         self.text = ""
-        """Lasting trouble of the last frame; empty if there is none."""
+        """Lasting faults of the last frame; empty if there are none."""
         self._since: dict[tuple[str, str], float] = {}  # kind and vehicle: stamp of the first such frame [s]
 
-    def take(self, t: float, trouble: FrameTrouble) -> str:
+    def take(self, t: float, wrong: FrameWarnings) -> str:
         """Return what to log of a frame at t [s]; empty if nothing has changed."""
-        if not (any(trouble) or self._since):
+        if not (any(wrong) or self._since):
             return ""
-        now = {(kind, name) for kind, names in trouble._asdict().items() for name in names}
+        now = {(kind, name) for kind, names in wrong._asdict().items() for name in names}
         kept = {one: since for one, since in self._since.items() if since <= t}  # the clock may be set back
         self._since = {one: kept.get(one, t) for one in sorted(now)}
         before, self.text = self.text, self._lasting(t)
@@ -39,7 +39,7 @@ class MocapTroubles:
         return self.text or "motion capture is well again"
 
     def _lasting(self, t: float) -> str:
-        """Return the trouble that lasts, with the vehicles."""
+        """Return what has lasted, with the vehicles."""
         lasting = [one for one, since in self._since.items() if t - since > LASTING]
         named = {text: [name for kind, name in lasting if kind == wrong] for wrong, text in _WORDS.items()}
         return "; ".join(text.format(", ".join(names)) for text, names in named.items() if names)
