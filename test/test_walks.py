@@ -45,7 +45,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/downwash/no_interaction.py",
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
-    "q2q_model/documents/sealed_json.py",
+    "q2q_model/documents/checksummed_json.py",
     "q2q_model/model_files/model_bounds.py",
     "q2q_model/flights/unit_check.py",
     "q2q_model/flights/up_axis.py",

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.documents.sealed_json import LONGEST
+from q2q_model.documents.checksummed_json import LONGEST
 from q2q_model.downwash.envelope_network import EnvelopeNetwork, Network
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
@@ -73,9 +73,9 @@ def test_an_edited_number_is_found_by_the_checksum():
         decode(text.replace("0.392", "0.492"))
 
 
-def _resealed(change: dict[str, object]) -> str:
+def _rechecksummed(change: dict[str, object]) -> str:
     """Return a file with top entries changed and the right checksum for them."""
-    from q2q_model.documents.sealed_json import checksum
+    from q2q_model.documents.checksummed_json import checksum
 
     body = json.loads(encode(ModelFile(PAPER_LAW))) | change
     body.pop("checksum")
@@ -94,7 +94,7 @@ def test_a_jet_of_an_old_version_is_read_as_one_without_the_parameters_that_came
     old = json.loads(encode(ModelFile(made)))["model"]
     for name in NEW_IN[version]:
         del old["parameters"][name]
-    assert decode(_resealed({"version": version, "model": old})).interaction == made
+    assert decode(_rechecksummed({"version": version, "model": old})).interaction == made
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_a_jet_of_an_old_version_is_read_as_one_without_the_parameters_that_came
 )
 def test_every_wrong_entry_is_named(change: dict[str, object], says: str):
     with pytest.raises(ModelFileError, match=says):
-        decode(_resealed(change))
+        decode(_rechecksummed(change))
 
 
 def test_ragged_weights_are_refused():
@@ -141,7 +141,7 @@ def test_ragged_weights_are_refused():
     body = json.loads(text)
     body["model"]["parameters"]["lower"]["hidden_weights"][3] = [1.0]
     with pytest.raises(ModelFileError, match="rows of one length"):
-        decode(_resealed({"model": body["model"]}))
+        decode(_rechecksummed({"model": body["model"]}))
 
 
 def test_a_model_with_nan_is_not_written(tmp_path: Path):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.documents.sealed_json import checksum
+from q2q_model.documents.checksummed_json import checksum
 from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at

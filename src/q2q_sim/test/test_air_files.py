@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from room_flights import WHOLE
 
-from q2q_model.documents.sealed_json import checksum
+from q2q_model.documents.checksummed_json import checksum
 from q2q_sim.air.air_file import decode, encode, load, save
 from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, check_air
 from q2q_sim.air.find_air import find_air
@@ -41,7 +41,7 @@ def test_an_edited_number_is_found_by_the_checksum() -> None:
         decode(encode(WHOLE).replace("0.28", "0.29"))
 
 
-def _resealed(change: dict[str, object]) -> str:
+def _rechecksummed(change: dict[str, object]) -> str:
     body = json.loads(encode(WHOLE))
     body.pop("checksum")
     body["air"] |= change
@@ -67,7 +67,7 @@ def _resealed(change: dict[str, object]) -> str:
 )
 def test_a_wrong_entry_is_named(change: dict[str, object], message: str) -> None:
     with pytest.raises(AirError, match=message):
-        decode(_resealed(change))
+        decode(_rechecksummed(change))
 
 
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
+from q2q_model.documents.checksummed_json import FileFormat, decode_checksummed, encode_checksummed
 from q2q_model.documents.plain_values import Plain, PlainValueError, from_plain, to_plain
-from q2q_model.documents.sealed_json import FileFormat, seal, unseal
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
@@ -121,13 +121,13 @@ def encode(content: ModelFile) -> str:
             body["residual"] = to_plain(content.residual, "residual")
     except PlainValueError as error:
         raise ModelFileError(str(error)) from error
-    return seal(body, FORMAT)
+    return encode_checksummed(body, FORMAT)
 
 
 def decode(text: str) -> ModelFile:
     """Return the contents of a file's text; raise ModelFileError if it is not valid."""
     try:
-        body = unseal(text, FORMAT)
+        body = decode_checksummed(text, FORMAT)
         residual = body.get("residual")
         model = from_plain(*_tagged(body["model"], MODELS, "model"))
         check_model(model)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.documents.sealed_json import checksum
+from q2q_model.documents.checksummed_json import checksum
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 

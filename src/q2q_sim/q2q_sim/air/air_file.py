@@ -11,8 +11,13 @@ is null is switched off.
 
 from pathlib import Path
 
+from q2q_model.documents.checksummed_json import (
+    ChecksummedFileError,
+    FileFormat,
+    decode_checksummed,
+    encode_checksummed,
+)
 from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
-from q2q_model.documents.sealed_json import FileFormat, SealedFileError, seal, unseal
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.room_air import RoomAir
 
@@ -43,7 +48,7 @@ def load(path: Path) -> RoomAir:
 def encode(air: RoomAir) -> str:
     """Return the file's text."""
     try:
-        return seal({"air": to_plain(air, "air")}, FORMAT)
+        return encode_checksummed({"air": to_plain(air, "air")}, FORMAT)
     except PlainValueError as error:
         raise AirError(str(error)) from error
 
@@ -51,6 +56,6 @@ def encode(air: RoomAir) -> str:
 def decode(text: str) -> RoomAir:
     """Return the air of a file's text; raise AirError if it is not valid."""
     try:
-        return from_plain(RoomAir, unseal(text, FORMAT).get("air"), "air")
-    except (SealedFileError, PlainValueError) as error:
+        return from_plain(RoomAir, decode_checksummed(text, FORMAT).get("air"), "air")
+    except (ChecksummedFileError, PlainValueError) as error:
         raise AirError(str(error)) from error

@@ -14,7 +14,7 @@ LONGEST = 16_000_000
 """Longest text that is read [characters]: a model also arrives on a topic, and its node waits meanwhile."""
 
 
-class SealedFileError(ValueError):
+class ChecksummedFileError(ValueError):
     """Error for a file of another format, of an unknown version, or damaged."""
 
 
@@ -32,32 +32,38 @@ class FileFormat:
     """Command that creates such files, in messages."""
 
 
-def seal(body: Mapping[str, Plain], form: FileFormat) -> str:
+def encode_checksummed(body: Mapping[str, Plain], form: FileFormat) -> str:
     """Return the text of a file with these entries."""
     whole = {"format": form.name, "version": form.version, **body}
     return json.dumps(whole | {"checksum": checksum(whole)}, indent=1) + "\n"
 
 
-def unseal(text: str, form: FileFormat) -> dict[str, Plain]:
+def decode_checksummed(text: str, form: FileFormat) -> dict[str, Plain]:
     """Return the entries of a file's text, without the checksum.
 
     Raises:
-        SealedFileError: too long, not JSON, another format or version, or a wrong checksum.
+        ChecksummedFileError: too long, not JSON, another format or version, or a wrong checksum.
     """
     if len(text) > LONGEST:
-        raise SealedFileError(f"{len(text)} characters; at most {LONGEST} are read")
+        raise ChecksummedFileError(f"{len(text)} characters; at most {LONGEST} are read")
     try:
         body = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise SealedFileError(f"not complete JSON ({error}); create it again with {form.maker}") from error
+        raise ChecksummedFileError(
+            f"not complete JSON ({error}); create it again with {form.maker}"
+        ) from error
     if not isinstance(body, dict) or body.get("format") != form.name:
-        raise SealedFileError(f'not a {form.noun}: entry "format" should be "{form.name}"')
+        raise ChecksummedFileError(f'not a {form.noun}: entry "format" should be "{form.name}"')
     if body.get("version") not in range(1, form.version + 1):
         versions = "version 1" if form.version == 1 else f"versions 1 to {form.version}"
-        raise SealedFileError(f"version {body.get('version')!r} is unknown: this program reads {versions}")
+        raise ChecksummedFileError(
+            f"version {body.get('version')!r} is unknown: this program reads {versions}"
+        )
     found = body.pop("checksum", None)
     if found != checksum(body):
-        raise SealedFileError("the checksum does not match: the file was edited or damaged; create it again")
+        raise ChecksummedFileError(
+            "the checksum does not match: the file was edited or damaged; create it again"
+        )
     return body
 
 
