@@ -30,7 +30,7 @@ from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
-from q2q_model.node.rehearsal import rehearse
+from q2q_model.node.warm_up import warm_up
 from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.signals.cdr import SignalReader, encode
 from q2q_model.signals.layout import Signal
@@ -205,7 +205,7 @@ def stacked_in_a_rooms_air() -> None:
     """Fly a stack whose sources feed and absorb each other's jets, in drawn random air."""
     scenario = library.load("stack3")
     predictor = InteractionPredictor(replace(MEASURED_LAW, loading=1.0, absorption=0.5))
-    rehearse(predictor.update, predictor.reset, (SwarmState,), scenario.names)
+    warm_up(predictor.update, predictor.reset, (SwarmState,), scenario.names)
     gaps, radii = np.array([0.1, 1.0]), np.array([0.0, 0.2])
     term = JetTerm(gaps, radii, np.array([[2.0, 0.0], [1.0, 0.0]]), 0.02, 7.5, 0.5, 0.5)
     start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])

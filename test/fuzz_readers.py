@@ -26,7 +26,7 @@ with atheris.instrument_imports(include=["q2q_model", "q2q_planner", "q2q_sim", 
     from q2q_model.documents.checksummed_json import checksum
     from q2q_model.model_files import model_file
     from q2q_model.model_files.find_model import find_model
-    from q2q_model.node.rehearsal import rehearsal
+    from q2q_model.node.warm_up import synthetic_signal
     from q2q_model.signals.cdr import decode, encode
     from q2q_model.signals.layout import LAYOUTS
     from q2q_model.trajectory import plan_file
@@ -102,7 +102,7 @@ def small_bag() -> bytes:
     folder = SCRATCH / "small"
     with BagWriter(folder) as made:
         for kind, layout in LAYOUTS.items():
-            made.write_signal(f"/{layout.message}", 10**9, rehearsal(kind, 1.0, ("cf1",)))
+            made.write_signal(f"/{layout.message}", 10**9, synthetic_signal(kind, 1.0, ("cf1",)))
     return next(folder.glob("*.mcap")).read_bytes()
 
 
@@ -116,7 +116,7 @@ def good_files() -> dict[str, list[bytes]]:
         "plan": [plan_file.encode(table2).encode()],
         "scenario": [SCENARIO.encode()],
         "waypoints": [rows.encode()],
-        "cdr": [encode(rehearsal(kind, 1.0, ("cf1", "cf2")), 10**9) for kind in LAYOUTS],
+        "cdr": [encode(synthetic_signal(kind, 1.0, ("cf1", "cf2")), 10**9) for kind in LAYOUTS],
     }
 
 

@@ -17,7 +17,7 @@ from q2q_control.flight_procedure.procedure_params import FlightProcedureParams,
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
 from q2q_control.ros.procedure_services import ProcedureServices
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.values import SwarmCommand, SwarmSetpoint, SwarmState
 
@@ -26,8 +26,8 @@ NAMES = ("cf1", "cf2")
 
 def pitch(node: RoomNode, tick: int) -> float:
     """Return the pitch that is commanded to cf2, 0.1 m behind its setpoint [rad]."""
-    state = rehearsal(SwarmState, 0.01 * tick, NAMES)
-    setpoint = rehearsal(SwarmSetpoint, 0.01 * tick, NAMES)
+    state = synthetic_signal(SwarmState, 0.01 * tick, NAMES)
+    setpoint = synthetic_signal(SwarmSetpoint, 0.01 * tick, NAMES)
     moved = replace(setpoint, pos=state.pos + np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]))
     node.takers["state"](encode(state, tick * 10_000_000))
     node.takers["reference_safe"](encode(moved, tick * 10_000_000))

@@ -21,7 +21,7 @@ from q2q_control.ros.controller_wiring import LegacyTopics
 from q2q_control.ros.crazyswarm_bridge import POSES_OUT, Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_control.ros.procedure_services import ProcedureServices
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.values import (
@@ -131,7 +131,7 @@ def test_filtered_poses_go_out_where_measured_and_come_back_the_same() -> None:
     node = _Node(poses_out="/poses_filtered")
     Crazyswarm(node)
     state = replace(
-        rehearsal(SwarmState, 0.0, NAMES),
+        synthetic_signal(SwarmState, 0.0, NAMES),
         quat=np.tile([0.0, 0.6, 0.0, 0.8], (2, 1)),
         status=np.array([TrackStatus.TRACKED, TrackStatus.LOST], np.uint8),
     )
@@ -143,7 +143,7 @@ def test_filtered_poses_go_out_where_measured_and_come_back_the_same() -> None:
 
 
 def test_a_pose_has_no_orientation_where_none_was_ever_measured() -> None:
-    state = rehearsal(SwarmState, 0.0, NAMES)
+    state = synthetic_signal(SwarmState, 0.0, NAMES)
     state.quat[:] = [[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.6, 0.8]]
     lone, body = poses_of(replace(state, status=np.zeros(2, np.uint8)))
     assert np.isnan(lone.quat).all()  # one server checks x, the other w
@@ -161,7 +161,7 @@ def test_full_states_carry_setpoint_and_downwash_once_the_procedure_lets_them(
     node = _Node(poses_in="", aware=True)
     Crazyswarm(node)
     monkeypatch.setattr(ProcedureServices, "streams", True)
-    setpoint, downwash = (rehearsal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
+    setpoint, downwash = (synthetic_signal(kind, 0.0, NAMES) for kind in (SwarmSetpoint, Interference))
     setpoint = replace(
         setpoint, pos=np.arange(6.0).reshape(2, 3), acc=np.ones((2, 3)), yaw_rate=np.array([0.1, 0.2])
     )
@@ -200,7 +200,7 @@ def test_rpyt_setpoints_are_sent_once_the_procedure_lets_them(monkeypatch: pytes
     node.give(one_command())
     assert node.out["cf1/cmd_vel_legacy"].messages == []
     monkeypatch.setattr(ProcedureServices, "streams", True)
-    node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
+    node.give(synthetic_signal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
     (twist,) = node.out["cf1/cmd_vel_legacy"].messages
     assert twist.linear.x == pytest.approx(-math.degrees(0.2))
@@ -258,7 +258,7 @@ def test_without_the_vehicles_package_poses_pass_and_nothing_is_streamed(
     without("crazyflie_interfaces", monkeypatch)
     node = _Node(mode="command")
     Crazyswarm(node)
-    node.give(rehearsal(SwarmSetpoint, 0.0, NAMES))
+    node.give(synthetic_signal(SwarmSetpoint, 0.0, NAMES))
     node.give(one_command())
     assert "mocap" in node.out
     assert "cf1/cmd_vel_legacy" not in node.out

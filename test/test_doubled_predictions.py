@@ -14,7 +14,7 @@ from q2q_control.mpc.prediction.neighbours import PredictedPaths
 from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_control.ros.prediction_message import encode_prediction
 from q2q_model.node.health import Health
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.values import Names, SwarmState
 
 PERIOD = 0.1
@@ -95,7 +95,7 @@ def test_a_second_node_of_the_same_vehicle_is_reported_once_and_doubted_until_it
     node, mpc, wiring = Room("mpc_a", {}, {}), Solved(), Wiring()
     exchange = PredictionExchange(node, mpc, ("cf1",), PERIOD)
     exchange.wire(wiring, live=True)
-    state = rehearsal(SwarmState, 0.0, ("cf1", "cf2"))
+    state = synthetic_signal(SwarmState, 0.0, ("cf1", "cf2"))
     found = []
     for k, twice in enumerate((False, True, True, False, True)):
         t = PERIOD * k

@@ -26,7 +26,7 @@ from rclpy.clock import Clock
 from std_msgs.msg import String
 
 from q2q_model.model_files.find_model import find_model
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.ros.topics.messages import MESSAGES
@@ -47,7 +47,7 @@ FIRST, LAST = -(2**31), 2**31 - 1
 
 
 def tick(kind: type[Signal], stamp_ns: int = SECOND, names: tuple[str, ...] = VEHICLES) -> bytes:
-    return encode(rehearsal(kind, 1e-9 * stamp_ns, names), stamp_ns)
+    return encode(synthetic_signal(kind, 1e-9 * stamp_ns, names), stamp_ns)
 
 
 def stamped(kind: type[Signal], sec: int, nanosec: int) -> bytes:
@@ -56,7 +56,7 @@ def stamped(kind: type[Signal], sec: int, nanosec: int) -> bytes:
 
 def filled(kind: type[Signal], value: float) -> bytes:
     """Return a message whose every number is `value`, its status one that does not exist."""
-    usual = rehearsal(kind, 1.0, VEHICLES)
+    usual = synthetic_signal(kind, 1.0, VEHICLES)
     rows = {one.attribute: getattr(usual, one.attribute) for one in LAYOUTS[kind].columns}
     columns = {name: np.full_like(old, 255 if old.dtype == np.uint8 else value) for name, old in rows.items()}
     return encode(kind(t=1.0, names=VEHICLES, **columns), SECOND)

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import String
 
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.layout import LAYOUTS, Signal
@@ -76,7 +76,7 @@ class Listening(StandInNode):
         for ear in self.ears:
             ear.received.clear()
         for kind, receive in self.receivers():
-            receive(encode(rehearsal(kind, stamp_ns * 1e-9, VEHICLES), stamp_ns))
+            receive(encode(synthetic_signal(kind, stamp_ns * 1e-9, VEHICLES), stamp_ns))
         return [data for ear in self.ears for data in ear.received]
 
 
@@ -96,7 +96,7 @@ def pair(name: str) -> tuple[tuple[Listening, object], tuple[Listening, object],
 @st.composite
 def spoiled(draw: st.DrawFn, kind: type[Signal]) -> bytes:
     """Draw the bytes of a message with something wrong in it."""
-    data = bytearray(encode(rehearsal(kind, 1.0, VEHICLES), 10**9))
+    data = bytearray(encode(synthetic_signal(kind, 1.0, VEHICLES), 10**9))
     how = draw(st.sampled_from(["cut", "flip", "noise", "longer", "count"]))
     if how == "cut":
         return bytes(data[: draw(st.integers(0, len(data) - 1))])
@@ -164,30 +164,30 @@ def test_spoiled_bytes_are_counted_and_leave_a_node_as_it_was(name: str, data: s
 
 
 def wrong_frame(kind: type[Signal]) -> bytes:
-    data = encode(rehearsal(kind, 1.0, VEHICLES), 10**9)
+    data = encode(synthetic_signal(kind, 1.0, VEHICLES), 10**9)
     assert b"world" in data
     return data.replace(b"world", b"mars!")
 
 
 def wrong_size(kind: type[Signal]) -> bytes:
-    return encode(rehearsal(kind, 1.0, VEHICLES), 10**9)[:-9]
+    return encode(synthetic_signal(kind, 1.0, VEHICLES), 10**9)[:-9]
 
 
 def name_twice(kind: type[Signal]) -> bytes:
-    return encode(rehearsal(kind, 1.0, VEHICLES), 10**9).replace(b"cf2", b"cf1")
+    return encode(synthetic_signal(kind, 1.0, VEHICLES), 10**9).replace(b"cf2", b"cf1")
 
 
 def unequal_lengths(kind: type[Signal]) -> bytes:
     """Return a message of two vehicles that says it has one name."""
-    data = encode(rehearsal(kind, 1.0, VEHICLES), 10**9)
-    alone = encode(rehearsal(kind, 1.0, VEHICLES[:1]), 10**9)
+    data = encode(synthetic_signal(kind, 1.0, VEHICLES), 10**9)
+    alone = encode(synthetic_signal(kind, 1.0, VEHICLES[:1]), 10**9)
     names, begin = data.index(b"cf1"), alone.index(b"cf1")
     return alone[: begin + 4] + data[names + 12 :]
 
 
 def huge_array(kind: type[Signal]) -> bytes:
     """Return a message that says it has four thousand million names."""
-    data = bytearray(encode(rehearsal(kind, 1.0, VEHICLES), 10**9))
+    data = bytearray(encode(synthetic_signal(kind, 1.0, VEHICLES), 10**9))
     at = data.index(b"cf1") - 8
     data[at : at + 4] = b"\xff\xff\xff\xff"
     return bytes(data)

@@ -23,7 +23,7 @@ from rclpy.parameter import Parameter as Given
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import Pid, PidParams
 from q2q_control.ros.controller_wiring import ControllerNodeParams
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode
@@ -142,7 +142,7 @@ class Real:
         for reader in self.node.subscriptions:
             if reader.msg_type in KINDS:
                 kind = KINDS[reader.msg_type]
-                reader.callback(encode(rehearsal(kind, self._tick * 1e-9, VEHICLES), self._tick))
+                reader.callback(encode(synthetic_signal(kind, self._tick * 1e-9, VEHICLES), self._tick))
         (made,) = self._made
         return made
 

@@ -14,7 +14,7 @@ from std_srvs.srv import Empty
 
 from q2q_control.ros import pid_node
 from q2q_model.node.health import Health, HealthReport, Level, health_report
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import SeveralWriters
 from q2q_model.signals.cdr import decode, encode
@@ -39,11 +39,11 @@ def fly(node: RoomNode, first: float, last: float, lost_since: float = math.inf)
     """Give the node the ticks of these times [s]; the first vehicle was last seen at `lost_since` [s]."""
     for k in range(round(100 * first), round(100 * last)):
         t = 0.01 * k
-        state = rehearsal(SwarmState, t, unseen=t > lost_since)
+        state = synthetic_signal(SwarmState, t, unseen=t > lost_since)
         if isinstance(state, SwarmState):
             state.age[0] = max(t - lost_since, 0.0)
         node.takers["state"](encode(state, stamp_from_time(t)))
-        node.takers["reference_safe"](encode(rehearsal(SwarmSetpoint, t), stamp_from_time(t)))
+        node.takers["reference_safe"](encode(synthetic_signal(SwarmSetpoint, t), stamp_from_time(t)))
 
 
 def emergency(node: RoomNode) -> None:

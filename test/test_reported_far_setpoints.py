@@ -13,7 +13,7 @@ from room_node import RoomNode
 
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.diagnostics import PERIOD_S
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.values import SwarmSetpoint, SwarmState, TrackStatus
@@ -32,10 +32,10 @@ class ClockedNode(RoomNode):
 
 def fly(node: RoomNode, tick: int, aside: float, lost_s: float = 0.0) -> None:
     """Give a tick in which cf2's setpoint is so far beside it [m], and cf2 lost for so long [s]."""
-    state = rehearsal(SwarmState, 0.01 * tick, NAMES)
+    state = synthetic_signal(SwarmState, 0.01 * tick, NAMES)
     assert isinstance(state, SwarmState)
     state.status[1], state.age[1] = TrackStatus.LOST if lost_s else TrackStatus.TRACKED, lost_s
-    setpoint = rehearsal(SwarmSetpoint, 0.01 * tick, NAMES)
+    setpoint = synthetic_signal(SwarmSetpoint, 0.01 * tick, NAMES)
     moved = replace(setpoint, pos=state.pos + np.array([[0.0, 0.0, 0.0], [aside, 0.0, 0.0]]))
     node.takers["state"](encode(state, tick * 10_000_000))
     node.takers["reference_safe"](encode(moved, tick * 10_000_000))

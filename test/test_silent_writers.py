@@ -30,7 +30,7 @@ PATIENCE_S = 60.0
 WRITER = """
 from rclpy.node import Node
 from q2q_model.signals.cdr import encode
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.node.run import run
 from q2q_model.signals.values import Interference, SwarmSetpoint, SwarmState
@@ -40,7 +40,7 @@ def build(node):
     tick = [0]
     def write():
         for topic, kind in kinds.items():
-            signal = rehearsal(kind, tick[0] * 0.01, ("cf1", "cf2"))
+            signal = synthetic_signal(kind, tick[0] * 0.01, ("cf1", "cf2"))
             writers[topic].publish(encode(signal, tick[0] * 10_000_000))
         tick[0] += 1
     node.create_timer(0.01, write)

@@ -6,13 +6,13 @@ import pytest
 
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_model.node.health import Health
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 
 NAMES = ("cf1", "cf2")
 COMMAND, SETPOINT, DRAFT, STATE = (
-    rehearsal(kind, 0.0, NAMES) for kind in (SwarmCommand, SwarmSetpoint, Interference, SwarmState)
+    synthetic_signal(kind, 0.0, NAMES) for kind in (SwarmCommand, SwarmSetpoint, Interference, SwarmState)
 )
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr import BadMessageError, decode, encode, header_stamp_ns
 from q2q_model.signals.stamps import (
     END_S,
@@ -31,7 +31,7 @@ def test_a_stamp_that_is_none_or_too_close_to_the_end_to_be_answered_is_refused(
 ) -> None:
     with pytest.raises(BadStampError, match=rf"stamp of sec {parts[0]}, nanosec {parts[1]}: sec within"):
         stamp_from_parts(*parts)
-    data = encode(rehearsal(MocapFrame, 0.0), 0)
+    data = encode(synthetic_signal(MocapFrame, 0.0), 0)
     spoiled = data[:4] + struct.pack("<iI", *parts) + data[12:]
     for read in (header_stamp_ns, lambda data: decode(data, MocapFrame)):
         with pytest.raises(BadMessageError, match="nanosec"):
@@ -43,4 +43,4 @@ def test_the_time_of_a_message_is_that_of_its_stamp_to_the_last_bit() -> None:
     stamp_ns = 1_130_000_000
     assert time_from_stamp(stamp_ns) != 1 + 130_000_000 * 1e-9
     for kind in (MocapFrame, SwarmState):
-        assert decode(encode(rehearsal(kind, 0.0), stamp_ns), kind).t == time_from_stamp(stamp_ns)
+        assert decode(encode(synthetic_signal(kind, 0.0), stamp_ns), kind).t == time_from_stamp(stamp_ns)

@@ -14,7 +14,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagError, BagWriter
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
@@ -27,7 +27,7 @@ def recorded(bag: Path, topic: str = "/mocap") -> Path:
     """Write a bag of frames; return its file."""
     with BagWriter(bag) as writer:
         for tick in range(TICKS):
-            frame = rehearsal(MocapFrame, tick / 100.0, ("cf1",))
+            frame = synthetic_signal(MocapFrame, tick / 100.0, ("cf1",))
             writer.write_signal(topic, tick * 10_000_000, frame)
     return bag / f"{bag.name}_0.mcap"
 
@@ -59,7 +59,7 @@ def test_only_the_ticks_of_the_room_that_answers_wait(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "rooms") as writer:
         for tick in range(6):
             for row, room in enumerate("ab"):
-                frame = rehearsal(MocapFrame, tick / 100.0, (f"cf_{room}",))
+                frame = synthetic_signal(MocapFrame, tick / 100.0, (f"cf_{room}",))
                 writer.write_signal(f"/{room}/mocap", tick * 10_000_000 + row, frame)
     with waiting_player(tmp_path / "rooms", "answer:=b/interference") as player:
         player._begin()
@@ -121,7 +121,7 @@ def test_answers_to_ticks_need_a_tick_after_the_start(tmp_path: Path) -> None:
     recorded(tmp_path / "bag")
     with BagWriter(tmp_path / "longer") as writer:
         for tick, topic in ((0, "/mocap"), (1, "/mocap"), (500, "/state")):
-            signal = rehearsal(MocapFrame if topic == "/mocap" else SwarmState, tick / 100.0, ("cf1",))
+            signal = synthetic_signal(MocapFrame if topic == "/mocap" else SwarmState, tick / 100.0, ("cf1",))
             writer.write_signal(topic, tick * 10_000_000, signal)
     given = tmp_path / "longer", "loop:=true", "start:=2.0"
     with waiting_player(*given) as player:
@@ -195,7 +195,7 @@ def test_after_a_pause_of_the_process_the_playback_goes_on_where_it_was(
 def test_a_recorded_clock_gives_way_to_that_of_the_playback(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "bag") as writer:
         writer.add_topic("/clock", "rosgraph_msgs/msg/Clock")
-        writer.write_signal("/mocap", 0, rehearsal(MocapFrame, 0.0, ("cf1",)))
+        writer.write_signal("/mocap", 0, synthetic_signal(MocapFrame, 0.0, ("cf1",)))
     for given, topics in (((), {"/clock", "/mocap"}), (("clock:=true",), {"/mocap"})):
         with waiting_player(tmp_path / "bag", *given) as player:
             assert player._writers.keys() == topics

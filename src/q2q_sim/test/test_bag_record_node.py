@@ -18,7 +18,7 @@ from rosbags.interfaces import QosReliability
 from rosbags.rosbag2 import Reader
 
 from q2q_model.bag import BagError, BagReader
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE, TICK_WRITER
 from q2q_model.signals import values
@@ -29,7 +29,7 @@ from q2q_sim.ros.bag_record_node import Recorder
 
 def serialized_at(second: int) -> bytes:
     """Return a serialised command with a stamp."""
-    return encode(rehearsal(values.SwarmCommand, float(second), ("cf1",)), second * 10**9)
+    return encode(synthetic_signal(values.SwarmCommand, float(second), ("cf1",)), second * 10**9)
 
 
 SENT = 3000

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from q2q_model.bag import BagReader, BagWriter, OfferedQos
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame
@@ -43,7 +43,7 @@ def recorded(bag: Path) -> Path:
             writer.add_topic(topic, STRING, OfferedQos(transient_local=topic == "/map"))
         for t, topic, data in sorted(texts):
             writer.write_raw(topic, round(t * 1e9), data)
-        writer.write_signal("/mocap", 2_000_000_000, rehearsal(MocapFrame, 2.0, ("cf1",)))
+        writer.write_signal("/mocap", 2_000_000_000, synthetic_signal(MocapFrame, 2.0, ("cf1",)))
     return bag
 
 

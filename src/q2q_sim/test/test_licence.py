@@ -327,7 +327,7 @@ def test_an_air_that_does_not_exist_is_refused_before_a_program_flies(tmp_path: 
         licence(hop(tmp_path, LAND), LicenceOptions(air="no_such_air"))
 
 
-REHEARSAL = """
+WARM_UP = """
 from q2q_model.compiled import KERNELS
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.trials import LicenceTrial
@@ -336,14 +336,14 @@ def called():
     return {(one.name, kind) for one in KERNELS for kind in getattr(one.made, "overloads", ())}
 
 LicenceRoom(LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial()).fly()
-rehearsed = called()
+warm = called()
 """
 
 
-def test_the_rehearsed_tick_calls_every_kernel_of_a_flight(tmp_path: Path):
-    """The program rehearses in the process of its flight, and lists what its flight calls beyond that."""
-    program = hop(tmp_path, f"{LAND}\n    print(called() - rehearsed)")
-    program.file.write_text(REHEARSAL + program.file.read_text())
+def test_the_warm_up_tick_calls_every_kernel_of_a_flight(tmp_path: Path):
+    """The program warms up in the process of its flight, and lists what its flight calls beyond that."""
+    program = hop(tmp_path, f"{LAND}\n    print(called() - warm)")
+    program.file.write_text(WARM_UP + program.file.read_text())
     params = LicenceParams(((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
     uris = ("radio://0/80/2M/E7E7E7E7E7", "radio://0/80/2M/E7E7E7E7E8")
     trial = LicenceTrial(TrialKind.SWAP, start=0.1, other=1)

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from q2q_model.geometry.rotations import quat_from_euler, rotate
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.scenarios import library
@@ -138,7 +138,7 @@ def test_the_path_of_the_replanner_keeps_only_the_recent_past():
     builder = SceneBuilder(SceneParams(trail_s=1.0, trail_hz=10.0))
     for tick in range(300):
         t = 0.01 * tick
-        safe = rehearsal(SwarmSetpoint, t, NAMES)
+        safe = synthetic_signal(SwarmSetpoint, t, NAMES)
         assert isinstance(safe, SwarmSetpoint)
         safe.pos[:, 0] = t
         scene = builder.update(SceneSignals(state(t, apart()), reference_safe=safe))

@@ -62,7 +62,7 @@ class SampledPreview:
 
 
 def resting_preview(names: Names) -> SampledPreview:
-    """Return a preview in which all vehicles rest at the origin, for rehearsals before a plan arrives."""
+    """Return a preview in which all vehicles rest at the origin, for a warm-up before a plan arrives."""
     return SampledPreview(names, 0.0, 1.0, np.zeros((len(names), 2, 9)))
 
 

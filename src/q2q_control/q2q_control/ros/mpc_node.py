@@ -27,7 +27,7 @@ from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_control
 from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.model_files.find_model import find_model
-from q2q_model.node.rehearsal import STAND_IN
+from q2q_model.node.warm_up import STAND_IN
 from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.ready import expect_latched
@@ -45,7 +45,7 @@ from q2q_model.vehicle.constants import vehicle_by_name
 MISMATCH = "plan's course"
 """Doubt of a plan that is not that of the setpoints."""
 NEIGHBOUR = "neighbour"
-"""Vehicle of another node in the rehearsal of a distributed one."""
+"""Vehicle of another node in the warm-up of a distributed one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +109,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         return command
 
     _receive_plans(node, block, wiring)
-    rehearsed = _hearing_itself(block, answer) if mpc.distributed else answer
-    _rehearse(block, wiring, rehearsed, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
+    warmed_up = _hearing_itself(block, answer) if mpc.distributed else answer
+    _warm_up(block, wiring, warmed_up, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
     wiring.start(_within(budget, answer))
@@ -146,16 +146,16 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
     wiring.expect_one_writer(PLAN)
 
 
-def _rehearse(
+def _warm_up(
     block: Mpc,
     wiring: TickWiring[SwarmCommand],
     update: Callable[..., SwarmCommand],
     reset: Callable[[], None],
     vehicles: Names,
 ) -> None:
-    """Rehearse the node with vehicles at rest."""
+    """Warm up the node with vehicles at rest."""
     block.follow(resting_preview(vehicles or STAND_IN))
-    wiring.rehearse(update, reset, vehicles)
+    wiring.warm_up(update, reset, vehicles)
     block.follow(None)
 
 
@@ -172,7 +172,7 @@ def _hearing_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable
 
 
 def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
-    """Return `answer` with a budget that starts at each tick; the rehearsal, without it, loads all code."""
+    """Return `answer` with a budget that starts at each tick; the warm-up, without it, loads all code."""
 
     def update(*signals: Signal) -> SwarmCommand:
         budget.begin()

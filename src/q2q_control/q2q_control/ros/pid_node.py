@@ -52,7 +52,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     wiring, guarded = wire_controller(node, own, vehicle, block)
     if isinstance(block, ObservedPid):
         receive_accelerometers(node, block.sense, wiring.health)
-    wiring.rehearse(guarded.update, guarded.reset, own.vehicles)
+    wiring.warm_up(guarded.update, guarded.reset, own.vehicles)
     wiring.start(guarded.update)
     return wiring
 

@@ -42,7 +42,7 @@ class PredictionExchange:
     def wire(self, wiring: TickWiring[SwarmCommand], *, live: bool) -> None:
         """Publish in turn after a command, hear the neighbours and, in lockstep, wait for them."""
         self._wiring, self._waits = wiring, not live
-        self._awaited.reset()  # of the rehearsal
+        self._awaited.reset()  # of the warm-up
         self._schedule.reset()
         wiring.after_publish(self._publish)
         if self._waits:

@@ -1,1 +1,1 @@
-"""Node services without ROS: health, rehearsal, stopwatch, wiring."""
+"""Node services without ROS: health, warm-up, stopwatch, wiring."""

@@ -57,7 +57,7 @@ def build(node: Node) -> TickWiring[Interference]:
     block = predictor if params.correct_vehicle == "none" else corrected_predictor(predictor, params, found)
     if isinstance(block, CorrectedPredictor):
         receive_measured_ticks(node, block.sense, wiring.health.refuse)
-    wiring.rehearse(block.update, block.reset)
+    wiring.warm_up(block.update, block.reset)
     wiring.start(block.update)
     return wiring
 

@@ -54,7 +54,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     )
     wiring.after_publish(VehicleTopics(node, own.vehicle_topics_hz, own.vehicles).publish)
     wiring.after_publish(warning_log(node, wiring.health, block))
-    wiring.rehearse(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
+    wiring.warm_up(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
     wiring.listen("mocap", StalledStampWarning(node, "mocap").look)
     wiring.start(block.update)

@@ -43,7 +43,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
     wiring = TickWiring(
         node, {"reference": SwarmSetpoint, "state": SwarmState}, ("reference_safe", SwarmSetpoint)
     )
-    wiring.rehearse(block.update, block.reset)
+    wiring.warm_up(block.update, block.reset)
     wiring.after_publish(_warning_log(node, wiring.health))
     wiring.start(block.update)
     return wiring

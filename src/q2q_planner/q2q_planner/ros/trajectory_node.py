@@ -89,7 +89,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
 
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
     wiring.expect_one_writer(PLAN)
-    wiring.rehearse(lambda frame: setpoint_at(plan, frame.t), lambda: None)
+    wiring.warm_up(lambda frame: setpoint_at(plan, frame.t), lambda: None)
     wiring.start(update)
     return wiring
 

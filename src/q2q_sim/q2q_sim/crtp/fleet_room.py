@@ -100,7 +100,7 @@ def unflown_faults(scenario: Scenario) -> str:
     return "fault radio_loss does not act on CRTP clients: set the loss of their link"
 
 
-def rehearse_firmware(scenario: Scenario) -> None:
+def warm_up_firmware(scenario: Scenario) -> None:
     """Fly a temporary room by its own firmware for a tick, so that the first real tick is not slow."""
     room = Room(scenario, seed=0)
     room.fly(fleet_in(room, scenario, CrtpRoomParams()).fly)

@@ -216,7 +216,7 @@ def _frame(tick: Tick) -> StampedSignal:
     return StampedSignal("mocap", tick.frame, tick.frame_stamp_ns)
 
 
-def rehearse_room(scenario: Scenario, seed: int) -> Room:
+def warm_up_room(scenario: Scenario, seed: int) -> Room:
     """Return a new room, after two ticks of a temporary one: the first real tick is not slow."""
     temporary = Room(scenario, seed=0)
     for _ in range(2):

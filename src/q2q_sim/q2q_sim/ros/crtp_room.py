@@ -3,7 +3,7 @@
 from rclpy.node import Node
 
 from q2q_model.ros.node.node_parameters import declare
-from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, rehearse_firmware, unflown_faults
+from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, unflown_faults, warm_up_firmware
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint, PortParams
 from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.loop.room import Room
@@ -19,7 +19,7 @@ def open_crtp(node: Node, room: Room, scenario: Scenario) -> CrtpEndpoint:
     Raises:
         OSError: a port is taken.
     """
-    rehearse_firmware(scenario)
+    warm_up_firmware(scenario)
     port = declare(node, PortParams(), PREFIX).port
     fleet = fleet_in(room, scenario, declare(node, CrtpRoomParams(), PREFIX))
     endpoint = CrtpEndpoint(fleet, port, declare(node, SharedRadioParams(), PREFIX), seed=room.seed)

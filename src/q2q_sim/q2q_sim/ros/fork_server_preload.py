@@ -17,17 +17,17 @@ from q2q_sim.scenarios.choices import CONTROLLERS
 NODES = ("bag_play_node", "bag_record_node", "simulator_node", "stack")
 """Modules that import every node of a flight."""
 SCENARIO = "table6"
-REHEARSED_S = 0.05
+WARM_UP_S = 0.05
 """Length of the flight [s]: every block's first ticks."""
 
 
-def rehearse() -> None:
+def warm_up() -> None:
     """Fly a few ticks with each controller."""
     from q2q_model.model_files.find_model import find_model
     from q2q_sim.loop.closed_loop import FlightOptions, fly
     from q2q_sim.scenarios import library
 
-    short = replace(library.load(SCENARIO), duration=REHEARSED_S)
+    short = replace(library.load(SCENARIO), duration=WARM_UP_S)
     for controller in CONTROLLERS:
         fly(short, FlightOptions(controller=controller, model=find_model(short.model).interaction))
 
@@ -37,6 +37,6 @@ sys.excepthook = say_in_a_line
 with lean_imports():
     for name in NODES:
         import_module(f"q2q_sim.ros.{name}")
-    rehearse()
+    warm_up()
 gc.collect()
 gc.freeze()

@@ -16,7 +16,7 @@ from types import ModuleType
 
 from q2q_control.radio.link import LinkHealth
 from q2q_model.bag import BagWriter
-from q2q_model.node.rehearsal import rehearsal
+from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode
@@ -211,14 +211,14 @@ def _feed(node: StandInNode) -> None:
     kinds = {message: kind for kind, message in MESSAGES.items()}
     for message, receive in node.readers:
         if message in kinds:
-            receive(encode(rehearsal(kinds[message], 0.0, (VEHICLE,)), 0))
+            receive(encode(synthetic_signal(kinds[message], 0.0, (VEHICLE,)), 0))
 
 
 def _write_bag(folder: Path) -> None:
     writer = BagWriter(folder)
     for topic, kind in TYPE_NAMES.items():
         writer.add_topic(f"/{topic}", kind)
-        writer.write_raw(f"/{topic}", 0, encode(rehearsal(TICK_TOPICS[topic], 0.0, (VEHICLE,)), 0))
+        writer.write_raw(f"/{topic}", 0, encode(synthetic_signal(TICK_TOPICS[topic], 0.0, (VEHICLE,)), 0))
     writer.close()
 
 

@@ -37,7 +37,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.flight_clock import timing_as_text
-from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, rehearse_room
+from q2q_sim.loop.room_flight import OUTPUTS, Output, RoomFlight, warm_up_room
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 from q2q_sim.ros.ready_nodes import ReadyNodes
 
@@ -63,7 +63,7 @@ class Simulator:
         self._node = node
         params = declare(node, SimulatorParams())
         scenario = chosen_scenario(params)
-        room = rehearse_room(scenario, params.seed)
+        room = warm_up_room(scenario, params.seed)
         self._crtp: CrtpEndpoint | None = None
         if params.crtp:
             from q2q_sim.ros.crtp_room import open_crtp  # firmware that other rooms are spared

@@ -28,7 +28,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.gains.impulse_response import impulse_response
 from q2q_model.identification.push.recorded_push import first_order_lag
 from q2q_model.model_files.find_model import find_model
-from q2q_model.node.rehearsal import rehearse
+from q2q_model.node.warm_up import warm_up
 from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_model.vehicle.constants import TEXTBOOK_065
@@ -69,9 +69,9 @@ def _flown(scenario: str, controller: str = "pid", replan: str = "none") -> None
 
 def _estimators() -> None:
     block = MocapFilter(MocapFilterParams(), MANY[:2])
-    rehearse(block.update, block.reset, (MocapFrame,), MANY[:2])
+    warm_up(block.update, block.reset, (MocapFrame,), MANY[:2])
     predictor = InteractionPredictor(find_model("measured_law").interaction)
-    rehearse(predictor.update, predictor.reset, (SwarmState,))
+    warm_up(predictor.update, predictor.reset, (SwarmState,))
     two = np.array([[0], [1]])
     strengths(two[:, 0], two[::-1, 0], np.zeros((2, 1)), np.ones((2, 1)), SourceTerms(1.0, 1.0))
 
@@ -132,9 +132,9 @@ def _mpc() -> None:
         block = Mpc(MpcParams(), TEXTBOOK_065, model)
         for names in (MANY[:2], MANY):
             block.follow(resting_preview(names))
-            rehearse(block.update, block.reset, CONTROLLED, names)
+            warm_up(block.update, block.reset, CONTROLLED, names)
     among_others = Mpc(MpcParams(), TEXTBOOK_065, MEASURED_LAW, MpcSetup(MANY[:1]))
-    rehearse(among_others.update, among_others.reset, CONTROLLED, MANY[:2])
+    warm_up(among_others.update, among_others.reset, CONTROLLED, MANY[:2])
 
 
 def _explicit() -> None:
@@ -145,7 +145,7 @@ def _explicit() -> None:
     law = distil(teacher, DistillationParams(situations=2, encounters=1, length=2, iterations=1), rng)
     setup = MpcSetup(solver=explicit_solver(law))
     block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)
-    rehearse(block.update, block.reset, CONTROLLED)
+    warm_up(block.update, block.reset, CONTROLLED)
 
 
 def _identification() -> None:

@@ -12,8 +12,8 @@ from rclpy.node import Node
 from q2q_model.compiled import COMPILED
 from q2q_model.node.diagnostic_values import diagnostic_values
 from q2q_model.node.health import Health
-from q2q_model.node.rehearsal import rehearse
 from q2q_model.node.stopwatch import Stopwatch
+from q2q_model.node.warm_up import warm_up
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics import publish_health
 from q2q_model.ros.node.signal_publisher import SignalPublisher
@@ -67,9 +67,9 @@ class TickWiring(Generic[Made]):
         self.check_each_second(TopicWriters(node, (topic,), self.health, inf if shares_output else 1).look)
         publish_health(node, self.health, self._facts)
 
-    def rehearse(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
+    def warm_up(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
         """Run the block on synthetic ticks and reset it, so that nothing is compiled or loaded in flight."""
-        rehearse(update, reset, self._inputs.values(), names)
+        warm_up(update, reset, self._inputs.values(), names)
 
     def start(self, update: Callable[..., Made]) -> None:
         """Subscribe to the inputs and call `update` with the signals of every complete tick, in order."""
@@ -121,7 +121,7 @@ class TickWiring(Generic[Made]):
         return found
 
     def _warn_of_compilations(self) -> None:
-        """Warn of kernels compiled since the first tick, which rehearsal and set-up have missed."""
+        """Warn of kernels compiled since the first tick, which warm-up and set-up have missed."""
         if len(COMPILED) > self._compiled:
             late = ", ".join(COMPILED[self._compiled :])
             self._node.get_logger().warning(f"compiled in flight: {late}; run scripts/setup")

@@ -1,7 +1,7 @@
 """Licence of a program: its flight without faults, then, if that passes, with one fault each.
 
 Every flight has a process of its own, forked from the fork server, which has imported the simulator. One tick
-is rehearsed before all flights: compiling the kernels is no time of a program, and an air that cannot be
+is warmed up before all flights: compiling the kernels is no time of a program, and an air that cannot be
 flown in is refused.
 """
 
@@ -166,7 +166,7 @@ def licence(program: Program, options: LicenceOptions) -> Licence:
         ValueError: there are starts, but not one for each vehicle.
     """
     start_fork_server()
-    LicenceRoom(options.params(1), LicenceTrial()).fly()  # rehearsal, while the fork server imports
+    LicenceRoom(options.params(1), LicenceTrial()).fly()  # warm-up, while the fork server imports
     began = monotonic()
     until = began + options.budget
     nominal = _nominal(program, options, until)

@@ -1,4 +1,4 @@
-"""Synthetic ticks that load all code of a block before its first real tick."""
+"""Warm-up: synthetic ticks that load all code of a block before its first real tick."""
 
 from collections.abc import Callable, Iterable
 
@@ -20,17 +20,17 @@ LOST_S = 0.5
 """Age of the lost vehicle [s]."""
 
 
-def rehearse(
+def warm_up(
     update: Callable[..., object], reset: Callable[[], None], kinds: Iterable[type], names: Names = ()
 ) -> None:
     """Run a block on synthetic ticks, then reset it, so that neither the first tick nor a dropout is slow."""
     signal_types = tuple(kinds)
     for t, unseen in TICKS:
-        update(*(rehearsal(kind, t, names, unseen=unseen) for kind in signal_types))
+        update(*(synthetic_signal(kind, t, names, unseen=unseen) for kind in signal_types))
     reset()
 
 
-def rehearsal(kind: type, t: float, names: Names = (), *, unseen: bool = False) -> Signal:
+def synthetic_signal(kind: type, t: float, names: Names = (), *, unseen: bool = False) -> Signal:
     """Return a plausible signal of this type at time t [s]: vehicles in stacks that drift slowly.
 
     With `unseen`, the first vehicle is missing from a MocapFrame and lost in a SwarmState.
