@@ -22,8 +22,8 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.playing.glide import GlideParams
-from q2q_planner.playing.plan_player import PlanPlayer
+from q2q_planner.plan_playback.glide import GlideParams
+from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import Wire
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of

@@ -12,7 +12,7 @@ from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, by_bridge, by_rad
 
 from q2q_control.flight_procedure.steps import Call, Step
 from q2q_model.vehicle.hover_thrust import OwnHover
-from q2q_planner.playing.plan_player import Played
+from q2q_planner.plan_playback.plan_player import Played
 
 
 def test_table6_by_radio_from_the_ground_to_the_ground(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,9 +7,9 @@ from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.playing.braked_plan import brake_plan
-from q2q_planner.playing.glide import GlideParams
-from q2q_planner.playing.plan_player import PlanPlayer
+from q2q_planner.plan_playback.braked_plan import brake_plan
+from q2q_planner.plan_playback.glide import GlideParams
+from q2q_planner.plan_playback.plan_player import PlanPlayer
 
 NAMES = ("cf1", "cf2")
 PLAN = minimum_snap_plan(

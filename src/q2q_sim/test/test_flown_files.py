@@ -9,7 +9,7 @@ from q2q_model.trajectory import plan_file
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, on_firmware
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
-from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_planner.tools.waypoint_file import read_waypoints
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.commands.fly import main

@@ -17,8 +17,8 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.tick_clock import TickClock
-from q2q_planner.playing.glide import GlideParams
-from q2q_planner.playing.plan_player import PlanPlayer
+from q2q_planner.plan_playback.glide import GlideParams
+from q2q_planner.plan_playback.plan_player import PlanPlayer
 
 NAMES = ("cf1",)
 BEGIN = 16.0  # steps back from here are exact in float64

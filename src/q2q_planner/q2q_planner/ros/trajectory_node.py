@@ -1,8 +1,8 @@
 """Trajectory node: `mocap` ticks in, `reference` out; the played plan is latched on `plan`.
 
-With `wait` the plan is played by calls (q2q_planner.playing.plan_player): the reference follows the measured
-vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the plan's
-clock, `~/hold` brakes along the plan, `~/wait` waits again once vehicles have landed (in flight, where they
+With `wait` the plan is played by calls (q2q_planner.plan_playback.plan_player): the reference follows the
+measured vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the
+plan's clock, `~/hold` brakes along the plan, `~/wait` waits again once vehicles have landed (in flight, where they
 would drift, it is refused: while one is within 0.25 m of its reference), `~/wait_landed` wherever they are,
 for callers that have found all on the ground. The waiting plan is latched on `next_plan`. For real vehicles,
 the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
@@ -28,9 +28,9 @@ from q2q_model.signals.topic_names import NEXT_PLAN, PLAN
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.tunable import check_bounds, tunable
-from q2q_planner.offline.certified_file import load_plan
-from q2q_planner.playing.glide import GlideParams
-from q2q_planner.playing.plan_player import PlanPlayer, Played
+from q2q_planner.offline.certificate.certified_file import load_plan
+from q2q_planner.plan_playback.glide import GlideParams
+from q2q_planner.plan_playback.plan_player import PlanPlayer, Played
 
 LAST_STAMP = 2147483647.0
 """Last second of a message's stamp [s]: its seconds are an int32 (builtin_interfaces/Time)."""

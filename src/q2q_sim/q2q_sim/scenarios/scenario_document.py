@@ -33,7 +33,7 @@ from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_li
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading
 from q2q_planner.offline.minimum_snap.waypoint_document import swarm_from_document
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_sim.faults.faults import Fault, check_sizes
 from q2q_sim.scenarios.block_overrides import merge_overrides, override_params
 from q2q_sim.scenarios.room_profiles import profile_by_name

@@ -11,7 +11,7 @@ import numpy as np
 
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
-from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.scenarios.scenario import Scenario
 

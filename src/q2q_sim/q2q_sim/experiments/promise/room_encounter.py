@@ -19,7 +19,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.experiments.encounters import AFTERWARDS, CLEAR, NEAR, random_encounter
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.playing.plan_waypoints import waypoints_of
+from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_sim.experiments.promise.fastest_return import can_return
 from q2q_sim.experiments.promise.tracking_tube import TubeConditions
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks

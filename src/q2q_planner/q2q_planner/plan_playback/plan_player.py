@@ -22,8 +22,8 @@ from q2q_model.node.reply import Reply
 from q2q_model.signals.clock_resets import SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_planner.playing.braked_plan import brake_plan
-from q2q_planner.playing.glide import GlideParams, glide, wrap_angles
+from q2q_planner.plan_playback.braked_plan import brake_plan
+from q2q_planner.plan_playback.glide import GlideParams, glide, wrap_angles
 
 AT_FIRST = 1e-3
 """Largest distance of the reference from the first points at which the plan may start [m]."""
