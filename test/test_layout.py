@@ -55,7 +55,7 @@ QUESTIONS = (
         "q2q_planner/offline/minimum_snap/minimum_snap.py",
         "minimum_snap",
     ),
-    ("where is a plan certified?", "q2q_planner/offline/certificate.py", "certify"),
+    ("where is a plan certified?", "q2q_planner/offline/certificate/certificate.py", "certify"),
     ("where is the potential field?", "q2q_planner/online/potential_field.py", "PotentialField"),
     ("which replanner has a guarantee?", "q2q_planner/online/safe/safe_replanner.py", "SafeReplanner"),
     ("where is the PID?", "q2q_control/pid/pid.py", "Pid"),

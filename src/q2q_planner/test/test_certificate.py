@@ -11,13 +11,13 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
-from q2q_planner.offline import certificate
-from q2q_planner.offline.branch_and_bound import TOLERANCE
-from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.convex_zone import ConvexZone, zone_around
+from q2q_planner.offline.certificate import certificate
+from q2q_planner.offline.certificate.branch_and_bound import TOLERANCE
+from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.certificate.convex_zone import ConvexZone, zone_around
+from q2q_planner.offline.certificate.shared_pieces import shared_pieces, split_at
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.offline.shared_pieces import shared_pieces, split_at
 
 NAMES = ("cf1", "cf2", "cf3")
 ZONES = (Cylinder(0.1, 1.1), Cylinder(0.3, 0.2), Ellipsoid(0.4, 0.7))

@@ -13,9 +13,9 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
-from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.certified_file import load_plan
-from q2q_planner.offline.convex_zone import zone_around, zone_of_profile
+from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.certificate.certified_file import load_plan
+from q2q_planner.offline.certificate.convex_zone import zone_around, zone_of_profile
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 ZONE = Cylinder(0.1, 1.1)

@@ -8,7 +8,7 @@ import pytest
 from q2q_model.geometry.zone import Ellipsoid
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, plan_swap, random_swap
-from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.certificate.certificate import certify
 
 ROOM = RoomSize()
 ZONE = Ellipsoid(0.24, 0.6)

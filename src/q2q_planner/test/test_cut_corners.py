@@ -7,7 +7,7 @@ from q2q_model.geometry.zone import Ellipsoid
 from q2q_planner.experiments.crowded_room import RoomSize, random_swap
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.avoidance.near_samples import cut_corners
-from q2q_planner.offline.convex_zone import zone_around
+from q2q_planner.offline.certificate.convex_zone import zone_around
 
 FLAT = Ellipsoid(0.38, 0.24)
 """Bends with a radius of 0.15 m at its rim."""

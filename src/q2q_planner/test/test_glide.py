@@ -5,7 +5,7 @@ import pytest
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
-from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.plan_playback.glide import GlideParams, glide
 
 NAMES = ("cf1", "cf2")

@@ -10,7 +10,6 @@ from scipy.optimize import nnls
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
-from q2q_planner.offline import certificate
 from q2q_planner.offline.avoidance.deviation_space import deform, deviation_space
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
 from q2q_planner.offline.avoidance.least_deformation import least_deviations, nonnegative_qp
@@ -18,8 +17,9 @@ from q2q_planner.offline.avoidance.near_samples import LOOK
 from q2q_planner.offline.avoidance.separating_planes import Planes, watch_pairs
 from q2q_planner.offline.avoidance.swarm_samples import sample_swarm
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
-from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.convex_zone import zone_around
+from q2q_planner.offline.certificate import certificate
+from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, plan_cost, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 

@@ -14,12 +14,12 @@ from q2q_model.trajectory.plan_file import load, load_with_facts
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.commands.plan import main
-from q2q_planner.offline import certificate
-from q2q_planner.offline.altitude_response import altitude_rms
-from q2q_planner.offline.certified_file import load_plan
-from q2q_planner.offline.downwash_zone import STEP
+from q2q_planner.offline.certificate import certificate
+from q2q_planner.offline.certificate.certified_file import load_plan
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.zones.altitude_response import altitude_rms
+from q2q_planner.offline.zones.downwash_zone import STEP
 from q2q_planner.tools.export import write_samples
 
 SECTION_4_1 = """

@@ -10,10 +10,10 @@ from q2q_model.downwash.level_set import level_set
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
-from q2q_planner.offline.altitude_response import altitude_errors, altitude_rms
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+from q2q_planner.offline.zones.altitude_response import altitude_errors, altitude_rms
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
 SECTION_4_1 = (

@@ -14,8 +14,8 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.plan_file import load_with_facts
 from q2q_planner.commands.plan import main
-from q2q_planner.offline.certified_file import load_plan
-from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
+from q2q_planner.offline.certificate.certified_file import load_plan
+from q2q_planner.offline.zones.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
 
 TUBE = RiskTube(0.05, 0.03, 0.004)
 STRONG = RiskTerms(alpha=0.01, hold=6.0, tube=TUBE)

@@ -11,11 +11,16 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
-from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.certificate.rounding_bound import (
+    MOST_COEFFICIENTS,
+    NOT_BOUNDED,
+    ROUNDING,
+    rounding_bound,
+)
+from q2q_planner.offline.certificate.shared_pieces import shared_pieces
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.offline.rounding_bound import MOST_COEFFICIENTS, NOT_BOUNDED, ROUNDING, rounding_bound
-from q2q_planner.offline.shared_pieces import shared_pieces
 
 
 def along_x(coefficients: Array, duration: float) -> Trajectory:

@@ -14,7 +14,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.commands.plan import main
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
-from q2q_planner.offline.branch_and_bound import TOLERANCE
+from q2q_planner.offline.certificate.branch_and_bound import TOLERANCE
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.walls import Walls, prove_within

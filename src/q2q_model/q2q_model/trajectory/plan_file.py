@@ -4,7 +4,7 @@ A file holds names, durations and coefficients (shortest decimals that round-tri
 checked against and costs. It is data only: reading one runs no code.
 
 A checksum over all entries detects a plan that was edited after it was certified. It keeps nobody from
-writing another: q2q_planner.offline.certified_file proves a plan anew.
+writing another: q2q_planner.offline.certificate.certified_file proves a plan anew.
 """
 
 import json

@@ -13,10 +13,10 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.branch_and_bound import StretchBounds, least_on_stretches
+from q2q_planner.offline.certificate.branch_and_bound import StretchBounds, least_on_stretches
+from q2q_planner.offline.certificate.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
+from q2q_planner.offline.certificate.shared_pieces import shared_pieces
 from q2q_planner.offline.minimum_snap.waypoints import Point
-from q2q_planner.offline.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
-from q2q_planner.offline.shared_pieces import shared_pieces
 
 WALLS = 6
 """Walls of a room: low x, y, z, high x, y, z."""

@@ -15,7 +15,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_model.tunable import check_bounds, tunable
-from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.certificate.certificate import Certificate, certify
 from q2q_planner.offline.minimum_snap.flight_limits import PEAK_SPEED, PEAK_YAW_RATE
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint

@@ -19,8 +19,8 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
-from q2q_planner.offline.altitude_response import altitude_errors
-from q2q_planner.offline.convex_zone import zone_around
+from q2q_planner.offline.certificate.convex_zone import zone_around
+from q2q_planner.offline.zones.altitude_response import altitude_errors
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 

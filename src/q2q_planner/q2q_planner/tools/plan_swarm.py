@@ -14,12 +14,12 @@ from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
-from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import zone_around
+from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
+from q2q_planner.offline.certificate.convex_zone import zone_around
+from q2q_planner.offline.certificate.rounding_bound import NOT_BOUNDED
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.offline.rounding_bound import NOT_BOUNDED
 from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import check_upload_of, upload_rows, write_samples, write_uploads
 from q2q_planner.tools.flight_options import read_swarm

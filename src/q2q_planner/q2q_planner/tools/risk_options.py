@@ -7,8 +7,8 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import push_at_range
 from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import CONTACT, GRAVITY, Vehicle
-from q2q_planner.offline.convex_zone import ConvexZone
-from q2q_planner.offline.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
+from q2q_planner.offline.certificate.convex_zone import ConvexZone
+from q2q_planner.offline.zones.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
 
 MODEL = "measured_law"
 """Downwash without --model: fitted to real flights."""

@@ -10,9 +10,9 @@ from q2q_model.model_files.model_names import NONE
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams
-from q2q_planner.offline.convex_zone import LARGEST
-from q2q_planner.offline.downwash_zone import LearnedDownwash, avoid_downwash
+from q2q_planner.offline.certificate.convex_zone import LARGEST
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.tools.risk_options import range_note, zone_by_risk
 
 EPS, D = 0.1, 1.1

@@ -15,7 +15,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, Vehicle, firmware_of, vehicle_by_name
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
-from q2q_planner.offline.certified_file import load_plan
+from q2q_planner.offline.certificate.certified_file import load_plan
 from q2q_sim.node_flights.running_nodes import RECORDER
 from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.processes import NodeSpec

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_planner.offline.certified_file import load_plan
+from q2q_planner.offline.certificate.certified_file import load_plan
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document

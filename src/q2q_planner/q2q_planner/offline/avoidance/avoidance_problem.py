@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Rows
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
-from q2q_planner.offline.convex_zone import ConvexZone
+from q2q_planner.offline.certificate.convex_zone import ConvexZone
 from q2q_planner.offline.walls import WALLS, Walls
 
 

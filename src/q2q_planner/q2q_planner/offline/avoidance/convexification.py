@@ -20,7 +20,7 @@ from q2q_planner.offline.avoidance.least_deformation import HARD, least_deviatio
 from q2q_planner.offline.avoidance.separating_planes import SPACING
 from q2q_planner.offline.avoidance.step_planes import watched_samples
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples, sample_swarm, sample_times
-from q2q_planner.offline.certificate import Certificate, certify
+from q2q_planner.offline.certificate.certificate import Certificate, certify
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost
 from q2q_planner.offline.walls import WallProof, prove_within
 

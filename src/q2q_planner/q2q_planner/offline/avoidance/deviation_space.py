@@ -19,9 +19,9 @@ from scipy.linalg import cholesky, solve_triangular
 from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.hermite import end_scales, hermite_matrix, piece_energies, pieces_from_nodes
 from q2q_model.trajectory.polynomials import Trajectory
+from q2q_planner.offline.certificate.shared_pieces import split_at
 from q2q_planner.offline.minimum_snap.minimum_snap import POSITION_HALF, Reading
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.offline.shared_pieces import split_at
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,8 +28,8 @@ from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.convexification import Attempt, Start, search
 from q2q_planner.offline.avoidance.deviation_space import deviation_space
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError, check_apart, check_inside
-from q2q_planner.offline.certificate import Certificate, as_certified, certify
-from q2q_planner.offline.convex_zone import zone_around
+from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
+from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, Walls, prove_within

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
-from q2q_planner.offline.convex_zone import ConvexZone
+from q2q_planner.offline.certificate.convex_zone import ConvexZone
 
 LOOK = 0.1
 """Samples within this many radii of the zone get a plane before they violate it."""

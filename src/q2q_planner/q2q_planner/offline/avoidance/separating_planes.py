@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.offline.avoidance.near_samples import deepest_rows, is_near, pairs_near_zone
-from q2q_planner.offline.convex_zone import ConvexZone
+from q2q_planner.offline.certificate.convex_zone import ConvexZone
 
 SPACING = 0.25
 """Distance between the planes of a pair, in radii."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_planner.offline.convex_zone import ConvexZone
+from q2q_planner.offline.certificate.convex_zone import ConvexZone
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import Walls
 

@@ -20,7 +20,7 @@ from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, derive
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
-from q2q_planner.offline.branch_and_bound import StretchBounds, least_on_stretches
+from q2q_planner.offline.certificate.branch_and_bound import StretchBounds, least_on_stretches
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
-from q2q_planner.offline.shared_pieces import split_at
+from q2q_planner.offline.certificate.shared_pieces import split_at
 from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_sim.air.air_names import RECORDED, ROOM, SYNTHETIC
 from q2q_sim.loop.flight_blocks import plan_of

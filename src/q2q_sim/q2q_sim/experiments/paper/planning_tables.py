@@ -8,7 +8,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
-from q2q_planner.offline.certificate import certify
+from q2q_planner.offline.certificate.certificate import certify
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import plan_of

@@ -35,7 +35,7 @@ from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, Residua
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CONTACT
-from q2q_planner.offline.convex_zone import ConvexZone, zone_around, zone_by_support
+from q2q_planner.offline.certificate.convex_zone import ConvexZone, zone_around, zone_by_support
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.trajectory.polynomials import Trajectory
-from q2q_planner.offline.shared_pieces import SAME_TIME, common_cuts
+from q2q_planner.offline.certificate.shared_pieces import SAME_TIME, common_cuts
 
 UNIT_ROUNDOFF = 2.0**-53
 """u of a double."""

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.certificate import certify
-from q2q_planner.offline.convex_zone import zone_of_profile
+from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.certificate.convex_zone import zone_of_profile
 
 
 def load_plan(path: Path) -> SwarmPlan:

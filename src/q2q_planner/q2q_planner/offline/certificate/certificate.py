@@ -20,10 +20,15 @@ from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array, Rows
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.branch_and_bound import MOST_STRETCHES, StretchBounds, least_on_stretches
-from q2q_planner.offline.convex_zone import ConvexZone, zone_around
-from q2q_planner.offline.rounding_bound import MOST_ROUNDING, NOT_BOUNDED, ROUNDING, rounding_slack
-from q2q_planner.offline.shared_pieces import SharedPieces, shared_pieces
+from q2q_planner.offline.certificate.branch_and_bound import MOST_STRETCHES, StretchBounds, least_on_stretches
+from q2q_planner.offline.certificate.convex_zone import ConvexZone, zone_around
+from q2q_planner.offline.certificate.rounding_bound import (
+    MOST_ROUNDING,
+    NOT_BOUNDED,
+    ROUNDING,
+    rounding_slack,
+)
+from q2q_planner.offline.certificate.shared_pieces import SharedPieces, shared_pieces
 
 LIKELY = 256
 """Number of nearest boxes evaluated first, for an initial least distance."""

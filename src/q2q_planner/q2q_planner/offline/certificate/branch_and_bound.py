@@ -13,7 +13,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import split_in_half
-from q2q_planner.offline.rounding_bound import DEEPEST
+from q2q_planner.offline.certificate.rounding_bound import DEEPEST
 
 TOLERANCE = 1e-5
 """How far a bound may lie below the true least value [m]."""

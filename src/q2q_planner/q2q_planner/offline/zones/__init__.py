@@ -1,0 +1,1 @@
+"""Zones that pairs must stay out of: by downwash, by risk."""
