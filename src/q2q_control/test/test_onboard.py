@@ -23,7 +23,7 @@ from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import MEASURED_LAW, MOVING_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.signals.values import Array, Interference, SwarmState, TrackStatus

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.tables.table_file import read_columns
 
 
 def test_a_column_that_is_there_twice_is_named(tmp_path: Path) -> None:

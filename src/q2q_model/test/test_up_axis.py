@@ -8,8 +8,8 @@ import pytest
 
 from q2q_model.bag import BagWriter
 from q2q_model.commands import identify
-from q2q_model.flights.flight_table import POS, flight_table
-from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.tables.flight_table import POS, flight_table
+from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.flights.up_axis import FLOOR, y_up_reason
 from q2q_model.signals.values import Array, MocapFrame
 

@@ -6,9 +6,9 @@ from zlib import crc32
 import numpy as np
 import pytest
 
-from q2q_model.flights.column_map import SourceColumn
-from q2q_model.flights.usd_flight import columns_of_logs
-from q2q_model.flights.usd_log import UsdLogError, is_usd_log, usd_log
+from q2q_model.flights.tables.column_map import SourceColumn
+from q2q_model.flights.tables.usd_flight import columns_of_logs
+from q2q_model.flights.tables.usd_log import UsdLogError, is_usd_log, usd_log
 from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.geometry.rotations import normalised, quat_from_euler
 from q2q_model.signals.values import Array

@@ -7,8 +7,8 @@ from q2q_model.bag import BagError, TopicMap, is_bag, read_flight, read_flight_l
 from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.flights.flight_log import FlightLog, log_at
-from q2q_model.flights.flight_table import flight_table, log_of, signals_of
-from q2q_model.flights.table_file import TABLES, read_columns
+from q2q_model.flights.tables.flight_table import flight_table, log_of, signals_of
+from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.recorded_flight import Recording

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.bag import TopicMap
-from q2q_model.flights.table_file import TABLES
+from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import flights_among, recording_of_table

@@ -7,13 +7,13 @@ from pathlib import Path
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
-from q2q_model.flights.column_map import ColumnMap, load_column_map, mapped_table
-from q2q_model.flights.flight_table import CARRIED, POS, FlightTable, flight_table, log_of, signals_of
-from q2q_model.flights.table_file import read_columns
-from q2q_model.flights.table_vehicles import vehicle_prefixes
+from q2q_model.flights.tables.column_map import ColumnMap, load_column_map, mapped_table
+from q2q_model.flights.tables.flight_table import CARRIED, POS, FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.tables.table_file import read_columns
+from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
+from q2q_model.flights.tables.usd_flight import columns_of_logs
+from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.flights.up_axis import y_up_reason
-from q2q_model.flights.usd_flight import columns_of_logs
-from q2q_model.flights.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.signals.values import Array
 
 

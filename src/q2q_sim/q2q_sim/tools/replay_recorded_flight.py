@@ -14,8 +14,8 @@ import numpy as np
 from q2q_model.bag import read_flight_log
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight_log import log_at
-from q2q_model.flights.flight_table import flight_table
-from q2q_model.flights.table_file import read_columns
+from q2q_model.flights.tables.flight_table import flight_table
+from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import (
     PushSamples,

@@ -9,7 +9,7 @@ import numpy as np
 
 from q2q_model.bag import TopicMap
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.table_file import TABLES
+from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.bag_recordings import topic_map

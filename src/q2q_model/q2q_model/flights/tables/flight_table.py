@@ -4,7 +4,7 @@ Two layouts are supported, both in SI units with one row per tick:
 
 | layout | columns | vehicles |
 |---|---|---|
-| several | `t`, then `<name>_x`, `<name>_y`, ... for each vehicle | q2q_model.flights.table_vehicles |
+| several | `t`, then `<name>_x`, `<name>_y`, ... for each vehicle | q2q_model.flights.tables.table_vehicles |
 | one | `t`, then `x`, `y`, ... | `cf1` |
 
 | columns | become |
@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.table_vehicles import vehicle_prefixes
+from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.unit_check import check_metres
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
 from q2q_model.signals.layout import Signal

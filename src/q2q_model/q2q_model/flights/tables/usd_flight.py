@@ -10,8 +10,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from q2q_model.flights.column_map import FIRMWARE, ColumnMap, map_columns, require_sources
-from q2q_model.flights.usd_log import UsdLog
+from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, map_columns, require_sources
+from q2q_model.flights.tables.usd_log import UsdLog
 from q2q_model.geometry.quaternion32 import decompress_quat
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
@@ -31,7 +31,7 @@ NEEDED = ("x", "y", "z")
 
 
 def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) -> dict[str, Array]:
-    """Return the columns t and `<vehicle>_<column>` of a flight (q2q_model.flights.flight_table).
+    """Return the columns t and `<vehicle>_<column>` of a flight (q2q_model.flights.tables.flight_table).
 
     Args:
         logs: Vehicle -> its log.

@@ -5,9 +5,9 @@
       vbat: {from: pm.vbatMV, scale: 0.001}     # ours = scale * theirs + offset
       az: {from: acc_up, offset: -9.81}
 
-Our columns are those of q2q_model.flights.flight_table, SI, without the vehicle's name; in a table of several
-vehicles, `<vehicle>_` is before theirs, and so before ours. FIRMWARE has the log variables of the Crazyflie's
-firmware and of the logs of aerorobotics/neural-swarm.
+Our columns are those of q2q_model.flights.tables.flight_table, SI, without the vehicle's name; in a table of
+several vehicles, `<vehicle>_` is before theirs, and so before ours. FIRMWARE has the log variables of the
+Crazyflie's firmware and of the logs of aerorobotics/neural-swarm.
 """
 
 import math

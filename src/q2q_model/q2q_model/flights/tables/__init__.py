@@ -1,0 +1,1 @@
+"""Import of flights from foreign tables: CSV and Parquet, logs of SD cards; their columns and vehicles."""
