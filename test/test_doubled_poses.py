@@ -14,7 +14,7 @@ from room_node import RoomNode
 from q2q_control.crazyswarm.message_conversion import NamedPose
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
-from q2q_model.ros.node.diagnostics import PERIOD_S
+from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.cdr import decode
 from q2q_model.signals.values import MocapFrame

@@ -13,7 +13,7 @@ from room_node import RoomNode
 from q2q_control.mpc.prediction.neighbours import PredictedPaths
 from q2q_control.ros.prediction_exchange import PredictionExchange
 from q2q_control.ros.prediction_message import encode_prediction
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.values import Names, SwarmState
 

@@ -27,7 +27,7 @@ from std_msgs.msg import String
 
 from q2q_model.model_files.find_model import find_model
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.ros.node.diagnostics import PERIOD_S
+from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr import encode

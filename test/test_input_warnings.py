@@ -12,10 +12,10 @@ import rclpy
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
+from q2q_model.diagnostics.health import Health
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.node.health import Health
 from q2q_model.ros.mocap_filter_node import CHANGING_NAMES, warning_log
 from q2q_model.ros.node.input_warnings import (
     FRAMES,

@@ -7,10 +7,10 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from room_node import RoomNode
 from std_msgs.msg import String
 
+from q2q_model.diagnostics.health import Health, Level, health_report
 from q2q_model.downwash.jet import Jet
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import ModelFile, encode
-from q2q_model.node.health import Health, Level, health_report
 from q2q_model.ros import interference_node
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.values import Interference

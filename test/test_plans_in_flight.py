@@ -12,7 +12,7 @@ from q2q_msgs.msg import Plan
 from room_node import RoomNode
 
 from q2q_control.ros import mpc_node
-from q2q_model.node.health import Health, Level, health_report
+from q2q_model.diagnostics.health import Health, Level, health_report
 from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr import encode

@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.subscriptions import listener
 from q2q_model.signals.cdr import encode

@@ -13,7 +13,7 @@ from room_node import RoomNode
 from std_srvs.srv import Empty
 
 from q2q_control.ros import pid_node
-from q2q_model.node.health import Health, HealthReport, Level, health_report
+from q2q_model.diagnostics.health import Health, HealthReport, Level, health_report
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import SeveralWriters

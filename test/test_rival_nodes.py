@@ -16,9 +16,9 @@ from room_node import RoomNode
 
 from q2q_control.ros import mpc_node, pid_node
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
-from q2q_model.node.health import Health, Level
+from q2q_model.diagnostics.health import Health, Level
 from q2q_model.ros import interference_node, mocap_filter_node
-from q2q_model.ros.node.diagnostics import PERIOD_S
+from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.signals.cdr import encode

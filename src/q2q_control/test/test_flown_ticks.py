@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState

@@ -11,7 +11,7 @@ from q2q_control.radio import radio_vehicles
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_vehicles import SETTLE_S, RadioVehicles
 from q2q_control.radio.vehicle_record import Phase
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 
 
 def in_flight(

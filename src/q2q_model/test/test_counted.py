@@ -3,7 +3,7 @@
 import pytest
 
 from q2q_model.counted import counted
-from q2q_model.node.health import Health, health_report
+from q2q_model.diagnostics.health import Health, health_report
 
 
 @pytest.mark.parametrize(("count", "words"), [(0, "0 ticks"), (1, "1 tick"), (21, "21 ticks")])

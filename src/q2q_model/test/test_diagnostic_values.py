@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_model.node.diagnostic_values import diagnostic_values, smallest_separation
+from q2q_model.diagnostics.diagnostic_values import diagnostic_values, smallest_separation
 from q2q_model.signals.values import (
     CommandStatus,
     Interference,

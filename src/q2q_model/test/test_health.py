@@ -1,7 +1,7 @@
 """Grading a node's health, and letting through so many events a second."""
 
+from q2q_model.diagnostics.health import Health, Level, health_report
 from q2q_model.node.decimation import Decimation
-from q2q_model.node.health import Health, Level, health_report
 
 
 def test_a_second_with_ticks_and_nothing_else_is_ok() -> None:

@@ -1,6 +1,6 @@
 """A stopwatch goes by its clock, and reports the longest lap once."""
 
-from q2q_model.node.stopwatch import Stopwatch
+from q2q_model.diagnostics.stopwatch import Stopwatch
 
 
 def test_laps_are_timed_from_the_last_start_and_the_longest_is_reported_once() -> None:

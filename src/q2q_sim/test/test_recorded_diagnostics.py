@@ -6,7 +6,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.serialization import serialize_message
 
 from q2q_model.bag import BagWriter
-from q2q_model.node.health import Level
+from q2q_model.diagnostics.health import Level
 from q2q_sim.ros.recorded_diagnostics import TOPIC, recorded_lives
 
 

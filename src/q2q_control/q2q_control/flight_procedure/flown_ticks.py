@@ -11,7 +11,7 @@ In both modes the procedure receives `state` and `reference_safe`.
 from dataclasses import dataclass
 from typing import Protocol
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.tick_join import TickJoin
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState

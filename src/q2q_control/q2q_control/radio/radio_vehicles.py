@@ -14,7 +14,7 @@ from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names, SwarmState
 from q2q_model.vehicle.constants import vehicle_by_name

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import SENSOR

@@ -17,8 +17,8 @@ from q2q_control.ros.crazyswarm_commands import CrazyswarmCommands
 from q2q_control.ros.crazyswarm_executor import CrazyswarmExecutor
 from q2q_control.ros.crazyswarm_types import PosesMessage, PoseTypes, find_pose_types
 from q2q_control.ros.procedure_services import ProcedureServices
-from q2q_model.node.health import Health
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.diagnostics.health import Health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.messages import MESSAGES, header_at

@@ -12,8 +12,8 @@ from q2q_control.radio.radio_vehicles import WATCH_S, RadioVehicles
 from q2q_control.ros.guarded_commands import EMERGENCY
 from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_control.ros.radio_topics import RadioTopics
-from q2q_model.node.health import Health
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.diagnostics.health import Health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.topic_writers import TopicWriters

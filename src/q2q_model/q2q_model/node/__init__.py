@@ -1,1 +1,1 @@
-"""Node services without ROS: health, warm-up, stopwatch, wiring."""
+"""Node services without ROS: warm-up, readiness, restriction to this machine."""

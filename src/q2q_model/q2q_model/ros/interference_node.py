@@ -7,14 +7,14 @@ from time import monotonic
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from q2q_model.diagnostics.health import Health
+from q2q_model.diagnostics.stopwatch import Stopwatch
 from q2q_model.downwash.correction.corrected_predictor import CorrectedPredictor
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import ModelFile, decode
 from q2q_model.model_files.model_names import ModelFileError
-from q2q_model.node.health import Health
-from q2q_model.node.stopwatch import Stopwatch
 from q2q_model.ros.measured_ticks import receive_measured_ticks
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from rclpy.node import Node
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.tick_wiring import TickWiring

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S

@@ -18,8 +18,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic_map
-from q2q_model.node.health import Health
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.diagnostics.health import Health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer

@@ -24,9 +24,9 @@ from rclpy.validate_topic_name import validate_topic_name
 
 from q2q_model.bag import BagError, BagWriter, OfferedQos, facts_from_text
 from q2q_model.counted import counted
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.bus_node import bus_of
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED

@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message
 
 from q2q_model.bag import BagReader
-from q2q_model.node.health import Level
+from q2q_model.diagnostics.health import Level
 
 TOPIC = "/diagnostics"
 

@@ -23,7 +23,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from q2q_model.ros.node.bus_node import bus_of
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher

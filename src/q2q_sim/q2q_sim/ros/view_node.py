@@ -11,9 +11,9 @@ from q2q_msgs.msg import Plan
 from rclpy.node import Node
 from visualization_msgs.msg import MarkerArray
 
+from q2q_model.diagnostics.health import Health
 from q2q_model.node.decimation import Decimation
-from q2q_model.node.health import Health
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.messages import MESSAGES

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names
 

@@ -10,12 +10,12 @@ from typing import Generic, TypeVar
 from rclpy.node import Node
 
 from q2q_model.compiled import COMPILED
-from q2q_model.node.diagnostic_values import diagnostic_values
-from q2q_model.node.health import Health
-from q2q_model.node.stopwatch import Stopwatch
+from q2q_model.diagnostics.diagnostic_values import diagnostic_values
+from q2q_model.diagnostics.health import Health
+from q2q_model.diagnostics.stopwatch import Stopwatch
 from q2q_model.node.warm_up import warm_up
 from q2q_model.ros.node.bus_node import bus_of
-from q2q_model.ros.node.diagnostics import publish_health
+from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.messages import MESSAGES

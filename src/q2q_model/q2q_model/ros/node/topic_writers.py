@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from rclpy.node import Node
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 
 
 def writers_of(node: Node, topic: str) -> list[str]:

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from rclpy.node import Node
 
-from q2q_model.node.health import Health
+from q2q_model.diagnostics.health import Health
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
 from q2q_model.signals.cdr import SignalReader, header_stamp_ns

@@ -7,7 +7,7 @@ from time import monotonic
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from q2q_model.node.health import Health, HealthReport, health_report
+from q2q_model.diagnostics.health import Health, HealthReport, health_report
 from q2q_model.ros.node.steady_timer import steady_timer
 
 MOST_WARNINGS = 20
