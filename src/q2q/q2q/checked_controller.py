@@ -10,7 +10,7 @@ from math import pi
 
 import numpy as np
 
-from q2q_control.inputs.controller import Controller
+from q2q_control.controller import Controller
 from q2q_model.signals.array_answer import array_answer, own_copy
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import (

@@ -5,12 +5,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from q2q_control.controller import Controller
 from q2q_control.disturbance.tracker import TrackerParams
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.flight_procedure.hand_over import HandOver, HandOvers
 from q2q_control.flight_procedure.steps import Step
-from q2q_control.inputs.controller import Controller
 from q2q_control.mpc.mpc import Mpc
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.gains_file import load_gains

@@ -1,1 +1,1 @@
-"""Thrust and attitude of a demanded acceleration, onboard attitude loop, rotor allocation."""
+"""Thrust and attitude of a demanded acceleration, limits of commands, attitude loop, rotor allocation."""

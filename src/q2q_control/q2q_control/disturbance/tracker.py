@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_control.attitude.command_limits import LATENCY_S
 from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
 from q2q_control.disturbance.actuation import Actuation, Pending
 from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, MeasuredRows, Measurement
 from q2q_control.disturbance.residual_observer import CLIMB, HEIGHT, OFFSET, RESIDUAL, ResidualObserver
 from q2q_control.disturbance.thrust_acceleration import thrust_acc_of_quat
 from q2q_control.inputs.alignment import ETA, ETA_AT, POS_AT, QUAT, QUAT_AT, TRACK, VEL_AT, Aligned
-from q2q_control.inputs.command_limits import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.values import (

@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_control.inputs.command_limits import LONGEST_HOLD_S
+from q2q_control.attitude.command_limits import LONGEST_HOLD_S
 from q2q_model.signals.values import Array, CommandStatus, Status, SwarmCommand
 from q2q_model.tunable import check_bounds, tunable
 

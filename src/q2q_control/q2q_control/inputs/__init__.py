@@ -1,1 +1,1 @@
-"""Inputs of a controller: aligned signals, preview of the reference, trust in downwash, path of commands."""
+"""Inputs of a controller: aligned signals, preview of the reference, trust in downwash."""

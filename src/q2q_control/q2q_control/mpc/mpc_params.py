@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from q2q_control.inputs.command_limits import LATENCY_S, LONGEST_HOLD_S, TILT_MAX
+from q2q_control.attitude.command_limits import LATENCY_S, LONGEST_HOLD_S, TILT_MAX
 from q2q_model.tunable import check_bounds, tunable
 
 

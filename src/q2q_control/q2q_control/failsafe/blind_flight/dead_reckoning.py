@@ -44,7 +44,7 @@ import math
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams
-from q2q_control.inputs.command_limits import LATENCY_S
+from q2q_control.attitude.command_limits import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Status, TrackStatus
