@@ -10,6 +10,7 @@ from made_flights import Pass, made_flight
 
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion, eta_along, eta_on_vehicle
@@ -23,13 +24,7 @@ from q2q_model.identification.push.push_samples import (
     score,
     unmeasured_note,
 )
-from q2q_model.identification.push.recorded_push import (
-    LOG_MASS,
-    check_weight,
-    first_order_lag,
-    motion_of,
-    push_of_log,
-)
+from q2q_model.identification.push.recorded_push import LOG_MASS, check_weight, motion_of, push_of_log
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065
 

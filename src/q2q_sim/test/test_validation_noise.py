@@ -5,8 +5,8 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.geometry.rotations import identity_quat
-from q2q_model.identification.push.recorded_push import first_order_lag
 from q2q_sim.experiments.validation.comparison import comparison, error_sums, flight_intervals
 from q2q_sim.experiments.validation.error_figures import spectrum_figure
 from q2q_sim.experiments.validation.error_spectrum import EDGES, band_power, segment_share

@@ -5,9 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array, Names
+from q2q_model.vehicle.thrust_map import PWM_FULL
 
 SAME_S = 1e-6
 """Most that two stamps of one tick differ by [s]: a float of seconds since 1970 is exact to 0.24 us."""
+MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
+"""Columns of the motors' duties."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,3 +58,9 @@ def log_at(log: FlightLog, t: Array, names: Names) -> FlightLog:
         )
     own = log.values[order][row][:, [log.names.index(name) for name in names]]
     return FlightLog(t, names, log.columns, log.units, np.where(same[:, None, None], own, np.nan))
+
+
+def motor_duty(log: FlightLog) -> Array:
+    """Return the duty of every motor in a log, 0 to 1, (T, n, 4), also of one that counts to PWM_FULL."""
+    logged = np.stack([log.column(motor) for motor in MOTORS], axis=-1)
+    return logged / (PWM_FULL if np.nanmax(logged, initial=0.0) > 1.0 else 1.0)

@@ -24,9 +24,9 @@ from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.downwash.source_strength import SourceTerms, strengths
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.gains.impulse_response import impulse_response
-from q2q_model.identification.push.recorded_push import first_order_lag
 from q2q_model.model_files.find_model import find_model
 from q2q_model.node.warm_up import warm_up
 from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState

@@ -19,10 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.compiled import compiled
 from q2q_model.counted import counted
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.flight_log import MOTORS, FlightLog, motor_duty
+from q2q_model.flights.interpolated_gaps import interpolate_gaps
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.gains.altitude_record import UP, check_upright
 from q2q_model.identification.push.along_flight import Motion
@@ -30,13 +31,11 @@ from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushR
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
-from q2q_model.vehicle.thrust_map import PWM_FULL
 
 LOG_MASS = 0.032
 """Mass used to compute faz_est in the logs [kg]."""
 FULL_DUTY = 0.93
 """Duty above which a motor counts as saturated."""
-MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 LIGHTEST, HEAVIEST = 0.5, 2.0
 """Bounds of the median thrust in the air over the weight [-]; 0.92 to 1.3 in recorded flights of 34 g."""
 
@@ -50,20 +49,22 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
     """
     check_upright(one.flight)
     check_weight(one.flight, vehicle)
-    if one.log is not None and has_push_columns(one.log):
-        return push_of_log(one.flight.name, one.log, motion_of(one.flight))
+    log = _push_log(one)
+    if log is not None:
+        return push_of_log(one.flight.name, log, motion_of(one.flight))
     return push_of_sensors(one.flight, vehicle, lag)
 
 
 def lag_note(recordings: Sequence[Recording], lag: float) -> list[str]:
     """Return a note on the thrust lag [s] if the push of any flight is that of sensors and command."""
-    count = sum(not _has_push_log(one) for one in recordings)
+    count = sum(_push_log(one) is None for one in recordings)
     note = f"push of {counted(count, 'flight')} is from imu and command, with a thrust lag of {lag:g} s"
     return [note] if count else []
 
 
-def _has_push_log(one: Recording) -> bool:
-    return one.log is not None and has_push_columns(one.log)
+def _push_log(one: Recording) -> FlightLog | None:
+    """Return the log of a flight if its push is in there, else None."""
+    return one.log if one.log is not None and has_push_columns(one.log) else None
 
 
 def check_weight(flight: Flight, vehicle: Vehicle) -> None:
@@ -83,12 +84,6 @@ def check_weight(flight: Flight, vehicle: Vehicle) -> None:
 def has_push_columns(log: FlightLog) -> bool:
     """Return whether a log has what push_of_log reads: the vertical force, its gaps, the motors."""
     return {"faz_est", "gap", *MOTORS} <= set(log.columns)
-
-
-def motor_duty(log: FlightLog) -> Array:
-    """Return the duty of every motor in a log, 0 to 1, (T, n, 4), also of one that counts to PWM_FULL."""
-    logged = np.stack([log.column(motor) for motor in MOTORS], axis=-1)
-    return logged / (PWM_FULL if np.nanmax(logged, initial=0.0) > 1.0 else 1.0)
 
 
 def push_of_log(name: str, log: FlightLog, motion: Motion) -> PushRecord:
@@ -167,34 +162,5 @@ def motion_of(flight: Flight) -> Motion:
     """Return a flight's filtered motion with interpolated gaps."""
     level = np.isfinite(flight.quat).all(axis=-1, keepdims=True)
     axis = rotate(np.where(level, flight.quat, [0.0, 0.0, 0.0, 1.0]), UP)
-    pos, vel = (_filled(flight.t, values) for values in (flight.pos, flight.vel))
+    pos, vel = (interpolate_gaps(flight.t, values) for values in (flight.pos, flight.vel))
     return Motion(t=flight.t, pos=pos, vel=vel, axis=axis)
-
-
-def first_order_lag(values: Array, t: Array, lag: float) -> Array:
-    """Return values (T, n) after a first-order lag [s]; missing ones (NaN) are interpolated first."""
-    known = _filled(t, values)
-    if lag <= 0.0:
-        return known
-    keep = np.exp(-np.diff(t) / lag)
-    return _first_order(np.ascontiguousarray(known), keep)
-
-
-@compiled
-def _first_order(values: Array, keep: Array) -> Array:
-    """Return y_k = keep_k y_(k-1) + (1 - keep_k) values_k, (T, n), beginning settled; keep is (T - 1,)."""
-    out = values.copy()
-    for k in range(1, values.shape[0]):
-        out[k] = keep[k - 1] * out[k - 1] + (1.0 - keep[k - 1]) * values[k]
-    return out
-
-
-def _filled(t: Array, values: Array) -> Array:
-    columns = values.reshape(t.size, -1).copy()
-    for column in columns.T:
-        good = np.isfinite(column)
-        if good.any():
-            column[~good] = np.interp(t[~good], t[good], column[good])
-        else:
-            column[:] = 0.0
-    return columns.reshape(values.shape)

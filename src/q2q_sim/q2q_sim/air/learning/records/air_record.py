@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.flights.first_order_lag import first_order_lag
+from q2q_model.flights.flight_log import MOTORS, motor_duty
 from q2q_model.flights.outliers import repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion
@@ -22,7 +24,7 @@ from q2q_model.identification.push.push_samples import (
     known_rows,
     push_samples,
 )
-from q2q_model.identification.push.recorded_push import MOTORS, first_order_lag, motor_duty, push_record
+from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle

@@ -21,8 +21,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.identification.push.push_samples import FLOOR
-from q2q_model.identification.push.recorded_push import FULL_DUTY, first_order_lag
+from q2q_model.identification.push.recorded_push import FULL_DUTY
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 

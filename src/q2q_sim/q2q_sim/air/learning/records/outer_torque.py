@@ -9,7 +9,7 @@ median of the motors' torque in clear air.
 import numpy as np
 
 from q2q_control.attitude.allocation import rotor_frame, wrench_of
-from q2q_model.identification.push.recorded_push import first_order_lag
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors
