@@ -66,24 +66,24 @@ def test_a_track_coasts_and_is_then_lost_its_place_held_and_at_rest() -> None:
 
 @pytest.mark.parametrize("right", [6, 50])
 def test_a_track_takes_anothers_samples_as_often_as_it_was_right_and_is_then_convinced(right: int) -> None:
-    """Right, then swapped for good: lent as often, or 35 times; refused until the rival is 0.125 s old."""
+    """Right, then swapped for good: borrowed as often, or 35 times; none until the rival is 0.125 s old."""
     made, seen = flown(right), []
     most = max(right, BORROWED_MOST)
     for k in range(right, right + most + 12):
         verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
-        lines = {"lent": verdict.lent, "new": verdict.restarted, "own": verdict.accepted}
+        lines = {"borrowed": verdict.borrowed, "new": verdict.restarted, "own": verdict.accepted}
         seen.append(next((word for word, whose in lines.items() if whose.all()), "none"))
-        assert verdict.lent.all() or not verdict.lent.any()
-        if verdict.lent.all():
+        assert verdict.borrowed.all() or not verdict.borrowed.any()
+        if verdict.borrowed.all():
             np.testing.assert_allclose(verdict.pos, PLACES, atol=1e-9)
-    assert seen == ["lent"] * most + ["none"] * 8 + ["new"] + ["own"] * 3
+    assert seen == ["borrowed"] * most + ["none"] * 8 + ["new"] + ["own"] * 3
 
 
 def test_a_settled_track_goes_on_by_its_motion_whatever_its_samples_are_called() -> None:
     made = flown(SETTLED)
     for k in range(SETTLED, 4 * SETTLED):
         verdict = made.update(k * DT, PLACES[::-1].copy(), NOBODY)
-        assert verdict.lent.all()
+        assert verdict.borrowed.all()
         np.testing.assert_allclose(verdict.pos, PLACES, atol=1e-9)
     assert made.update(4 * SETTLED * DT, PLACES, NOBODY).source.tolist() == [0, 1]
 
@@ -98,7 +98,7 @@ def test_a_first_sample_of_another_name_is_believed_near_the_path_of_one_that_co
         made.update(k * DT, np.stack([PLACES[0], NONE]), NOBODY)
     called_wrong = np.stack([PLACES[1] + [off, 0.0, 0.0], NONE])
     found = [made.update(k * DT, called_wrong, NOBODY) for k in (SETTLED + 12, SETTLED + 13)]
-    assert [one.lent.tolist() for one in found] == [[False, lent] for lent in believed]
+    assert [one.borrowed.tolist() for one in found] == [[False, borrowed] for borrowed in believed]
     assert [one.accepted[0] for one in found] == [False, False]
 
 

@@ -185,7 +185,7 @@ class MocapFilter:
     def _gapped(self, t: float, poses: Array, tracked: TrackUpdate) -> SwarmState:
         """Return the state of a tick that is not nominal, after its positions and attitudes were taken."""
         faults = pose_faults(poses, self._params.pos_max)
-        self._wrong = tracked.lent, tracked.frozen, *faults
+        self._wrong = tracked.borrowed, tracked.frozen, *faults
         self._count(~faults.missing, tracked)
         age, status = self._age_and_status(t, tracked)
         moving = tracked.pos, tracked.vel, self._attitudes.quat, self._attitudes.ang_vel_body
@@ -203,10 +203,10 @@ class MocapFilter:
 
     def _quat_of(self, tracked: TrackUpdate, quat: Array) -> Array:
         """Return each track's quaternion; where labels were swapped, the nearer of both vehicles'."""
-        if tracked.nominal or not tracked.lent.any():
+        if tracked.nominal or not tracked.borrowed.any():
             return quat
-        lent = np.where(tracked.accepted[:, None], quat[tracked.source], np.nan)
-        return self._attitudes.nearest(quat, lent)
+        borrowed = np.where(tracked.accepted[:, None], quat[tracked.source], np.nan)
+        return self._attitudes.nearest(quat, borrowed)
 
     def _age_and_status(self, t: float, tracked: TrackUpdate) -> tuple[Array, Status]:
         if tracked.nominal:
@@ -253,7 +253,7 @@ class MocapFilter:
         counts, used = self._counts, np.zeros(len(present), dtype=np.bool_)
         used[tracked.source[tracked.accepted]] = True
         counts["samples"] += int(present.sum()) - len(present)
-        counts["swapped"] += int(tracked.lent.sum())
+        counts["swapped"] += int(tracked.borrowed.sum())
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())
         counts["not_finite"] += int((self._track_of_row >= 0).sum() - present.sum())

@@ -75,7 +75,7 @@ class TrackUpdate:
         return np.asarray(self.source >= 0)
 
     @property
-    def lent(self) -> Mask:
+    def borrowed(self) -> Mask:
         """Return which tracks accepted a sample of another name, (n,)."""
         return np.asarray(self.accepted & (self.source != np.arange(len(self.source))))
 
