@@ -101,7 +101,7 @@ def faults_in_turn(scenario: Scenario) -> list[Fault]:
     each = scenario.duration / (len(KINDS) + 1)
     made = []
     for number, (kind, about) in enumerate(KINDS.items(), start=1):
-        struck = () if about.whole else scenario.names if kind == "swap" else scenario.names[:1]
+        struck = () if about.whole_frame else scenario.names if kind == "swap" else scenario.names[:1]
         size = min(about.high, max(about.low, 0.2))
         made.append(Fault(kind, number * each, 0.8 * each, struck, size))
     return made

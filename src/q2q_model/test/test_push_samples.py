@@ -97,10 +97,10 @@ def test_rows_that_are_low_mended_or_saturated_do_not_count():
     made = record(passing(), np.zeros(1000))
     low = push_samples(record(passing(), np.zeros(1000), height=0.2))
     assert [one.vehicle for one in low] == [1]  # the other has no usable row at all
-    whole, saturated = made.whole.copy(), made.saturated.copy()
-    whole[480:490, 1] = False  # of the neighbour: its place is not known either
+    measured, saturated = made.measured.copy(), made.saturated.copy()
+    measured[480:490, 1] = False  # of the neighbour: its place is not known either
     saturated[510:520, 0] = True
-    lower = lower_of(replace(made, whole=whole, saturated=saturated))
+    lower = lower_of(replace(made, measured=measured, saturated=saturated))
     assert not lower.usable[480:490].any()
     assert not lower.usable[510:520].any()
     assert lower.usable.sum() == 980
@@ -140,19 +140,19 @@ def test_a_vehicle_that_is_away_spoils_no_row_of_others():
         names=("a", "b", "c"),
         motion=motion,
         push=np.zeros((1000, 3)),
-        whole=np.concatenate([made.whole, unseen], axis=1),
+        measured=np.concatenate([made.measured, unseen], axis=1),
         saturated=np.zeros((1000, 3), dtype=bool),
     )
     np.testing.assert_array_equal(known_rows(joined)[:, 0], np.arange(1000) < 600)
     assert known_rows(joined)[400:500, 2].all()
     assert known_rows(joined)[:, 2].sum() == 100
-    brief = joined.whole.copy()
+    brief = joined.measured.copy()
     brief[:, 2] = True
     brief[100:250, 2] = False  # 1.5 s: a gap, in which it may be anywhere
-    gap = known_rows(replace(joined, whole=brief))
+    gap = known_rows(replace(joined, measured=brief))
     np.testing.assert_array_equal(gap[:, 0], brief[:, 2])
     assert unmeasured_note(joined) == ""
-    never = replace(joined, whole=np.concatenate([made.whole, np.zeros((1000, 1), dtype=bool)], axis=1))
+    never = replace(joined, measured=np.concatenate([made.measured, np.zeros((1000, 1), dtype=bool)], axis=1))
     assert unmeasured_note(never) == "made: nothing was measured of c"
     assert push_samples(never)[0].usable.sum() == 600
 

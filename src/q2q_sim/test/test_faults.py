@@ -191,7 +191,7 @@ def test_random_faults_repeat_by_seed_and_are_of_every_kind() -> None:
 @pytest.mark.parametrize("kind", list(KINDS))
 def test_a_flight_comes_through_a_fault_of_each_kind(kind: str) -> None:
     low, high = SIZES.get(kind, (0.0, 0.0))
-    vehicles = ("cf1", "cf2") if kind == "swap" else () if KINDS[kind].whole else ("cf1",)
+    vehicles = ("cf1", "cf2") if kind == "swap" else () if KINDS[kind].whole_frame else ("cf1",)
     fault = Fault(
         kind, start=0.5, duration=min(LENGTHS[kind][1], 0.3), vehicles=vehicles, size=0.5 * (low + high)
     )

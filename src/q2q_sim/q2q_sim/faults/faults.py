@@ -41,7 +41,7 @@ class FaultKind:
     low: float = 0.0
     high: float = 0.0
     """Bounds of the size; both 0 if the kind has none."""
-    whole: bool = False
+    whole_frame: bool = False
     """Acts on the whole frame, not on single vehicles."""
 
 
@@ -52,11 +52,11 @@ KINDS: Mapping[str, FaultKind] = {
     "swap": FaultKind(""),
     "dropout": FaultKind(""),
     "nan": FaultKind(""),
-    "stale": FaultKind("", whole=True),
-    "repeated": FaultKind("", whole=True),
-    "late": FaultKind("s", 0.01, 1.0, whole=True),
-    "reordered": FaultKind("", whole=True),
-    "clock_jump": FaultKind("s", -3600.0, 3600.0, whole=True),
+    "stale": FaultKind("", whole_frame=True),
+    "repeated": FaultKind("", whole_frame=True),
+    "late": FaultKind("s", 0.01, 1.0, whole_frame=True),
+    "reordered": FaultKind("", whole_frame=True),
+    "clock_jump": FaultKind("s", -3600.0, 3600.0, whole_frame=True),
     "radio_loss": FaultKind("", 0.0, 1.0),
     "battery_sag": FaultKind("", 0.0, 1.0),
     "weak_rotor": FaultKind("", 0.0, 1.0),
@@ -92,7 +92,7 @@ class Fault:
             raise ValueError(
                 f"fault swap: vehicles = {list(self.vehicles)}: name exactly two different vehicles"
             )
-        if kind.whole and self.vehicles:
+        if kind.whole_frame and self.vehicles:
             raise ValueError(f"fault {self.kind} acts on whole frames: name no vehicles")
 
     def __str__(self) -> str:
@@ -169,6 +169,6 @@ def _random_fault(kind: str, names: Names, duration: float, rng: np.random.Gener
         kind=kind,
         start=max(float(rng.uniform(0.0, duration)), earliest_start(kind)),
         duration=float(rng.uniform(*LENGTHS[kind])),
-        vehicles=() if KINDS[kind].whole else tuple(names[i] for i in chosen),
+        vehicles=() if KINDS[kind].whole_frame else tuple(names[i] for i in chosen),
         size=float(rng.uniform(*SIZES[kind])) if kind in SIZES else 0.0,
     )

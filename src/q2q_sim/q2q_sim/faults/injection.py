@@ -163,6 +163,6 @@ def _renames(fault: Fault) -> bool:
 
 def _struck(fault: Fault, names: Names) -> Mask:
     """Return which vehicles a fault strikes, (n,)."""
-    if KINDS[fault.kind].whole or not fault.vehicles:
+    if KINDS[fault.kind].whole_frame or not fault.vehicles:
         return np.ones(len(names), dtype=np.bool_)
     return np.isin(names, fault.vehicles)

@@ -61,7 +61,7 @@ class PushRecord:
     motion: Motion
     push: Array
     """y before its median is subtracted [m/s^2], (T, n)."""
-    whole: Mask
+    measured: Mask
     """Whether values were measured, not interpolated, (T, n)."""
     saturated: Mask
     """Whether a motor was at its limit, (T, n)."""
@@ -172,20 +172,20 @@ def known_rows(record: PushRecord) -> Mask:
     pos = record.motion.pos
     across = np.linalg.norm(pos[:, None, :, :2] - pos[:, :, None, :2], axis=-1)  # (T, n, n)
     away = _absent(record)[:, None, :] & (across > ABSENT_APART)
-    return np.asarray((record.whole[:, None, :] | away).all(axis=2))
+    return np.asarray((record.measured[:, None, :] | away).all(axis=2))
 
 
 def _absent(record: PushRecord) -> Mask:
     """Return the rows of stretches of at least ABSENT_S without a measurement, (T, n)."""
-    found, t = np.zeros_like(record.whole), record.motion.t
-    for i, whole in enumerate(record.whole.T):
-        edges = np.flatnonzero(np.diff(np.concatenate(([False], ~whole, [False]))))
+    found, t = np.zeros_like(record.measured), record.motion.t
+    for i, measured in enumerate(record.measured.T):
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], ~measured, [False]))))
         for first, end in edges.reshape(-1, 2):
             found[first:end, i] = t[end - 1] - t[first] >= ABSENT_S
     return found
 
 
 def unmeasured_note(record: PushRecord) -> str:
-    """Return a remark on the vehicles without any measurement; empty if there is none."""
-    never = [name for name, own in zip(record.names, record.whole.T, strict=True) if not own.any()]
+    """Return a note on the vehicles without any measurement; empty if there is none."""
+    never = [name for name, own in zip(record.names, record.measured.T, strict=True) if not own.any()]
     return f"{record.name}: nothing was measured of {', '.join(never)}" if never else ""

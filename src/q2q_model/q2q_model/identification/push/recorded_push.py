@@ -95,7 +95,7 @@ def push_of_log(name: str, log: FlightLog, motion: Motion) -> PushRecord:
         names=log.names,
         motion=motion,
         push=np.where(known, force / LOG_MASS, 0.0),
-        whole=np.asarray((log.column("gap") == 0.0) & known),
+        measured=np.asarray((log.column("gap") == 0.0) & known),
         saturated=np.asarray(motor_duty(log).max(axis=-1) > FULL_DUTY),
     )
 
@@ -111,13 +111,13 @@ class RecordedAcceleration:
     """Commanded U1 [N], (T, n)."""
     thrust_gain: Array
     """b_z / m [1/kg], (T, n)."""
-    whole: Mask
+    known: Mask
     """Where all of them and the position are known, (T, n)."""
 
     def push(self, lag: float) -> Array:
         """Return the push [m/s^2], (T, n), for a thrust lag [s]; 0 where unknown."""
         return np.where(
-            self.whole,
+            self.known,
             self.specific_force - first_order_lag(self.thrust, self.t, lag) * self.thrust_gain,
             0.0,
         )
@@ -127,14 +127,14 @@ def recorded_acceleration(flight: Flight, vehicle: Vehicle) -> RecordedAccelerat
     """Return acceleration and command of a flight; None if it lacks either."""
     specific_force = rotate(flight.quat, flight.specific_force_body)[..., 2]
     thrust_gain = rotate(flight.quat, UP)[..., 2] / vehicle.mass
-    whole = (
+    known = (
         np.isfinite(specific_force * thrust_gain)
         & np.isfinite(flight.thrust)
         & np.isfinite(flight.pos).all(axis=-1)
     )
-    if not whole.any():
+    if not known.any():
         return None
-    return RecordedAcceleration(flight.t, specific_force, flight.thrust, thrust_gain, np.asarray(whole))
+    return RecordedAcceleration(flight.t, specific_force, flight.thrust, thrust_gain, np.asarray(known))
 
 
 def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> PushRecord | None:
@@ -153,7 +153,7 @@ def push_of_sensors(flight: Flight, vehicle: Vehicle, lag: float) -> PushRecord 
         names=flight.names,
         motion=motion_of(flight),
         push=found.push(lag),
-        whole=found.whole,
+        measured=found.known,
         saturated=np.asarray(flight.command_status == CommandStatus.SATURATED),
     )
 

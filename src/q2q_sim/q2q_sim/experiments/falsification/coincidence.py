@@ -113,7 +113,7 @@ class CoincidingFaults:
         )
 
     def _struck(self, kind: str, vehicle: str) -> Names:
-        if KINDS[kind].whole:
+        if KINDS[kind].whole_frame:
             return ()
         if kind != "swap":
             return (vehicle,)

@@ -78,7 +78,7 @@ def _kinds(names: Names) -> list[str]:
 
 
 def _choices(kind: str, names: Names) -> list[Names]:
-    if KINDS[kind].whole:
+    if KINDS[kind].whole_frame:
         return [()]
     return list(combinations(names, 2)) if kind == "swap" else [(name,) for name in names]
 

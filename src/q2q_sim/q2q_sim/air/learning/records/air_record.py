@@ -135,7 +135,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     thrust = one.log.column(THRUST) if one.log and THRUST in one.log.columns else command
     specific_force = rotate(flight.quat, flight.specific_force_body)
     gaps = ~np.isfinite(thrust) | _lost(specific_force) | _lost(flight.gyro_body)
-    pushes = replace(pushes, whole=pushes.whole & ~gaps)
+    pushes = replace(pushes, measured=pushes.measured & ~gaps)
     thrust = _filled(t, thrust[..., None])[..., 0]
     measured: Mask = known_rows(pushes) & ~pushes.saturated
     clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, ALONE)

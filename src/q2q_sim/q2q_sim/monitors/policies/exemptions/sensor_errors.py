@@ -60,6 +60,6 @@ def after_label_swap(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
 
 def struck_vehicles(evidence: Evidence, fault: Fault) -> Mask:
     """Return which vehicles a fault strikes, (n,)."""
-    if KINDS[fault.kind].whole or not fault.vehicles:
+    if KINDS[fault.kind].whole_frame or not fault.vehicles:
         return np.ones(len(evidence.names), dtype=np.bool_)
     return np.isin(evidence.names, fault.vehicles)
