@@ -17,7 +17,7 @@ from q2q_sim.air.room_air import (
     VehicleTerm,
     WindTerm,
 )
-from q2q_sim.plant.body.state_row import ETA
+from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import Swarm
 
 GAPS = np.array([0.1, 0.2, 0.35, 0.5, 0.8])
@@ -60,5 +60,5 @@ def held(swarm: Swarm, steps: int) -> Array:
     for _ in range(steps):
         pushes.append(swarm.downwash()[:, 2])
         hover(swarm, 1)
-        swarm.state[:, :ETA] = start[:, :ETA]
+        swarm.state[:, :ETA_Z] = start[:, :ETA_Z]
     return np.array(pushes)

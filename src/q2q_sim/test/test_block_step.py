@@ -8,7 +8,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, VALID, advance_rows
 from q2q_sim.plant.body.quadcopter import advance, body_of
 from q2q_sim.plant.body.rigid_body import SMALL_SQUARE, half_turn_squared
-from q2q_sim.plant.body.state_row import ETA, QUAT, RATE, ROTOR_MAX1, ROTORS, VEL, Z, state_at_rest
+from q2q_sim.plant.body.state_row import ETA_Z, QUAT, RATE, ROTOR_MAX1, ROTORS, VEL, Z, state_at_rest
 
 STEP = 0.002
 
@@ -26,7 +26,7 @@ def test_a_block_advances_its_rows_as_one_vehicle_is_advanced(vehicle: Vehicle, 
     state[:, RATE] = rng.normal(0.0, 0.5, (count, 3))
     state[::5, RATE] *= 60.0  # beyond the series
     state[:, ROTORS] = rng.uniform(0.2, 0.3, (count, 4)) * vehicle.hover_thrust
-    state[:, ETA:ROTOR_MAX1] = rng.normal(0.0, 1e-4, (count, ROTOR_MAX1 - ETA))
+    state[:, ETA_Z:ROTOR_MAX1] = rng.normal(0.0, 1e-4, (count, ROTOR_MAX1 - ETA_Z))
     state[:, ROTOR_MAX1:] = rng.uniform(0.2, 0.6, (count, 4)) * vehicle.hover_thrust
     drive = np.hstack([rng.normal(0.0, 0.5, (count, 3)), rng.uniform(0.8, 1.0, (count, 4))])
     alone, work = state.copy(), (np.zeros(BLOCK_WIDTH * LANES), np.zeros(4))

@@ -6,7 +6,7 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.plant.body.state_row import ETA, VEL
+from q2q_sim.plant.body.state_row import ETA_Z, VEL
 from q2q_sim.plant.push.neighbour_list import NEIGHBOURS, NeighbourList, empty_list
 from q2q_sim.plant.push.past_states import LINE, ROOM_WIDTH, empty_ring
 from q2q_sim.plant.push.room_law import cell, knots_of
@@ -43,7 +43,7 @@ def _fly(swarm: Swarm, *, anew: bool = False) -> np.ndarray:
 def test_a_list_kept_and_one_made_at_each_step_give_the_same_to_the_last_bit(count: int, side: float) -> None:
     kept, made = _fly(_swarm(count, side, seed=1)), _fly(_swarm(count, side, seed=1), anew=True)
     np.testing.assert_array_equal(kept, made)
-    assert np.abs(kept[:, ETA]).max() > 0.05
+    assert np.abs(kept[:, ETA_Z]).max() > 0.05
 
 
 def test_a_list_with_too_few_places_gives_the_same_as_one_with_enough() -> None:

@@ -20,7 +20,7 @@ from q2q_sim.air.room_air import (
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.scenario_air import ambient_of_air
-from q2q_sim.plant.body.state_row import ETA
+from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm
 
 
@@ -75,7 +75,7 @@ def _flown(air: RoomAir, seed: int, pieces: tuple[int, ...]) -> Array:
     swarm = swarm_in(air, [(0.0, 0.0, 0.6), (0.04, 0.0, 1.0), (0.0, 0.05, 1.4)], seed)
     for steps in pieces:
         hover(swarm, steps)
-    return swarm.state[:, :ETA]
+    return swarm.state[:, :ETA_Z]
 
 
 def test_the_same_seed_gives_the_same_flight_however_it_is_cut() -> None:
@@ -95,7 +95,7 @@ def test_an_air_without_terms_is_still_air() -> None:
     start = np.array([[0.0, 0.0, 0.6, 0.0], [0.04, 0.0, 1.0, 0.0], [0.0, 0.05, 1.4, 0.0]])
     still = Swarm(("a", "b", "c"), CRAZYFLIE_2_0, start, WakeLaw.NONE)
     hover(still, 200)
-    np.testing.assert_array_equal(_flown(off, 7, (200,)), still.state[:, :ETA])
+    np.testing.assert_array_equal(_flown(off, 7, (200,)), still.state[:, :ETA_Z])
 
 
 def test_switching_a_term_off_leaves_the_draws_of_the_others() -> None:

@@ -7,7 +7,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.body.state_row import ETA
+from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 
@@ -40,7 +40,7 @@ def test_swarms_stepped_together_move_as_each_alone_to_the_last_bit(name: str, t
         for k, swarm in enumerate(swarms):
             swarm.step(np.ascontiguousarray(commands[:, k]), drive[k])
     np.testing.assert_array_equal(batch.state, [swarm.state for swarm in swarms])
-    assert (np.abs(batch.state[..., ETA]).max() > 0.05) == (name != "none")
+    assert (np.abs(batch.state[..., ETA_Z]).max() > 0.05) == (name != "none")
 
 
 def test_swarms_without_seeds_have_those_of_their_numbers() -> None:

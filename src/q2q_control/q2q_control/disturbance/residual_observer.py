@@ -56,7 +56,7 @@ class Belief(NamedTuple):
     """(n, 4, 4)"""
 
 
-class Rows(NamedTuple):
+class ResidualRows(NamedTuple):
     """Measurements of a tick, (n,) each."""
 
     height: Array
@@ -95,7 +95,7 @@ class ResidualObserver:
             step = GAP_MAX  # of no consequence: no row is known
         self._sigma = self._process.std(eta)
         pos, vel, acc = (column[:, 2].copy() for column in (measured.pos, measured.vel, measured.acc))
-        rows = Rows(pos, vel, acc, self._sigma, measured.fresh)
+        rows = ResidualRows(pos, vel, acc, self._sigma, measured.fresh)
         advance(self.belief, self._known, rows, step, self._process.correlation(step))
         self._known |= measured.fresh
         return self.belief.state.copy()
@@ -132,7 +132,7 @@ def steady_gain(process: ResidualProcess, eta: float, step: float) -> float:
 
 
 @compiled
-def advance(belief: Belief, known: Mask, rows: Rows, step: float, share: float) -> None:
+def advance(belief: Belief, known: Mask, rows: ResidualRows, step: float, share: float) -> None:
     """Propagate by a step [s] and correct by heights, in place; rows that are not `known` start anew.
 
     `share` is what remains of w [-].
@@ -152,7 +152,7 @@ def advance(belief: Belief, known: Mask, rows: Rows, step: float, share: float) 
 
 
 @compiled
-def _start(x: Array, P: Array, rows: Rows, i: int) -> None:
+def _start(x: Array, P: Array, rows: ResidualRows, i: int) -> None:
     """Write x (4,) and P (4, 4) of a vehicle that was not known: its measurement, no residual, no offset."""
     x[0], x[1], x[2], x[3] = rows.height[i], rows.climb[i], 0.0, 0.0
     P[:] = 0.0

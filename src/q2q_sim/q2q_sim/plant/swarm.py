@@ -26,9 +26,9 @@ from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
 from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.body.quadcopter import Body, body_of
 from q2q_sim.plant.body.state_row import (
-    ETA,
     ETA_X,
     ETA_Y,
+    ETA_Z,
     POS,
     QUAT,
     RATE,
@@ -110,7 +110,7 @@ def write_law_push(state: Array, air: LawAir, step: float, push: Array) -> None:
     kind, ring, rows = air
     law_push(state, ring, rows, kind, step)
     for i in range(state.shape[0]):
-        push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA]
+        push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA_Z]
 
 
 @compiled(**BORROWING)
@@ -118,7 +118,7 @@ def write_push(state: Array, air: Air, body: Body, push: Array) -> None:
     """Write the push of the air on every vehicle [m/s^2], (n, 3), into `push`."""
     air_push(state, air, body)
     for i in range(state.shape[0]):
-        push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA]
+        push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA_Z]
 
 
 def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:

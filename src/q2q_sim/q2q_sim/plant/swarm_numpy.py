@@ -16,7 +16,7 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air import wake_laws as law
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.quadcopter import Body
-from q2q_sim.plant.body.state_row import ACC, ETA, POS, QUAT, RATE, ROTORS, VEL, VZ, Z
+from q2q_sim.plant.body.state_row import ACC, ETA_Z, POS, QUAT, RATE, ROTORS, VEL, VZ, Z
 from q2q_sim.plant.swarm import Air
 
 
@@ -27,7 +27,7 @@ def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body)
     """
     mass, decay, h = body.mass, body.decay, body.step
     for command in commands:  # (n, 4)
-        state[:, ETA] = downwash_numpy(state, air, h)
+        state[:, ETA_Z] = downwash_numpy(state, air, h)
         commanded = drive[:, 3:] * _commanded_rotors(state, command, body)
         state[:, ROTORS] = commanded + (state[:, ROTORS] - commanded) * decay
         _move(state, drive[:, :3], body)
@@ -105,7 +105,7 @@ def _move(state: Array, moving_air: Array, body: Body) -> None:
     wrench = wrench_of(state[:, ROTORS], RotorFrame(*body.frame))
     up = np.array([0.0, 0.0, 1.0])
     thrust_acc = rotate(state[:, QUAT], wrench[:, :1] / mass * up)
-    state[:, ACC] = thrust_acc + moving_air + (state[:, ETA, None] - GRAVITY) * up
+    state[:, ACC] = thrust_acc + moving_air + (state[:, ETA_Z, None] - GRAVITY) * up
     before = state[:, VEL].copy()
     state[:, VEL] += h * state[:, ACC]
     state[:, POS] += 0.5 * h * (before + state[:, VEL])

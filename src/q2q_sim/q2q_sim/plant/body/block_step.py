@@ -24,9 +24,9 @@ from q2q_sim.plant.body.rigid_body import (
 from q2q_sim.plant.body.rotors import excess_share, rotor_torque
 from q2q_sim.plant.body.state_row import (
     AX,
-    ETA,
     ETA_X,
     ETA_Y,
+    ETA_Z,
     F1,
     QX,
     ROTOR_MAX1,
@@ -138,7 +138,7 @@ def _translated(block: Array, lane: int, rotors: Four, body: Body) -> tuple[Thre
     push = (
         wind[X] + block[ETA_X * LANES + lane],
         wind[Y] + block[ETA_Y * LANES + lane],
-        wind[Z] + block[ETA * LANES + lane],
+        wind[Z] + block[ETA_Z * LANES + lane],
     )
     ax, ay, az = acceleration(_four(block, QX, lane), rotors, push, body.mass)
     (bx, by, bz), (x, y, z) = _three(block, VX, lane), _three(block, X, lane)
@@ -205,7 +205,7 @@ def advance_rows(state: Array, commands: Array, drive: Array, body: Body, work: 
         for lane in range(count):
             i = first + lane
             if block[VALID * LANES + lane] == 1.0:
-                for column in range(ETA):
+                for column in range(ETA_Z):
                     state[i, column] = block[column * LANES + lane]
             else:
                 command = (commands[i, 0], commands[i, 1], commands[i, 2], commands[i, 3])

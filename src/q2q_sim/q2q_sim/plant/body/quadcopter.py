@@ -52,9 +52,9 @@ from q2q_sim.plant.body.state_row import (
     AX,
     AY,
     AZ,
-    ETA,
     ETA_X,
     ETA_Y,
+    ETA_Z,
     F1,
     F2,
     F3,
@@ -180,7 +180,7 @@ def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     for k in range(4):
         target = drive[GAIN1 + k] * share * max(commanded[k] - lost, 0.0)
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay
-    _push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA]), body)
+    _push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA_Z]), body)
     _turn(row, body)
     if row[Z] < 0.0:
         _stand(row, body)

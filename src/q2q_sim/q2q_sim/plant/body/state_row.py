@@ -18,17 +18,15 @@ F1, F2, F3, F4 = 13, 14, 15, 16
 """Rotor thrusts [N]."""
 AX, AY, AZ = 17, 18, 19
 """Acceleration during the last step [m/s^2], world."""
-ETA = 20
-"""Vertical push of the air [m/s^2]."""
-ETA_X, ETA_Y = 21, 22
-"""Its horizontal push [m/s^2], world."""
+ETA_Z, ETA_X, ETA_Y = 20, 21, 22
+"""Push of the air [m/s^2], world."""
 TX, TY, TZ = 23, 24, 25
 """Its torque [N m], body."""
 ROTOR_MAX1, ROTOR_MAX2, ROTOR_MAX3, ROTOR_MAX4 = 26, 27, 28, 29
 """Largest thrust of each rotor [N], less its load (room_air.RateLoadTerm)."""
 STATE_WIDTH = 30
 POS, VEL, QUAT = slice(X, VX), slice(VX, QX), slice(QX, P)
-RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA)
+RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA_Z)
 TORQUE = slice(TX, ROTOR_MAX1)
 
 Two = tuple[float, float]

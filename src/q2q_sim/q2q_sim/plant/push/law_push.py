@@ -8,7 +8,7 @@ import math
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, pair_eta, wake_delay, wake_reach
-from q2q_sim.plant.body.state_row import ETA, Four, X, Y, Z
+from q2q_sim.plant.body.state_row import ETA_Z, Four, X, Y, Z
 from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
 from q2q_sim.plant.push.past_states import THRUST_RATIO
 
@@ -45,7 +45,7 @@ def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> N
     n = state.shape[0]
     lowest, highest = state[0, Z], state[0, Z]
     for i in range(n):
-        state[i, ETA] = 0.0
+        state[i, ETA_Z] = 0.0
         lowest, highest = min(lowest, state[i, Z]), max(highest, state[i, Z])
     if kind == NONE or n < 2:
         return
@@ -63,8 +63,8 @@ def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> N
                 continue
             if kind == PAPER:
                 on_i, on_j = pair_eta(kind, dx * dx + dy * dy, dz)
-                state[i, ETA] += on_i
-                state[j, ETA] += on_j
+                state[i, ETA_Z] += on_i
+                state[j, ETA_Z] += on_j
             else:
-                state[i, ETA] += _late_downwash(state, ring, int(rows[n]), (i, j), step)
-                state[j, ETA] += _late_downwash(state, ring, int(rows[n]), (j, i), step)
+                state[i, ETA_Z] += _late_downwash(state, ring, int(rows[n]), (i, j), step)
+                state[j, ETA_Z] += _late_downwash(state, ring, int(rows[n]), (j, i), step)

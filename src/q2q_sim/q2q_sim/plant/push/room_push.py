@@ -16,9 +16,9 @@ from q2q_sim.air.unit_processes import RESIDUAL, WANDER_X, WANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
 from q2q_sim.plant.body.rotors import rotor_torque
 from q2q_sim.plant.body.state_row import (
-    ETA,
     ETA_X,
     ETA_Y,
+    ETA_Z,
     F1,
     F2,
     F3,
@@ -187,8 +187,8 @@ def add_source_jet(state: Array, room: RoomLaw, first: int, end: int) -> None:
                 if jet_rows[between, FALL] < jet_rows[k, FALL]:
                     strength *= jet_rows[between, TRANSMITTED]
         i, push = receiver[k], strength * room.gains[receiver[k]] * jet_rows[k, PUSH]
-        state[i, ETA] -= push
-        state[j, ETA] += one.upper_ratio * push
+        state[i, ETA_Z] -= push
+        state[j, ETA_Z] += one.upper_ratio * push
         if one.torque != 0.0:
             tx, ty = edge_torque(jet_rows, k, strength, one)
             add_torque(state, i, tx, ty)
@@ -197,8 +197,8 @@ def add_source_jet(state: Array, room: RoomLaw, first: int, end: int) -> None:
 @compiled(**HOT)
 def add_residual(state: Array, i: int, unit: float, one: RoomNumbers) -> None:
     """Add the turbulence of the jets, `unit` its process, to the push on a vehicle."""
-    eta = abs(state[i, ETA])
-    state[i, ETA] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
+    eta = abs(state[i, ETA_Z])
+    state[i, ETA_Z] += (one.floor * min(eta / INSIDE, 1.0) + one.growth * eta) * unit
 
 
 @compiled(**HOT)
@@ -209,7 +209,7 @@ def add_ground_effect(state: Array, i: int, one: RoomNumbers, mass: float) -> No
     x, y, z, w = state[i, QX], state[i, QY], state[i, QZ], state[i, QW]
     state[i, ETA_X] = lift * 2.0 * (x * z + w * y)
     state[i, ETA_Y] = lift * 2.0 * (y * z - w * x)
-    state[i, ETA] += lift * (1.0 - 2.0 * (x * x + y * y))
+    state[i, ETA_Z] += lift * (1.0 - 2.0 * (x * x + y * y))
 
 
 @compiled(**HOT)
@@ -221,7 +221,7 @@ def add_rotor_drag(state: Array, i: int, per_s: float) -> None:
     along = vx * bx + vy * by + vz * bz
     state[i, ETA_X] -= per_s * (vx - along * bx)
     state[i, ETA_Y] -= per_s * (vy - along * by)
-    state[i, ETA] -= per_s * (vz - along * bz)
+    state[i, ETA_Z] -= per_s * (vz - along * bz)
 
 
 @compiled(**HOT)
@@ -241,7 +241,7 @@ def subtract_rate_load(state: Array, i: int, one: RoomNumbers) -> None:
 def clear_push(state: Array, rotor_max: Array, faded: float) -> None:
     """Write no push, no torque and the largest thrust of each rotor, less what faded, into every state."""
     for i in range(state.shape[0]):
-        for column in range(ETA, ROTOR_MAX1):
+        for column in range(ETA_Z, ROTOR_MAX1):
             state[i, column] = 0.0
         for rotor in range(4):
             state[i, ROTOR_MAX1 + rotor] = max(rotor_max[i, rotor] - faded, 0.0)

@@ -3,7 +3,7 @@
 from q2q_model.signals.values import Array
 from q2q_sim.air.checked_wake import CheckedWake
 from q2q_sim.air.wake import AirSetup, Sources, Wake
-from q2q_sim.plant.body.state_row import ETA, ETA_X, ETA_Y, F1, POS, QUAT, ROTORS, TORQUE, VEL
+from q2q_sim.plant.body.state_row import ETA_X, ETA_Y, ETA_Z, F1, POS, QUAT, ROTORS, TORQUE, VEL
 
 
 class UncompiledWake:
@@ -25,7 +25,7 @@ class UncompiledWake:
         if steps == self._acted_at:
             return
         push = self._wake.push(_sources(state, steps * self._step))
-        state[:, ETA_X], state[:, ETA_Y], state[:, ETA] = push.acc.T
+        state[:, ETA_X], state[:, ETA_Y], state[:, ETA_Z] = push.acc.T
         state[:, TORQUE] = push.torque
         self._acted_at = steps
 
