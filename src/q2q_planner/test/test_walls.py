@@ -65,9 +65,9 @@ def test_a_plan_is_deformed_away_from_a_wall_that_it_would_cross() -> None:
     assert sampled(free)[..., 1].min() == pytest.approx(-0.1, abs=5e-3)
     found = held(NARROW)
     pos = sampled(found.plan)
-    assert found.within is not None
-    assert found.within.holds
-    assert 0.0 < found.within.clearance < 1e-3  # as near to the wall as pays
+    assert found.wall_proof is not None
+    assert found.wall_proof.holds
+    assert 0.0 < found.wall_proof.clearance < 1e-3  # as near to the wall as pays
     assert pos[..., 1].min() > -0.04
     assert ZONE.signed_distance(pos[0] - pos[1]).min() > 0.0
     assert found.plan.certified
@@ -77,8 +77,8 @@ def test_a_plan_is_deformed_away_from_a_wall_that_it_would_cross() -> None:
 def test_a_wall_that_is_far_changes_nothing() -> None:
     far, free = held((-9.0, -9.0, 0.0, 9.0, 9.0, 9.0)), avoid_zones(HEAD_ON, ZONE)
     assert np.array_equal(sampled(far.plan), sampled(free.plan))
-    assert far.within is not None
-    assert far.within.clearance == pytest.approx(1.0, abs=1e-6)  # the floor
+    assert far.wall_proof is not None
+    assert far.wall_proof.clearance == pytest.approx(1.0, abs=1e-6)  # the floor
 
 
 def test_one_vehicle_alone_is_kept_within_the_walls() -> None:
@@ -88,8 +88,8 @@ def test_one_vehicle_alone_is_kept_within_the_walls() -> None:
     box = (-0.01, -0.01, 0.5, 1.01, 1.01, 1.5)
     assert not prove_within(minimum_snap_plan(alone, "free"), Walls(box[:3], box[3:])).holds
     found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
-    assert found.within is not None
-    assert found.within.holds
+    assert found.wall_proof is not None
+    assert found.wall_proof.holds
 
 
 @pytest.mark.parametrize("end", [5.3, 6.0, 7.1])

@@ -36,7 +36,7 @@ class Planned:
 
     plan: SwarmPlan
     proof: Certificate
-    within: WallProof | None
+    wall_proof: WallProof | None
     """None without walls."""
     cost: float
     infimum: float
@@ -53,14 +53,14 @@ def make_plan(
     params = _params_of(asked)
     if asked.avoid:
         found = avoid_zones(swarm, zone, asked.reading, params, warm)
-        proofs = found.certificate, found.within
+        proofs = found.certificate, found.wall_proof
         return Planned(found.plan, *proofs, found.cost, found.infimum, _ms_since(before))
     plan = minimum_snap_plan(swarm, asked.reading)
     hull = zone_around(zone)
     cost, proof = plan_cost(plan), certify(plan, hull)
-    within = prove_within(plan, params.walls) if params.walls else None
+    wall_proof = prove_within(plan, params.walls) if params.walls else None
     shown = as_certified(plan, hull) if proof.holds else plan
-    return Planned(shown, proof, within, cost, cost, _ms_since(before))
+    return Planned(shown, proof, wall_proof, cost, cost, _ms_since(before))
 
 
 def _params_of(asked: Namespace) -> AvoidanceParams:
@@ -77,7 +77,7 @@ def as_json(made: Planned) -> dict[str, float | bool | None]:
         "clearance_m": _finite(made.proof.clearance),
         "cpu_ms": made.cpu_ms,
         "vehicles": len(made.plan.names),
-    } | _wall_facts(made.within)
+    } | _wall_facts(made.wall_proof)
 
 
 def _wall_facts(proof: WallProof | None) -> dict[str, float | bool | None]:
@@ -111,8 +111,8 @@ def run(asked: Namespace) -> int:
     more = f", {made.cost / made.infimum:.4f} times that without avoidance" if made.infimum > 0.0 else ""
     print(f"  snap cost {made.cost:.6g}{more}")
     print(f"  {_verdict(made)} ({words})")
-    if made.within:
-        print(f"  {_wall_verdict(made.within)} ({made.within.walls})")
+    if made.wall_proof:
+        print(f"  {_wall_verdict(made.wall_proof)} ({made.wall_proof.walls})")
     return 0
 
 

@@ -53,7 +53,7 @@ class Attempt:
 
     plan: SwarmPlan
     proof: Certificate
-    within: WallProof | None
+    wall_proof: WallProof | None
     """None without walls."""
     cost: float
     steps: int
@@ -61,7 +61,7 @@ class Attempt:
     @property
     def holds(self) -> bool:
         """Return whether the plan is proven to stay out of the zone and within the walls."""
-        return self.proof.holds and (self.within is None or self.within.holds)
+        return self.proof.holds and (self.wall_proof is None or self.wall_proof.holds)
 
 
 def search(problem: Problem, start: Start) -> Attempt:
@@ -76,8 +76,8 @@ def search(problem: Problem, start: Start) -> Attempt:
         steps += taken
         plan = _deformed_plan(problem, deviations)
         proof = certify(plan, problem.zone)
-        within = prove_within(plan, problem.walls) if problem.walls else None
-        attempt = Attempt(plan, proof, within, plan_cost(plan), steps)
+        wall_proof = prove_within(plan, problem.walls) if problem.walls else None
+        attempt = Attempt(plan, proof, wall_proof, plan_cost(plan), steps)
         if attempt.holds or proof.clearance < -DEEPEST * problem.zone.eps:
             break
         spacing, side, softness = 0.5 * spacing, np.ones_like(side), HARD

@@ -71,7 +71,7 @@ class AvoidancePlan:
 
     plan: SwarmPlan
     certificate: Certificate
-    within: WallProof | None
+    wall_proof: WallProof | None
     """None without walls."""
     cost: float
     """(18)"""
@@ -105,9 +105,9 @@ def avoid_zones(
     hull = zone_around(zone)
     free = minimum_snap_plan(swarm, reading)
     infimum, proof, walls = plan_cost(free), certify(free, hull), numbers.walls
-    within = prove_within(free, walls) if walls else None
-    if proof.holds and (within is None or within.holds):
-        return AvoidancePlan(as_certified(free, hull), proof, within, infimum, infimum, 0)
+    wall_proof = prove_within(free, walls) if walls else None
+    if proof.holds and (wall_proof is None or wall_proof.holds):
+        return AvoidancePlan(as_certified(free, hull), proof, wall_proof, infimum, infimum, 0)
     check_apart(swarm, hull)
     if walls:
         check_inside(swarm, walls)
@@ -119,7 +119,9 @@ def avoid_zones(
         raise InfeasibleError(_explanation(found))
     best = min(certified, key=lambda attempt: attempt.cost)
     steps = sum(attempt.steps for attempt in found)
-    return AvoidancePlan(as_certified(best.plan, hull), best.proof, best.within, best.cost, infimum, steps)
+    return AvoidancePlan(
+        as_certified(best.plan, hull), best.proof, best.wall_proof, best.cost, infimum, steps
+    )
 
 
 def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -> Iterator[Start]:
@@ -150,7 +152,9 @@ def _explanation(found: Sequence[Attempt]) -> str:
     apart = [attempt for attempt in found if attempt.proof.holds]
     best = f"in the best of {len(found)} starts; move a waypoint there or allow more time"
     if apart:
-        nearest = max((attempt.within for attempt in apart if attempt.within), key=lambda one: one.clearance)
+        nearest = max(
+            (attempt.wall_proof for attempt in apart if attempt.wall_proof), key=lambda one: one.clearance
+        )
         beyond = f"{-nearest.clearance:.3g} m beyond a wall at t = {nearest.t:.2f} s"
         return f"{nearest.name} cannot be kept within the walls: {beyond} {best}"
     proof = max((attempt.proof for attempt in found), key=lambda proof: proof.clearance)
