@@ -101,19 +101,19 @@ def avoid_zones(
         InfeasibleError: no start led to a certified plan.
         ValueError: the waypoints cannot be flown.
     """
-    numbers = params or AvoidanceParams()
+    search_params = params or AvoidanceParams()
     hull = zone_around(zone)
     free = minimum_snap_plan(swarm, reading)
-    infimum, proof, walls = plan_cost(free), certify(free, hull), numbers.walls
+    infimum, proof, walls = plan_cost(free), certify(free, hull), search_params.walls
     wall_proof = prove_within(free, walls) if walls else None
     if proof.holds and (wall_proof is None or wall_proof.holds):
         return AvoidancePlan(as_certified(free, hull), proof, wall_proof, infimum, infimum, 0)
     check_apart(swarm, hull)
     if walls:
         check_inside(swarm, walls)
-    spaces = tuple(deviation_space(vehicle, reading, numbers.pieces) for vehicle in swarm)
-    problem = Problem(free, infimum, spaces, hull, numbers.margin, numbers.steps, walls)
-    found = [search(problem, start) for start in _starts(problem, numbers, warm)]
+    spaces = tuple(deviation_space(vehicle, reading, search_params.pieces) for vehicle in swarm)
+    problem = Problem(free, infimum, spaces, hull, search_params.margin, search_params.steps, walls)
+    found = [search(problem, start) for start in _starts(problem, search_params, warm)]
     certified = [attempt for attempt in found if attempt.holds]
     if not certified:
         raise InfeasibleError(_explanation(found))
