@@ -112,7 +112,7 @@ def strays(count: int, zone: Zone, seed: int, attitude: AttitudeLoop = "paper") 
         overrides=GAINS,
     )
     model = find_model(MODEL).interaction
-    flight = fly(scenario, FlightOptions(seed=seed, model=model, correct=REAL_FLIGHTS))
+    flight = fly(scenario, FlightOptions(seed=seed, model=model, residual_process=REAL_FLIGHTS))
     off = np.abs(flight.true_pos - flight.ref_pos)  # (T, n, 3)
     i, j = np.triu_indices(count, 1)
     apart = np.linalg.norm(flight.true_pos[:, i] - flight.true_pos[:, j], axis=-1)

@@ -90,8 +90,8 @@ def flights() -> None:
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
     steady = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}
     flown(replace(library.load("swarm20"), duration=0.5, overrides=steady), "pid", "safe")
-    fly(replace(library.load("stack3"), duration=1.0), FlightOptions(correct=REAL_FLIGHTS))
-    fly(replace(alone, duration=1.0), FlightOptions(correct=REAL_FLIGHTS))
+    fly(replace(library.load("stack3"), duration=1.0), FlightOptions(residual_process=REAL_FLIGHTS))
+    fly(replace(alone, duration=1.0), FlightOptions(residual_process=REAL_FLIGHTS))
     flown_by_firmware(library.load("table6"))
     stacked_in_a_rooms_air()
 

@@ -97,9 +97,9 @@ def test_corrected_flights_take_the_accelerometers_of_the_same_ticks_with_and_wi
     through_nodes = fly(request, tmp_path / "nodes", tmp_path / "bag", lambda _: None)
     scenario = library.load(SCENARIO)
     options = FlightOptions(
-        controller="mpc", seed=3, model=find_model(scenario.model).interaction, correct=REAL_FLIGHTS
+        controller="mpc", seed=3, model=find_model(scenario.model).interaction, residual_process=REAL_FLIGHTS
     )
-    alone, plain = fly_pure(scenario, options), fly_pure(scenario, replace(options, correct=None))
+    alone, plain = fly_pure(scenario, options), fly_pure(scenario, replace(options, residual_process=None))
     np.testing.assert_allclose(through_nodes.flight.true_pos, alone.true_pos, rtol=0.0, atol=1e-9)
     assert np.abs(alone.true_pos - plain.true_pos).max() > 1e-4
 

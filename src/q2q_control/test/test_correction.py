@@ -148,7 +148,7 @@ def aside_at_the_end(reserve: float, push: float) -> float:
     params = MpcParams(
         latency=0.0, thrust_limited=True, thrust_max=TEXTBOOK_065.mass * (GRAVITY + 1.6), reserve=reserve
     )
-    setup = MpcSetup(vehicles=("cf1",), correct=ResidualProcess(floor=0.4, slope=0.0))
+    setup = MpcSetup(vehicles=("cf1",), residual_process=ResidualProcess(floor=0.4, slope=0.0))
     mpc, zero = Mpc(params, TEXTBOOK_065, wake, setup), np.zeros((2, 3))
     pos, level = np.array([[0.01, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     names, flag = ("cf1", "cf2"), np.zeros(2, np.uint8)

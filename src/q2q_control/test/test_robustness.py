@@ -122,11 +122,11 @@ def built(kind: str, case: Case, preview: SampledPreview) -> Controller:
     if kind == "pid with observer":
         return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065)
     if kind == "pid with correction":
-        return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065, correct=REAL_FLIGHTS)
+        return ObservedPid(gains, TrackerParams(latency=0.0), TEXTBOOK_065, residual_process=REAL_FLIGHTS)
     params = MpcParams(
         latency=0.0, thrust_limited=True, thrust_max=case.thrust_max, observe=kind != "mpc without observer"
     )
-    setup = MpcSetup(preview=preview, correct=REAL_FLIGHTS if "correction" in kind else None)
+    setup = MpcSetup(preview=preview, residual_process=REAL_FLIGHTS if "correction" in kind else None)
     if kind == "explicit":
         setup = replace(setup, solver=explicit_solver(law(case.model, case.thrust_max)))
     return Mpc(params, TEXTBOOK_065, case.model, setup)

@@ -24,8 +24,8 @@ def flown(controller: str, air: str, *, corrects: bool, strength: float = 1.0) -
     model = find_model(ROOM.model).interaction
     assert isinstance(model, Jet)
     known = replace(model, strength=strength * model.strength)
-    correct = REAL_FLIGHTS if corrects else None
-    options = FlightOptions(controller=controller, model=known, correct=correct)
+    residual_process = REAL_FLIGHTS if corrects else None
+    options = FlightOptions(controller=controller, model=known, residual_process=residual_process)
     return fly(with_air(ROOM, air, ()) if air else ROOM, options)
 
 

@@ -68,10 +68,10 @@ class DisturbanceTracker:
     """Thrust, commands in transit, and disturbance estimates of every vehicle."""
 
     def __init__(
-        self, params: TrackerParams, vehicle: Vehicle, correct: ResidualProcess | None = None
+        self, params: TrackerParams, vehicle: Vehicle, residual_process: ResidualProcess | None = None
     ) -> None:
-        """Track vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
-        self._fine = None if correct is None else ResidualObserver(correct)
+        """Track vehicles like `vehicle`; `residual_process` is the residual that accelerometers measure."""
+        self._fine = None if residual_process is None else ResidualObserver(residual_process)
         self._accelerometers = AccelerometerResidual()
         self._most, self._mass = params.disturbance_max, vehicle.mass
         self._actuation = Actuation(vehicle, params.latency)

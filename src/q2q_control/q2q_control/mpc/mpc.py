@@ -79,7 +79,7 @@ class MpcSetup:
     preview: ReferencePreview | None = None
     """Future references; None extrapolates each setpoint."""
     solver: SolverFactory = horizon_solver
-    correct: ResidualProcess | None = None
+    residual_process: ResidualProcess | None = None
     """Residual of `model` that positions and accelerometers (`sense`) correct; None observes disturbances."""
     exchange_period: float = 0.0
     """Time between predictions of another vehicle's MPC (`Mpc.hear`) [s]; 0 extrapolates such vehicles."""
@@ -102,7 +102,7 @@ class Mpc:
         Raises:
             ValueError: the solver is not made for these parameters, or thrust_max does not carry the vehicle.
         """
-        if self._setup.correct is not None:
+        if self._setup.residual_process is not None:
             params = tighten(params)
         thrust_max = largest_thrust(self._vehicle, params.thrust_max if params.thrust_limited else None)
         self._solver = self._setup.solver(params, self._vehicle)
@@ -135,7 +135,7 @@ class Mpc:
         """Forget all memory."""
         slopes = SlopeRule(coupled_axes(self._params), self._params.slope_max)
         self._forecaster = Forecaster(self._params, self._model, slopes)
-        self._initial_state = InitialStateEstimator(self._params, self._vehicle, self._setup.correct)
+        self._initial_state = InitialStateEstimator(self._params, self._vehicle, self._setup.residual_process)
         self._last_commands.reset()
         self._heard = HeardPredictions(self._setup.exchange_period)
         self._predicted: tuple[Aligned, Array, Array, Array] | None = None
@@ -173,7 +173,7 @@ class Mpc:
         return self._last
 
     def sense(self, imu: SwarmImu) -> None:
-        """Take accelerometers of a tick; without `correct` they are ignored."""
+        """Take accelerometers of a tick; without a `residual_process` they are ignored."""
         self._initial_state.sense(imu)
 
     def hear(self, prediction: PredictedPaths) -> None:
@@ -211,9 +211,9 @@ class Mpc:
     def _horizon(self, tick: Aligned, initial: InitialState, forecast: Forecast) -> Horizon:
         eta, kept = forecast.downwash.eta[: len(tick.names)], np.zeros((len(tick.names), self._params.steps))
         push = eta + initial.disturbance[:, None]
-        if self._setup.correct is not None:
-            push[..., 2] -= faded_residual(initial.residual, self._setup.correct, self._params)
-            kept = thrust_reserve(eta[..., 2], self._setup.correct, self._params)
+        if self._setup.residual_process is not None:
+            push[..., 2] -= faded_residual(initial.residual, self._setup.residual_process, self._params)
+            kept = thrust_reserve(eta[..., 2], self._setup.residual_process, self._params)
         low, high = input_bounds(tick.table[:, QUAT].copy(), self._most, kept)
         chains = initial.chains
         if not tick.all_usable:  # nobody knows where they are

@@ -30,15 +30,15 @@ class ObservedPid:
         tracker: TrackerParams,
         vehicle: Vehicle,
         vehicles: Names = (),
-        correct: ResidualProcess | None = None,
+        residual_process: ResidualProcess | None = None,
     ) -> None:
         """Control vehicles like `vehicle`: those named, or all of the setpoint.
 
-        `correct` is the residual of the prediction that positions and accelerometers (`sense`) correct.
+        `residual_process` is of the prediction: positions and accelerometers (`sense`) correct it.
         """
         self._vehicles = vehicles
         self._pid = Pid(params, vehicle, vehicles)
-        self._tracker = DisturbanceTracker(tracker, vehicle, correct)
+        self._tracker = DisturbanceTracker(tracker, vehicle, residual_process)
         self._trust = DownwashTrust(params.stale_fade)
         self._last: SwarmCommand | None = None
 

@@ -87,9 +87,9 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
     params = declare(node, MpcParams(), in_flight=True)
     budget = TimeBudget(mpc.budget_s if own.live else inf, monotonic)
     known = find_model(mpc.model)
-    correct = (known.residual or REAL_FLIGHTS) if own.correct else None
+    residual_process = (known.residual or REAL_FLIGHTS) if own.correct else None
     period = 1.0 / mpc.prediction_hz if mpc.distributed else 0.0
-    setup = MpcSetup(own.vehicles, budget.in_time, correct=correct, exchange_period=period)
+    setup = MpcSetup(own.vehicles, budget.in_time, residual_process=residual_process, exchange_period=period)
     block = Mpc(params, vehicle, known.interaction, setup)
     on_change(node, params, block.configure)
     wiring, guarded = wire_controller(node, own, vehicle, block)

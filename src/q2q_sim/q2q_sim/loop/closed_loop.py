@@ -60,7 +60,7 @@ class FlightOptions:
     """As in LoopSettings."""
     plan: SwarmPlan | None = None
     """Plan in place of the scenario's own."""
-    correct: ResidualProcess | None = None
+    residual_process: ResidualProcess | None = None
     """Residual of the model that the controller corrects by accelerometers; None corrects nothing."""
     on_signal: Listener = ignore_signals
     """As in LoopSettings."""
@@ -126,7 +126,7 @@ def answered_ticks(scenario: Scenario, options: FlightOptions) -> Iterator[tuple
         state = blocks.mocap_filter.update(tick.frame)
         downwash = blocks.predictor.update(state) if options.mode != "ignoring" else None
         answer = _answer(blocks, tick, state, downwash)
-        if options.correct is not None:
+        if options.residual_process is not None:
             blocks.sense(room.imu())
         yield tick, answer
         room.advance(answer.command)
@@ -139,8 +139,10 @@ def ticks_of(scenario: Scenario) -> int:
 
 
 def _blocks(scenario: Scenario, options: FlightOptions) -> Blocks:
-    choice = BlockChoices(options.mode, options.controller, options.replan, options.correct is not None)
-    return blocks_of(scenario, choice, options.model, options.plan, options.correct or REAL_FLIGHTS)
+    choice = BlockChoices(
+        options.mode, options.controller, options.replan, options.residual_process is not None
+    )
+    return blocks_of(scenario, choice, options.model, options.plan, options.residual_process or REAL_FLIGHTS)
 
 
 def _answer(blocks: Blocks, tick: Tick, state: SwarmState, downwash: Interference | None) -> BlockSignals:

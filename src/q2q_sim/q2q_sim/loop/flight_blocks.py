@@ -91,7 +91,7 @@ class Knowledge:
 
     model: InteractionModel
     plan: SwarmPlan
-    correct: ResidualProcess | None
+    residual_process: ResidualProcess | None
     """Residual of the model; None corrects nothing."""
 
 
@@ -171,8 +171,8 @@ def blocks_of(
         residual: of the model, for a controller that corrects.
     """
     flown = plan or plan_of(scenario)
-    correct = residual if choices.correct else None
-    controller, sense = _controller(scenario, choices, Knowledge(model, flown, correct))
+    residual_process = residual if choices.correct else None
+    controller, sense = _controller(scenario, choices, Knowledge(model, flown, residual_process))
     return Blocks(
         plan=flown,
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
@@ -195,13 +195,15 @@ def _controller(
     """Return a controller, and what takes its accelerometers."""
     if choices.controller == "mpc":
         preview = sampled_preview(known.plan.names, known.plan.trajectories, 0.0)
-        setup = MpcSetup(preview=preview, correct=known.correct)
+        setup = MpcSetup(preview=preview, residual_process=known.residual_process)
         mpc = Mpc(mpc_params(scenario, limited=choices.limited), scenario.vehicle, known.model, setup)
         return mpc, mpc.sense
     params = pid_params(scenario, limited=choices.limited)
-    if known.correct is None:
+    if known.residual_process is None:
         return Pid(params, scenario.vehicle), ignore_accelerometers
-    pid = ObservedPid(params, tracker_params(scenario), scenario.vehicle, correct=known.correct)
+    pid = ObservedPid(
+        params, tracker_params(scenario), scenario.vehicle, residual_process=known.residual_process
+    )
     return pid, pid.sense
 
 

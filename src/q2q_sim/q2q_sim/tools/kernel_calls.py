@@ -79,7 +79,7 @@ def _estimators() -> None:
 def _room() -> None:
     _flown("table6_room")
     _flown("stack3", replan="paper")
-    fly(replace(library.load("stack3"), duration=TICKS), FlightOptions(correct=REAL_FLIGHTS))
+    fly(replace(library.load("stack3"), duration=TICKS), FlightOptions(residual_process=REAL_FLIGHTS))
 
 
 def _in_a_rooms_air() -> None:

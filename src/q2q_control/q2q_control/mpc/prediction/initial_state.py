@@ -35,14 +35,16 @@ class InitialState:
 class InitialStateEstimator:
     """Tracker of disturbances and of commands in transit."""
 
-    def __init__(self, params: MpcParams, vehicle: Vehicle, correct: ResidualProcess | None = None) -> None:
-        """Estimate vehicles like `vehicle`; `correct` is the residual that accelerometers measure."""
-        self._params, self._observes = params, params.observe or correct is not None
+    def __init__(
+        self, params: MpcParams, vehicle: Vehicle, residual_process: ResidualProcess | None = None
+    ) -> None:
+        """Estimate vehicles like `vehicle`; `residual_process` is what accelerometers measure."""
+        self._params, self._observes = params, params.observe or residual_process is not None
         self._lags = axis_lags(params, vehicle)
         tracker = TrackerParams(
             params.latency, params.state_bandwidth, params.observer_bandwidth, params.disturbance_max
         )
-        self._tracker = DisturbanceTracker(tracker, vehicle, correct)
+        self._tracker = DisturbanceTracker(tracker, vehicle, residual_process)
 
     def update(self, tick: Aligned) -> InitialState:
         """Return the initial state of the tick's vehicles."""

@@ -48,6 +48,6 @@ def fly_flight_case(case: FlightCase) -> Flight:
             model=known.interaction,
             air=case.air,
             plan=case.plan,
-            correct=(known.residual or REAL_FLIGHTS) if options.correct else None,
+            residual_process=(known.residual or REAL_FLIGHTS) if options.correct else None,
         ),
     )
