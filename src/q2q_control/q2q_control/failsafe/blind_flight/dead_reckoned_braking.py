@@ -33,8 +33,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     Sight,
     reckon,
 )
+from q2q_control.failsafe.blind_flight.elapsed_time import GAP_S, ElapsedTime
 from q2q_control.failsafe.blind_flight.fading_downwash import FadingDownwash, Places
-from q2q_control.failsafe.blind_flight.flown_time import GAP_S, FlownTime
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -79,7 +79,7 @@ class DeadReckonedBraking:
         self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
         self._predicted = self._blind = False
         self._t = math.inf
-        self._flown = FlownTime()
+        self._elapsed = ElapsedTime()
 
     def set_back(self, by: float) -> None:
         """Shift stored times back by `by` [s]: the clock was."""
@@ -88,7 +88,7 @@ class DeadReckonedBraking:
 
     def wait(self) -> None:
         """Take a frame that is not newer than the last one: the vehicles fly on."""
-        self._flown.wait()
+        self._elapsed.wait()
 
     def advance(self, state: SwarmState | None, interference: Interference | None, t: float) -> None:
         """Advance all motions to the tick at t [s], and correct those of measured vehicles.
@@ -101,7 +101,7 @@ class DeadReckonedBraking:
         names = self._names
         sight = _sight(state, names)
         step, self._t = max(t - self._t, 0.0), t
-        elapsed = self._flown.update(step, by_frame=state is not None)
+        elapsed = self._elapsed.update(step, by_frame=state is not None)
         if step > GAP_S:
             self._track[:, UNSETTLED] = 2.0 * LAG_S + elapsed
         unmeasured = reckon(self._track, self._asked, self._push, (elapsed, self._hover_thrust), sight)

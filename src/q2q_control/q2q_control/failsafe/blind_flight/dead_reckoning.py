@@ -19,7 +19,7 @@ that b is 0 counts as much as those of the time L. With h between measurements:
     s = k^3 / (k^3 + L^3)             o += max(1 - e^(-2 w h), (1 + 3 s) h / k) (v - o)
                                       b -= max((1 - e^(-w h))^2 / h, 6 s h / k^2) (v - o)
 
-For 2 L after a gap (flown_time) nothing is learned: what was in effect meanwhile is not known. Without
+For 2 L after a gap (elapsed_time) nothing is learned: what was in effect meanwhile is not known. Without
 measurements the motion is integrated, with the trim of the last one. Thrust that b_z takes away is
 taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 

@@ -2,13 +2,13 @@
 
 import pytest
 
-from q2q_control.failsafe.blind_flight.flown_time import GAP_S, LONGEST_STEP, FlownTime
+from q2q_control.failsafe.blind_flight.elapsed_time import GAP_S, LONGEST_STEP, ElapsedTime
 from q2q_model.signals.stamps import TICK_S
 
 
 def flown(steps: list[float]) -> list[float]:
     """Return what is flown in steps of frames [s]; a step of 0 is a frame that is not newer."""
-    time, found = FlownTime(), []
+    time, found = ElapsedTime(), []
     for step in steps:
         if step == 0.0:
             time.wait()
@@ -47,12 +47,12 @@ def test_frames_that_overtake_each_other_leave_nothing_for_a_leap() -> None:
 
 
 def test_what_a_timer_counted_is_flown_up_to_what_the_filter_coasts() -> None:
-    assert FlownTime().update(GAP_S + 0.1, by_frame=False) == GAP_S + 0.1
-    assert FlownTime().update(1.0, by_frame=False) == LONGEST_STEP
+    assert ElapsedTime().update(GAP_S + 0.1, by_frame=False) == GAP_S + 0.1
+    assert ElapsedTime().update(1.0, by_frame=False) == LONGEST_STEP
 
 
 def test_a_timer_that_counted_late_frames_leaves_none_of_them_for_a_leap() -> None:
-    time = FlownTime()
+    time = ElapsedTime()
     for _ in range(11):
         time.wait()
     assert time.update(0.11, by_frame=False) == 0.11

@@ -26,7 +26,7 @@ LONGEST_STEP = MocapFilterParams().coast_s
 """Longest time for which the last command is integrated [s]: that for which the filter coasts."""
 
 
-class FlownTime:
+class ElapsedTime:
     """Step of the last tick, and the time flown since stamps were complete."""
 
     def __init__(self) -> None:
