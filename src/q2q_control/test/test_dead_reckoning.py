@@ -12,6 +12,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     TRIM,
     TRIM_MAX,
     VEL,
+    AppliedCommand,
+    MeasuredState,
     _tilted,
     reckon,
 )
@@ -26,11 +28,12 @@ def test_a_weak_vehicle_gains_as_much_by_its_tilt_as_its_thrust_holds() -> None:
         track = np.zeros((1, TRACK_WIDTH))
         track[0, TRIM + 2] = weak
         share = (1.0 + weak / GRAVITY) / np.cos(0.2)
-        asked = (np.array([share * HOVER]), np.zeros(1), np.array([0.2]))
-        unseen = (np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.array([TrackStatus.LOST], dtype=np.uint8))
+        applied = AppliedCommand(np.array([share]), np.zeros(1), np.array([0.2]))
+        lost = np.array([TrackStatus.LOST], dtype=np.uint8)
+        unseen = MeasuredState(np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, lost)
         for _ in range(300):
             before = track[0, VEL]
-            reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), unseen)
+            reckon(track, applied, np.zeros((1, 3)), TICK, unseen)
         assert (track[0, VEL] - before) / TICK == pytest.approx(GRAVITY * np.tan(0.2), rel=1e-4)
         assert track[0, VEL + 2] == pytest.approx(0.0, abs=1e-9 if not weak else 0.2)
 
@@ -98,10 +101,11 @@ def test_the_trim_is_kept_without_measurements(push: np.ndarray, offset: float) 
 def test_a_first_trim_is_the_slope_of_all_velocities_so_far_and_a_prior(since: float) -> None:
     """A level vehicle drifts ever faster: the fit of its slope, shrunk to 0 as if it were known for LAG_S."""
     slope, track = np.array([0.3, -0.2, 0.0]), np.zeros((1, TRACK_WIDTH))
-    level = (np.array([HOVER]), np.zeros(1), np.zeros(1))
+    level = AppliedCommand(np.ones(1), np.zeros(1), np.zeros(1))
     for k in range(round(since / TICK) + 1):
-        sight = (np.zeros((1, 3)), (slope * k * TICK)[None], LEVEL, np.zeros(1, dtype=np.uint8))
-        reckon(track, level, np.zeros((1, 3)), (TICK if k else 0.0, HOVER), sight)
+        vel = (slope * k * TICK)[None]
+        state = MeasuredState(np.zeros((1, 3)), vel, LEVEL, np.zeros(1, dtype=np.uint8))
+        reckon(track, level, np.zeros((1, 3)), TICK if k else 0.0, state)
     learned = since**3 / (since**3 + LAG_S**3)
     np.testing.assert_allclose(track[0, TRIM : TRIM + 3], -learned * slope, rtol=0.15, atol=1e-12)
 
@@ -118,13 +122,11 @@ def test_an_acceleration_that_is_wanted_is_no_trim() -> None:
 @pytest.mark.parametrize("share", [0.0, 2.0])
 def test_no_more_is_trimmed_than_a_vehicle_may_be_given(share: float) -> None:
     """A vehicle that does not move with its motors off, or at twice its weight: it is held."""
-    track, sight = (
-        np.zeros((1, TRACK_WIDTH)),
-        (np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.zeros(1, np.uint8)),
-    )
+    track = np.zeros((1, TRACK_WIDTH))
+    state = MeasuredState(np.zeros((1, 3)), np.zeros((1, 3)), LEVEL, np.zeros(1, np.uint8))
     for _ in range(300):
-        asked = (np.full(1, share * HOVER), np.zeros(1), np.zeros(1))
-        reckon(track, asked, np.zeros((1, 3)), (TICK, HOVER), sight)
+        applied = AppliedCommand(np.full(1, share), np.zeros(1), np.zeros(1))
+        reckon(track, applied, np.zeros((1, 3)), TICK, state)
     assert track[0, TRIM + 2] == np.sign(share - 1.0) * TRIM_MAX[1]
     np.testing.assert_array_equal(track[0, TRIM : TRIM + 2], 0.0)
 
@@ -132,11 +134,11 @@ def test_no_more_is_trimmed_than_a_vehicle_may_be_given(share: float) -> None:
 @pytest.mark.parametrize("speed", [3.0, 1e300, np.inf, np.nan])
 def test_a_velocity_that_jumps_is_no_trim(speed: float) -> None:
     """A track that restarts, or a state that means nothing, for 0.1 s."""
-    track, level = np.zeros((1, TRACK_WIDTH)), (np.full(1, HOVER), np.zeros(1), np.zeros(1))
+    track, level = np.zeros((1, TRACK_WIDTH)), AppliedCommand(np.ones(1), np.zeros(1), np.zeros(1))
     for k in range(100):
         vel = np.full((1, 3), speed if 50 <= k < 60 else 0.0)
-        sight = (np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))
-        reckon(track, level, np.zeros((1, 3)), (TICK, HOVER), sight)
+        state = MeasuredState(np.zeros((1, 3)), vel, LEVEL, np.zeros(1, np.uint8))
+        reckon(track, level, np.zeros((1, 3)), TICK, state)
     np.testing.assert_array_equal(track[0, VEL : VEL + 3], 0.0)
     np.testing.assert_array_equal(track[0, TRIM : TRIM + 3], 0.0)
 

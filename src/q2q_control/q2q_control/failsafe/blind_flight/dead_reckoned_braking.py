@@ -29,8 +29,8 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     UNKNOWN,
     UNSETTLED,
     VEL,
-    Asked,
-    Sight,
+    AppliedCommand,
+    MeasuredState,
     reckon,
 )
 from q2q_control.failsafe.blind_flight.elapsed_time import GAP_S, ElapsedTime
@@ -73,11 +73,11 @@ class DeadReckonedBraking:
         """Forget all vehicles."""
         self._names: Names = ()
         self._track = np.zeros((0, len(UNKNOWN)))
-        self._asked: Asked = np.zeros(0), np.zeros(0), np.zeros(0)
+        self._applied = AppliedCommand(np.zeros(0), np.zeros(0), np.zeros(0))
         self._eta = self._push = np.zeros((0, 3))
         self._fading = FadingDownwash()
         self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
-        self._predicted = self._blind = False
+        self._has_prediction = self._any_blind = False
         self._t = math.inf
         self._elapsed = ElapsedTime()
 
@@ -99,17 +99,17 @@ class DeadReckonedBraking:
             t: time of the tick [s].
         """
         names = self._names
-        sight = _sight(state, names)
+        measured = _measured(state, names)
         step, self._t = max(t - self._t, 0.0), t
         elapsed = self._elapsed.update(step, by_frame=state is not None)
         if step > GAP_S:
             self._track[:, UNSETTLED] = 2.0 * LAG_S + elapsed
-        unmeasured = reckon(self._track, self._asked, self._push, (elapsed, self._hover_thrust), sight)
+        unmeasured = reckon(self._track, self._applied, self._push, elapsed, measured)
         if state is not None:
-            self._eta, self._predicted = _eta(interference, names), interference is not None
+            self._eta, self._has_prediction = _eta(interference, names), interference is not None
         self._push = self._eta
-        if self._blind or unmeasured:
-            self._fade(state, sight[-1])
+        if self._any_blind or unmeasured:
+            self._fade(state, measured.status)
 
     def reckoned(self, names: Names) -> dict[str, Reckoned]:
         """Return the dead-reckoned horizontal motions of those of the named vehicles that are known."""
@@ -161,7 +161,7 @@ class DeadReckonedBraking:
         return ReckonedMotions(self._track, self._push)
 
     def _record(self, command: SwarmCommand) -> None:
-        self._asked = command.thrust, command.roll, command.pitch
+        self._applied = AppliedCommand(command.thrust / self._hover_thrust, command.roll, command.pitch)
         self._t = command.t
 
     def _match(self, state: SwarmState | None, names: Names) -> None:
@@ -173,20 +173,20 @@ class DeadReckonedBraking:
         self._push, self._eta = (np.vstack((one, np.zeros(3)))[rows] for one in (self._push, self._eta))
         self._names = names
         new = np.flatnonzero(rows < 0)
-        hover = np.full(new.size, self._hover_thrust), np.zeros(new.size), np.zeros(new.size)
-        begun, seen = self._track[new], _sight(state, tuple(names[row] for row in new))
-        reckon(begun, hover, self._push[new], (0.0, self._hover_thrust), seen)
+        hover = AppliedCommand(np.ones(new.size), np.zeros(new.size), np.zeros(new.size))
+        begun, seen = self._track[new], _measured(state, tuple(names[row] for row in new))
+        reckon(begun, hover, self._push[new], 0.0, seen)
         self._track[new] = begun
 
     def _fade(self, state: SwarmState | None, status: Status) -> None:
         """Let the downwash of unmeasured vehicles fade; `status` is the TrackStatus, (n,)."""
         blind = np.flatnonzero(self._track[:, SEEN] == 0.0)
-        self._push, self._blind = np.where(np.isfinite(self._eta), self._eta, 0.0), bool(blind.size)
+        self._push, self._any_blind = np.where(np.isfinite(self._eta), self._eta, 0.0), bool(blind.size)
         if state is not None:
             self._others = _measured_others(state, self._names)
         names, pos = self._names + self._others.names, self._track[:, POS : POS + 3]
         places = Places(names, np.vstack((pos, self._others.pos)))
-        followed = (status[blind] != LOST) & self._predicted
+        followed = (status[blind] != LOST) & self._has_prediction
         left = self._fading.shares(blind, followed, places, self._t)
         self._push[blind] *= left[:, None]
         self._push[blind, 2] += (1.0 - left) * self._track[blind, TRIM + 2]
@@ -197,15 +197,16 @@ def is_blind(status: Status) -> NDArray[np.bool_]:
     return np.asarray((status == LEVEL) | (status == LAND))
 
 
-def _sight(state: SwarmState | None, names: Names) -> Sight:
+def _measured(state: SwarmState | None, names: Names) -> MeasuredState:
     """Return what a state shows of the vehicles."""
     if state is not None and state.names == names:
-        return state.pos, state.vel, state.quat, state.status
+        return MeasuredState(state.pos, state.vel, state.quat, state.status)
     if state is None:
         n = len(names)
-        return np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST)
+        return MeasuredState(np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 4)), np.full(n, LOST))
     pos, vel, quat = (rows_by_name(part, state.names, names) for part in (state.pos, state.vel, state.quat))
-    return pos, vel, quat, rows_by_name(state.status, state.names, names, TrackStatus.LOST)
+    status = rows_by_name(state.status, state.names, names, TrackStatus.LOST)
+    return MeasuredState(pos, vel, quat, status)
 
 
 def _measured_others(state: SwarmState, names: Names) -> Places:

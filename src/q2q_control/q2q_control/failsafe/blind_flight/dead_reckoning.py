@@ -40,6 +40,7 @@ taken for weak: horizontally u counts by 1 / (1 + b_z / g).
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -76,30 +77,48 @@ UNKNOWN = np.array([math.nan] * 3 + [0.0] * (TRACK_WIDTH - 3))
 """Track of a vehicle that was never measured: at rest, position unknown."""
 
 
-Asked = tuple[Array, Array, Array]
-"""Thrust [N], roll and pitch [rad] of a command, (n,) each."""
-Sight = tuple[Array, Array, Array, Status]
-"""What a state shows of the vehicles: position [m] and velocity [m/s], world, (n, 3) each, orientation xyzw,
-(n, 4), and TrackStatus, (n,)."""
+class AppliedCommand(NamedTuple):
+    """Command in effect, (n,) each."""
+
+    share: Array
+    """Thrust over the weight [-]."""
+    roll: Array
+    """[rad]"""
+    pitch: Array
+    """[rad]"""
+
+
+class MeasuredState(NamedTuple):
+    """What a state shows of the vehicles."""
+
+    pos: Array
+    """Position [m], world, (n, 3)."""
+    vel: Array
+    """Velocity [m/s], world, (n, 3)."""
+    quat: Array
+    """Orientation xyzw, (n, 4)."""
+    status: Status
+    """TrackStatus, (n,)."""
 
 
 @compiled
-def reckon(track: Array, asked: Asked, push: Array, times: tuple[float, float], sight: Sight) -> int:
+def reckon(track: Array, applied: AppliedCommand, push: Array, elapsed: float, state: MeasuredState) -> int:
     """Advance tracks (n, TRACK_WIDTH) in place to a tick; return how many vehicles are not measured.
 
     A vehicle whose state is not finite counts as not measured.
 
     Args:
         track: Of the last tick.
-        asked: In effect since then.
+        applied: In effect since then.
         push: Predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
-        times: Time since the last tick [s], and thrust of the weight [N].
-        sight: At the tick.
+        elapsed: Time since the last tick [s].
+        state: At the tick.
     """
-    (elapsed, hover_thrust), (thrust, roll, pitch), unmeasured = times, asked, 0
-    pos, vel, quat, status = sight
+    unmeasured = 0
+    share, roll, pitch = applied
+    pos, vel, quat, status = state
     for i in range(track.shape[0]):
-        one, command = track[i], (thrust[i] / hover_thrust, roll[i], pitch[i])
+        one, command = track[i], (share[i], roll[i], pitch[i])
         _propagate(one, command, push[i], elapsed)
         measured = status[i] == TRACKED and abs(pos[i].sum() + vel[i].sum() + quat[i].sum()) < math.inf
         if measured:
