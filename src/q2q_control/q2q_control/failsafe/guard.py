@@ -48,7 +48,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadRe
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.ladder import FallbackParams, fallback_command, landed_or_cut
-from q2q_control.failsafe.nominal_tick import SOUND, note_nominal
+from q2q_control.failsafe.nominal_tick import SOUND, StateAndCommand, TickTimes, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_model.signals.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import (
@@ -166,13 +166,13 @@ class Guard:
 
     def _guarded(self, state: SwarmState, command: SwarmCommand) -> SwarmCommand:
         """Return the controller's command in a nominal tick, else what the fallback phases make of it."""
-        known = command.t - state.t + self._lateness(command.t)
+        state_delay = command.t - state.t + self._lateness(command.t)
         age = state.age if state.names == command.names else _ages(state, command.names)
-        self._was_nominal = self._is_nominal(command, state, age, known)
+        self._was_nominal = self._note_if_nominal(command, state, age, state_delay)
         if self._was_nominal:
             self._braking.record_nominal(state, command)
             return command
-        fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(known, 0.0))
+        fallback = self._with_fallback(command, np.where(age >= 0.0, age, np.inf) + max(state_delay, 0.0))
         return self._braking.update(state, fallback)
 
     def _fallen_back(self, last: SwarmCommand, age: float) -> SwarmCommand:
@@ -222,19 +222,21 @@ class Guard:
         self._is_cut = np.zeros(0, dtype=np.bool_)
         self._cut_names = set()
 
-    def _is_nominal(self, command: SwarmCommand, state: SwarmState, age: Array, known: float) -> bool:
-        """Return whether every vehicle is measured, commanded and on: nearly every tick.
+    def _note_if_nominal(
+        self, command: SwarmCommand, state: SwarmState, age: Array, state_delay: float
+    ) -> bool:
+        """Store when each vehicle was measured, and return True, if all are measured, commanded and on.
 
-        Store when each was measured then. The state is `known` [s] old, its ages are `age` [s], (n,).
+        Nearly every tick is. The state is `state_delay` [s] old, its ages are `age` [s], (n,).
         """
         if self._emergency or command.names != self._names:
             return False
         if state.names != self._names and (state.status == LOST).any():
             return False
         values = np.concatenate((command.thrust, command.roll, command.pitch, command.yaw_rate))
-        times = command.t, known, self._params.degraded_s
+        times = TickTimes(command.t, state_delay, self._params.degraded_s)
         track = state.status if state.names == command.names else _track(state, command.names)
-        given = age.copy(), track.copy(), values, command.status
+        given = StateAndCommand(age.copy(), track.copy(), values, command.status)
         return note_nominal(times, given, (self._is_cut, self._measured_at))
 
     def _blind(self, state: SwarmState, last: SwarmCommand) -> Names:

@@ -1,6 +1,7 @@
 """Nominal tick of the guard, compiled: every vehicle is measured, commanded and on. Nearly every tick is."""
 
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,28 +12,49 @@ from q2q_model.signals.values import Array, CommandStatus, Status
 
 SOUND = int(CommandStatus.SATURATED)
 """Highest status of a command computed from a usable state."""
-Given = tuple[Array, Status, Array, Status]
-"""Ages of the measurements in a state [s], (n,), and their TrackStatus, (n,); thrust, roll, pitch and yaw
-rate of a command, which must be finite, (4 n,), and its CommandStatus, (n,)."""
+
+
+class StateAndCommand(NamedTuple):
+    """State and command of a tick."""
+
+    age: Array
+    """Of the measurements in the state [s], (n,)."""
+    track: Status
+    """TrackStatus, (n,)."""
+    values: Array
+    """Thrust, roll, pitch and yaw rate of the command, which must be finite, (4 n,)."""
+    status: Status
+    """CommandStatus, (n,)."""
+
+
+class TickTimes(NamedTuple):
+    """Times of a tick [s]."""
+
+    t: float
+    """Of the command."""
+    state_delay: float
+    """Since the state's."""
+    age_max: float
+    """Largest nominal age of a measurement."""
 
 
 @compiled
 def note_nominal(
-    times: tuple[float, float, float],
-    given: Given,
+    times: TickTimes,
+    given: StateAndCommand,
     memory: tuple[NDArray[np.bool_], Array],
 ) -> bool:
     """Return whether a tick is nominal; if it is, write when each vehicle was measured.
 
     Args:
-        times: Tick, time since the state's, and largest nominal age of a measurement [s].
+        times: Of the tick, of its state, and of a measurement.
         given: State and command of the tick.
         memory: Motors cut, (n,), and `b` of q2q_control.failsafe.guard [s], (n,).
     """
-    (t, known, most), (age, track, values, status) = times, given
+    (t, state_delay, age_max), (age, track, values, status) = times, given
     down, measured_at = memory
     for i in range(age.size):
-        if not (known <= age[i] + known < most) or track[i] != TRACKED:
+        if not (state_delay <= age[i] + state_delay < age_max) or track[i] != TRACKED:
             return False
         if status[i] > SOUND or down[i]:
             return False
@@ -40,5 +62,5 @@ def note_nominal(
         if not isfinite(value):
             return False
     for i in range(age.size):
-        measured_at[i] = t - age[i] - max(known, 0.0)
+        measured_at[i] = t - age[i] - max(state_delay, 0.0)
     return True
