@@ -21,6 +21,7 @@ LEVEL.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -85,6 +86,18 @@ class MpcSetup:
     """Time between predictions of another vehicle's MPC (`Mpc.hear`) [s]; 0 extrapolates such vehicles."""
 
 
+class PredictedTick(NamedTuple):
+    """Tick of an Mpc, and what it predicts."""
+
+    tick: Aligned
+    reference: Array
+    """Position, velocity and acceleration at each stage, world, (n, N + 1, 9)."""
+    offset: Array
+    """Position from the reference [m], (n, N + 1, 3)."""
+    times: Array
+    """Of the stages [s], (N + 1,)."""
+
+
 class Mpc:
     """Receding-horizon controller with its last solutions, thrust and disturbance estimates."""
 
@@ -116,7 +129,7 @@ class Mpc:
             yaw_rate_max=params.yaw_rate_max,
         )
         side = GRAVITY * math.tan(params.tilt_max) / math.sqrt(2.0)  # a square in the circle
-        self._most = AccelerationLimits(side, thrust_max / self._vehicle.mass)
+        self._acceleration_limits = AccelerationLimits(side, thrust_max / self._vehicle.mass)
         chains = axis_chains(params, self._vehicle)
         share = np.array([1.0 - float(chain.transition[2, 2]) for chain in chains])
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
@@ -138,7 +151,7 @@ class Mpc:
         self._initial_state = InitialStateEstimator(self._params, self._vehicle, self._setup.residual_process)
         self._last_commands.reset()
         self._heard = HeardPredictions(self._setup.exchange_period)
-        self._predicted: tuple[Aligned, Array, Array, Array] | None = None
+        self._predicted: PredictedTick | None = None
         self._last: SwarmCommand | None = None
         self.report = MpcReport()
 
@@ -165,7 +178,7 @@ class Mpc:
         )
         answer = commanded_acceleration(solution, horizon, forecast, self._command_rule)
         self._forecaster.keep(tick.names, answer.predicted)
-        self._predicted = tick, reference, answer.predicted.offset, times
+        self._predicted = PredictedTick(tick, reference, answer.predicted.offset, times)
         self.report = answer.report
         last_commands = self._last_commands.memory(tick.names)
         self._last = limited_command(tick, answer.acc, self._law, last_commands)
@@ -209,12 +222,15 @@ class Mpc:
         return blend(heard, known_neighbours(straight, setpoint, references), share)
 
     def _horizon(self, tick: Aligned, initial: InitialState, forecast: Forecast) -> Horizon:
-        eta, kept = forecast.downwash.eta[: len(tick.names)], np.zeros((len(tick.names), self._params.steps))
+        eta, reserve = (
+            forecast.downwash.eta[: len(tick.names)],
+            np.zeros((len(tick.names), self._params.steps)),
+        )
         push = eta + initial.disturbance[:, None]
         if self._setup.residual_process is not None:
             push[..., 2] -= faded_residual(initial.residual, self._setup.residual_process, self._params)
-            kept = thrust_reserve(eta[..., 2], self._setup.residual_process, self._params)
-        low, high = input_bounds(tick.table[:, QUAT].copy(), self._most, kept)
+            reserve = thrust_reserve(eta[..., 2], self._setup.residual_process, self._params)
+        low, high = input_bounds(tick.table[:, QUAT].copy(), self._acceleration_limits, reserve)
         chains = initial.chains
         if not tick.all_usable:  # nobody knows where they are
             still = _on_reference(forecast.reference[:, 0], push[:, 0])
