@@ -31,6 +31,14 @@ class Future:
         return
 
 
+@dataclass(frozen=True)
+class Writer:
+    """Publisher, as ROS describes it."""
+
+    node_name: str
+    node_namespace: str = "/"
+
+
 @dataclass
 class Client:
     """Client of a service; what stands behind it answers at once, or nobody does."""
@@ -90,6 +98,7 @@ class RoomNode(StandInNode):
         self.timers: list[tuple[float, Callable[[], None]]] = []
         self.takers: dict[str, Callable[[object], None]] = {}
         self.published: dict[str, list[object]] = {}
+        self.writers: dict[str, tuple[str, ...]] = {}
         self.forward: dict[str, Callable[[object], None]] = {}
         self.lines: list[str] = []
 
@@ -121,6 +130,10 @@ class RoomNode(StandInNode):
         """Keep who takes a topic."""
         self.takers[topic] = receive
         return super().create_subscription(kind, topic, receive, qos)
+
+    def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
+        """Return which nodes write a topic."""
+        return [Writer(name) for name in self.writers.get(topic.removeprefix("/"), ())]
 
     def create_timer(self, period: float, act: Callable[[], None], **_: object) -> None:
         """Keep a timer for the room to call."""

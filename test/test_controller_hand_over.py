@@ -10,7 +10,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from diagnostic_msgs.msg import DiagnosticStatus
 from room_node import RoomNode
 
-from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC
+from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC, reporter_name
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.piloted_flight import OrderExecutor
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
@@ -62,6 +62,24 @@ def test_the_steps_are_heard_whatever_the_node_is_called_that_flies_the_vehicles
     services.emergency()
     reported = {topic: said for topic, said in room.published.items() if topic in controller.takers}
     assert [one.message for said in reported.values() for one in said] == [Step.STOPPED.value]
+
+
+def test_the_integral_of_the_ground_is_not_flown_after_a_node_that_was_killed_in_flight() -> None:
+    node = RoomNode("pid", {"aware": False, "live": True, "k_i_xy": 1.0}, {})
+    pid_node.build(node)
+    node.writers[STATUS_TOPIC] = ("radio",)
+    node.takers[STATUS_TOPIC](_status("radio", Step.FLIGHT))
+    node.writers[STATUS_TOPIC] = ("crazyswarm",)
+    node.takers[STATUS_TOPIC](_status("crazyswarm", Step.HOVER))
+    first = pitch(node, 1)
+    grown = [pitch(node, tick) for tick in range(2, 200)][-1]
+    assert grown > 1.2 * first
+    node.takers[STATUS_TOPIC](_status("crazyswarm", Step.GLIDE))
+    assert pitch(node, 200) == first
+
+
+def _status(node: str, step: Step) -> DiagnosticStatus:
+    return DiagnosticStatus(name=reporter_name(f"/{node}"), message=step.value)
 
 
 def test_vehicles_of_another_node_on_the_ground_reset_no_controller_in_flight() -> None:

@@ -22,22 +22,6 @@ MESSAGE = "predictions: another node flies cf1, too; stop one (mpc_a, mpc_b writ
 
 
 @dataclass
-class Writer:
-    """Publisher, as ROS describes it."""
-
-    node_name: str
-    node_namespace: str = "/"
-
-
-class Room(RoomNode):
-    """Node that knows who writes a topic."""
-
-    def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:
-        """Return the writers of predictions."""
-        return [Writer("mpc_b"), Writer("mpc_a")] if topic == "/predictions" else []
-
-
-@dataclass
 class Solved:
     """MPC of cf1 that has solved a tick."""
 
@@ -92,7 +76,8 @@ def doubts(wiring: Wiring) -> list[str]:
 
 
 def test_a_second_node_of_the_same_vehicle_is_reported_once_and_doubted_until_it_is_gone() -> None:
-    node, mpc, wiring = Room("mpc_a", {}, {}), Solved(), Wiring()
+    node, mpc, wiring = RoomNode("mpc_a", {}, {}), Solved(), Wiring()
+    node.writers["predictions"] = "mpc_b", "mpc_a"
     exchange = PredictionExchange(node, mpc, ("cf1",), PERIOD)
     exchange.wire(wiring, live=True)
     state = synthetic_signal(SwarmState, 0.0, ("cf1", "cf2"))
@@ -113,7 +98,8 @@ def test_a_second_node_of_the_same_vehicle_is_reported_once_and_doubted_until_it
 
 
 def test_a_neighbour_s_prediction_is_heard_and_not_doubted() -> None:
-    node, mpc, wiring = Room("mpc_a", {}, {}), Solved(), Wiring()
+    node, mpc, wiring = RoomNode("mpc_a", {}, {}), Solved(), Wiring()
+    node.writers["predictions"] = "mpc_b", "mpc_a"
     PredictionExchange(node, mpc, ("cf1",), PERIOD).wire(wiring, live=True)
     node.takers["predictions"](encode_prediction(paths(0.0, "cf2")))
     assert (doubts(wiring), node.lines) == ([], [])

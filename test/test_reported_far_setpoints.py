@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock
 from room_node import RoomNode
 
+from q2q_control.flight_procedure.hand_over import STATUS_TOPIC, reporter_name
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
 from q2q_model.node.warm_up import synthetic_signal
@@ -82,6 +83,22 @@ def test_a_vehicle_that_lands_or_has_landed_is_not_far_and_is_again_in_the_next_
         doubts.append(wiring.health.doubts["setpoints"])
     assert doubts == [MESSAGE, "", "", "", "", MESSAGE]
     assert node.lines.count(MESSAGE) == 2
+
+
+def test_no_vehicle_is_far_once_the_node_has_gone_that_flew_it() -> None:
+    node = ClockedNode("pid", {"aware": False}, {})
+    wiring = pid_node.build(node)
+    (report,) = [act for period, act in node.timers if period == PERIOD_S]
+    doubts = []
+    for tick, writers in enumerate((("radio",), ())):
+        node.writers[STATUS_TOPIC] = writers
+        for name in writers:
+            status = DiagnosticStatus(name=reporter_name(f"/{name}"), message=Step.FLIGHT.value)
+            node.takers[STATUS_TOPIC](status)
+        fly(node, tick, 3.0)
+        report()
+        doubts.append(wiring.health.doubts["setpoints"])
+    assert doubts == [MESSAGE, ""]
 
 
 def test_a_vehicle_in_flight_is_far_whatever_another_node_reports_from_the_ground() -> None:

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock
-from room_node import RoomNode
+from room_node import RoomNode, Writer
 
 from q2q_control.ros import mpc_node, pid_node
 from q2q_control.ros.crazyswarm_bridge import Crazyswarm
@@ -37,20 +36,11 @@ NAMES = ("cf1", "cf2")
 TWO = "command: 2 nodes write it (pid, pid_2); 1 may: stop the others"
 
 
-@dataclass(frozen=True)
-class Writer:
-    """Publisher, as ROS describes it."""
-
-    node_name: str
-    node_namespace: str = "/"
-
-
 class SharedRoom(RoomNode):
     """Node in a room where other nodes write topics."""
 
     def __init__(self, **given: object) -> None:
         super().__init__("crazyswarm", {"vehicles": NAMES, **given}, {})
-        self.writers: dict[str, tuple[str, ...]] = {}
         self.namespaces: tuple[str, ...] = ()
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Writer]:

@@ -104,6 +104,27 @@ def test_a_controller_that_flies_vehicles_of_one_procedure_does_not_start_anew_f
     assert taken == [False, False, True, *[False] * 6, True]
 
 
+def test_a_procedure_whose_node_has_gone_flies_no_vehicle() -> None:
+    hand_overs = HandOvers()
+    hand_overs.take("a", Step.FLIGHT.value)
+    begins, flying = [], []
+    for step, publishing in ((Step.CHECKED, {"a", "b"}), (Step.GLIDE, {"a", "b"}), (Step.CHECKED, {"b"}),
+                             (Step.GLIDE, {"b"})):  # fmt: skip
+        hand_overs.end_absent(publishing)
+        begins.append(hand_overs.take("b", step.value))
+        flying.append(hand_overs.flying)
+    assert begins == [False, False, False, True]
+    assert flying == [True, True, False, True]
+
+
+def test_a_procedure_of_a_bag_that_another_node_plays_goes_on_to_fly() -> None:
+    hand_overs = HandOvers()
+    hand_overs.take("a", Step.FLIGHT.value)
+    hand_overs.end_absent({"bag_play"})
+    assert hand_overs.flying
+    assert not hand_overs.take("b", Step.GLIDE.value)
+
+
 def test_vehicles_fly_while_those_of_any_procedure_do() -> None:
     hand_overs = HandOvers()
     flying = [hand_overs.flying]

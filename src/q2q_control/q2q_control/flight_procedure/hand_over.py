@@ -3,9 +3,11 @@
 A controller commands from its first tick on, and its observer and integrals take these commands for flown. On
 the ground and in the onboard climb they are not: what is learned there is wrong. With several procedures on
 one controller, it starts anew only while it flies the vehicles of none: it cannot forget those of one alone.
+A procedure whose node has gone flies none, whatever it reported last.
 """
 
 from collections import defaultdict
+from collections.abc import Set as AbstractSet
 
 from q2q_control.flight_procedure.steps import FLYING, FOLLOWS_SETPOINTS, Step
 
@@ -13,9 +15,15 @@ STATUS_TOPIC = "procedure/status"
 """Topic of the steps, latched, whatever the node is called that flies the vehicles."""
 RECORDED_STATUS_TOPICS = ("radio/status", "crazyswarm/status")
 """Topics of the steps in bags of nodes that had them under their own names."""
+
 _FOLLOWS = {step.value for step in FOLLOWS_SETPOINTS}
 _FLYING = {step.value for step in FLYING}
 _LANDING = Step.LANDING.value
+
+
+def reporter_name(node: str) -> str:
+    """Return the name under which a node, given with its namespace, reports its steps."""
+    return f"{node}: flight procedure"
 
 
 class HandOver:
@@ -45,11 +53,21 @@ class HandOvers:
     def __init__(self) -> None:
         """Start without a report."""
         self._by_reporter: defaultdict[str, HandOver] = defaultdict(HandOver)
+        self._published: set[str] = set()
 
     @property
     def flying(self) -> bool:
         """Return whether vehicles of any procedure are in the air, and not landing; yes before reports."""
         return not self._by_reporter or any(one.flying for one in self._by_reporter.values())
+
+    def end_absent(self, publishing: AbstractSet[str]) -> None:
+        """End the procedures that have published their steps, by themselves, and no longer do.
+
+        Those of a bag, which another node publishes, are never absent.
+        """
+        self._published |= publishing
+        for reporter in (self._by_reporter.keys() & self._published) - publishing:
+            self._by_reporter[reporter].take(Step.OFFLINE.value)
 
     def take(self, reporter: str, step: str) -> bool:
         """Take a step of a procedure; return whether commands begin to be flown, and of no other yet are."""

@@ -17,10 +17,16 @@ from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch
-from q2q_control.flight_procedure.hand_over import RECORDED_STATUS_TOPICS, STATUS_TOPIC, HandOvers
+from q2q_control.flight_procedure.hand_over import (
+    RECORDED_STATUS_TOPICS,
+    STATUS_TOPIC,
+    HandOvers,
+    reporter_name,
+)
 from q2q_control.inputs.far_setpoints import FarSetpointMonitor
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.tick_wiring import TickWiring
+from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S, stamp_from_time
@@ -77,15 +83,21 @@ class GuardedCommands:
         self._stamp_delay = StampDelayMonitor()
 
     def _follow(self, status: DiagnosticStatus) -> None:
-        """Start the controller anew when commands begin to be flown; note whether vehicles fly."""
+        """Start the controller anew when commands begin to be flown."""
+        self._end_absent_procedures()
         if self._hand_overs.take(status.name, status.message):
             self._guard.begin_flight()
-        if not self._hand_overs.flying:
-            self._far, self._wiring.health.doubts["setpoints"] = FarSetpointMonitor(), ""
+
+    def _end_absent_procedures(self) -> None:
+        publishing = writers_of(self._node, STATUS_TOPIC)
+        self._hand_overs.end_absent({reporter_name(f"/{node}") for node in publishing})
 
     def _look_for_far_setpoints(self) -> None:
         """Log vehicles in flight that are far from their setpoints."""
-        if self._flown is not None and self._hand_overs.flying:
+        self._end_absent_procedures()
+        if not self._hand_overs.flying:
+            self._far, self._wiring.health.doubts["setpoints"] = FarSetpointMonitor(), ""
+        elif self._flown is not None:
             message, new = self._far.look(*self._flown, self._changes.brought_down)
             self._wiring.health.doubts["setpoints"] = message
             if new:

@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
-from q2q_control.flight_procedure.hand_over import STATUS_TOPIC
+from q2q_control.flight_procedure.hand_over import STATUS_TOPIC, reporter_name
 from q2q_control.flight_procedure.observation import plan_outline
 from q2q_control.flight_procedure.piloted_flight import OrderExecutor, PilotedFlight, ProcedureStatus
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
@@ -120,7 +120,7 @@ class ProcedureServices:
 def _status_message(node: str, status: ProcedureStatus) -> DiagnosticStatus:
     return DiagnosticStatus(
         level=DiagnosticStatus.ERROR if status.step is Step.STOPPED else DiagnosticStatus.OK,
-        name=f"{node}: flight procedure",
+        name=reporter_name(node),
         message=status.step.value,
         hardware_id="q2q",
         values=[
