@@ -1,5 +1,6 @@
 """Tests of the topic map on bags of other software: poses, named poses of both versions, ROS 1, sqlite3."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -139,6 +140,22 @@ def test_poses_of_one_vehicle_and_of_all_are_not_taken_for_each_other(
     _write_named(tmp_path / "room.mcap")
     with pytest.raises(BagError, match=known):
         read_mapped_flight(tmp_path / "room.mcap", mapped)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "rename", "message"),
+    [
+        ((8, 7, 7), {"cf7": "cf1"}, "names are cf8; {} messages of /poses name cf7 twice: left out"),
+        ((7, 7, 7), {}, "has no pose of any vehicle; {} messages of /poses name cf7 twice: left out"),
+    ],
+)
+def test_where_poses_are_lacking_the_error_says_which_were_left_out(
+    tmp_path: Path, numbers: tuple[int, ...], rename: dict[str, str], message: str
+) -> None:
+    file = tmp_path / "room.mcap"
+    _write_named(file, numbers=numbers)
+    with pytest.raises(BagError, match=re.escape(message.format(TICKS))):
+        read_mapped_flight(file, TopicMap(poses="/poses", rename=rename))
 
 
 def test_a_vehicle_is_left_out_of_the_messages_that_name_it_twice(tmp_path: Path) -> None:

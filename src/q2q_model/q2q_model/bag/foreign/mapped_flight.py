@@ -125,11 +125,11 @@ def _tracks(
             twice.update(given_twice(name for name, _ in found))
             for name, row in _once(found):
                 named.setdefault(name, []).append(row)
-    _check_names(source, topic_map, list(named))
+    remarks = [f"{n} messages of {topic_map.poses} name {name} twice: left out" for name, n in twice.items()]
+    _check_names(source, topic_map, list(named), remarks)
     rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
     if not rows:
-        raise BagError(f"bag {source.path} has no pose of any vehicle")
-    remarks = [f"{n} messages of {topic_map.poses} name {name} twice: left out" for name, n in twice.items()]
+        raise BagError("; ".join([f"bag {source.path} has no pose of any vehicle", *remarks]))
     return _sorted(source, rows), remarks
 
 
@@ -139,14 +139,13 @@ def _once(found: Sequence[tuple[str, Row]]) -> list[tuple[str, Row]]:
     return [(name, row) for name, row in found if name not in twice]
 
 
-def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str]) -> None:
+def _check_names(source: Source, topic_map: TopicMap, named: Sequence[str], remarks: Sequence[str]) -> None:
     """Raise BagError if a vehicle has two sources of poses, or a name to replace never occurs."""
     absent = [name for name in topic_map.rename if name not in named]
     if absent:
-        raise BagError(
-            f"bag {source.path}: rename has {', '.join(absent)}, and poses of it are never there; "
-            f"names are {', '.join(named) or 'none, as the topic map has no poses'}"
-        )
+        names = ", ".join(named) or ("none" if topic_map.poses else "none, as the topic map has no poses")
+        never = f"rename has {', '.join(absent)}, and poses of it are never there; names are {names}"
+        raise BagError("; ".join([f"bag {source.path}: {never}", *remarks]))
     sources = dict(topic_map.vehicles)
     for name in named:
         vehicle = topic_map.rename.get(name, name)
