@@ -173,9 +173,18 @@ def test_a_change_of_a_compressed_trajectory_that_is_flown_is_told():
     assert not impossible(pilot, server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
     changes = "a change of the trajectory that it flies"
     writes = {at - 1: "", at: changes, at + len(packed) - 1: changes, at + len(packed): ""}
-    assert {place: impossible(pilot, write(place, b"\0")) for place in writes} == writes
+    assert {place: impossible(pilot, write(place, b"\1")) for place in writes} == writes
     pilot.fly(2.1)
-    assert impossible(pilot, write(at, b"\0")) == ""  # it is over
+    assert impossible(pilot, write(at, b"\2")) == ""  # it is over
+
+
+def test_the_same_upload_again_is_no_change_of_the_trajectory_that_is_flown():
+    pilot = hovering(1.0)
+    *written, defined = server_packets.upload(3, 0, [(5.0, np.ones((4, 8)) * 1e-6)])
+    start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
+    *other, _ = server_packets.upload(3, 0, [(5.0, np.ones((4, 8)) * 2e-6)])
+    assert {impossible(pilot, packet) for packet in (*written, defined, start, *written)} == {""}
+    assert {impossible(pilot, packet) for packet in other} == {"a change of the trajectory that it flies"}
 
 
 @pytest.mark.parametrize("arrived", range(6))
@@ -195,7 +204,8 @@ def test_an_upload_changes_no_trajectory_that_was_left_for_setpoints():
     for packet in (*written, defined):
         assert not impossible(pilot, packet)
     assert not impossible(pilot, server_packets.start(3, 1.0, backwards=False, relative=True, mask=0))
-    assert impossible(pilot, written[0]) == "a change of the trajectory that it flies"
+    first, second, *_ = server_packets.upload(4, 0, [(10.0, np.ones((4, 8)) * 2e-6)])
+    assert impossible(pilot, first) == "a change of the trajectory that it flies"
     impossible(pilot, server_packets.position((0.2, 0.0, 1.0), 0.0))
     pilot.fly(0.1)
-    assert impossible(pilot, written[0]) == ""
+    assert impossible(pilot, second) == ""

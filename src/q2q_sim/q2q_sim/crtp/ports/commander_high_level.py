@@ -29,7 +29,7 @@ import numpy as np
 from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_bytes, compressed_pieces
-from q2q_sim.firmware.commander.piecewise import Piecewise
+from q2q_sim.firmware.commander.piecewise import Piecewise, StoredBytes
 from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Piece
 from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
@@ -143,7 +143,8 @@ def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool
     pieces = () if compressed and (scale != 1.0 or how[2]) else _uploaded(firmware.uploads.memory, one)
     if not pieces:
         return PlannerAnswer.UNKNOWN
-    stored = _stored(firmware.uploads.memory, one)
+    place = _stored(firmware.uploads.memory, one)
+    stored = StoredBytes(place, bytes(firmware.uploads.memory[place.start : place.stop]))
     trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2], stored=stored)
     return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1] and not compressed)
 

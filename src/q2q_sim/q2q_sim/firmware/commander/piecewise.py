@@ -13,6 +13,15 @@ from q2q_sim.firmware.commander.polynomial import ORDER, Goal, Piece, cos_sin, g
 
 
 @dataclass(frozen=True, slots=True)
+class StoredBytes:
+    """Bytes of the trajectory memory with an uploaded trajectory."""
+
+    place: range
+    content: bytes
+    """What they were when it was started."""
+
+
+@dataclass(frozen=True, slots=True)
 class Piecewise:
     """Trajectory being flown."""
 
@@ -26,8 +35,8 @@ class Piecewise:
     """Added to every position [m], world."""
     turn: float = 0.0
     """Rotation about the world's z before the shift [rad]; forwards only."""
-    stored: range | None = None
-    """Bytes of the trajectory memory with its pieces; None if they were not uploaded."""
+    stored: StoredBytes | None = None
+    """Its bytes in the trajectory memory; None if it was not uploaded."""
 
     @property
     def duration(self) -> float:

@@ -35,6 +35,8 @@ def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
     if planner.state not in MOVING or planner.finished(firmware.seconds):
         return ""
     memory, at = _PLACE.unpack_from(data)
-    overlaps = at < plan.stored.stop and at + len(data) - _PLACE.size > plan.stored.start
-    changes = "a change of the trajectory that it flies"
-    return changes if memory == TRAJECTORIES and overlaps else ""
+    place = plan.stored.place
+    overlaps = at < place.stop and at + len(data) - _PLACE.size > place.start
+    changed = firmware.uploads.memory[place.start : place.stop] != plan.stored.content
+    told = memory == TRAJECTORIES and overlaps and changed
+    return "a change of the trajectory that it flies" if told else ""
