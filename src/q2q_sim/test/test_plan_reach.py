@@ -160,6 +160,24 @@ def test_a_trajectory_that_is_started_during_its_upload_is_told():
     assert impossible(pilot, written[0]) == ""  # it is over
 
 
+def test_a_piece_of_no_duration_that_was_uploaded_is_there():
+    """The firmware steps over it."""
+    coefficients = np.ones((4, 8)) * 1e-4
+    pilot = hovering(1.0)
+    for packet in server_packets.upload(1, 0, [(1.0, coefficients), (0.0, coefficients)]):
+        assert not impossible(pilot, packet)
+    start = server_packets.start(1, 1.0, backwards=False, relative=True, mask=0)
+    assert impossible(pilot, start) == ""
+
+
+def test_a_compressed_trajectory_that_was_not_uploaded_is_told():
+    pilot = hovering(1.0)
+    define = Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBIB", 6, 3, 1, 1, 0, 1))
+    assert not impossible(pilot, define)
+    start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
+    assert impossible(pilot, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
+
+
 def test_a_change_of_a_compressed_trajectory_that_is_flown_is_told():
     """One segment of 2 s that rises by two control points on x, and its end mark: 8 + 3 + 3 * 2 + 3 bytes."""
     packed = struct.pack("<4hBH3hBH", 200, 0, 1000, 0, 0b10, 2000, 200, 210, 220, 0, 0)

@@ -17,6 +17,7 @@ from q2q_sim.crtp.packets.packet import MAX_DATA, Packet
 from q2q_sim.firmware.firmware import Firmware
 
 INFO, READ, WRITE = 0, 1, 2
+TRAJECTORY_MEMORY = 0
 COUNT, DETAILS = 1, 2
 TRAJECTORY_TYPE, EEPROM_TYPE = 0x12, 0x00
 """MEM_TYPE_TRAJ, MEM_TYPE_EEPROM."""
@@ -48,6 +49,8 @@ def _write(firmware: Firmware, data: bytes) -> bytes:
     if at + len(written) > len(stored):
         return bytes([EIO])
     stored[at : at + len(written)] = written
+    if memory == TRAJECTORY_MEMORY:
+        firmware.uploads.written[at : at + len(written)] = b"\1" * len(written)
     return b"\0"
 
 

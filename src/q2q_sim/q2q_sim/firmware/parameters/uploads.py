@@ -38,6 +38,8 @@ class Uploads:
     """Trajectories, configuration and persistent parameters of a vehicle."""
 
     memory: bytearray = field(default_factory=lambda: bytearray(TRAJECTORY_BYTES))
+    written: bytearray = field(default_factory=lambda: bytearray(TRAJECTORY_BYTES))
+    """1 for each byte of `memory` that a client has written, else 0."""
     eeprom: bytearray = field(default_factory=stock_eeprom)
     defined: dict[int, Uploaded] = field(default_factory=dict)
     """By trajectory id."""

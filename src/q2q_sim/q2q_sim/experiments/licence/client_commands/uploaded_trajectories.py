@@ -5,13 +5,12 @@ The firmware starts whatever its memory holds: nothing, the pieces that have arr
 
 import struct
 
+from q2q_sim.crtp.ports.memory import TRAJECTORY_MEMORY
 from q2q_sim.firmware.commander.planner import MOVING
 from q2q_sim.firmware.firmware import Firmware
 
 _PLACE = struct.Struct("<BI")
 """Memory and address of a packet that writes."""
-TRAJECTORIES = 0
-"""Memory of the trajectories."""
 
 
 def absent_trajectory(number: int, firmware: Firmware) -> str:
@@ -19,11 +18,15 @@ def absent_trajectory(number: int, firmware: Firmware) -> str:
     if number not in firmware.uploads.defined:
         return f"trajectory {number}, which is not defined"
     plan = firmware.planner.trajectory
-    pieces = () if plan is None else plan.pieces
-    absent = sum(piece.duration == 0.0 for piece in pieces)  # the duration is written last
-    return (
-        f"trajectory {number}, of which {absent} of {len(pieces)} pieces are not uploaded" if absent else ""
+    if plan is None or plan.stored is None:
+        return ""
+    count, place = len(plan.pieces), plan.stored.place
+    size = len(place) // count  # a compressed one with a piece of 0 s has no other
+    ends = (firmware.uploads.written[at] for at in place[size - 1 :: size])  # the duration is written last
+    absent = sum(
+        piece.duration == 0.0 and not written for piece, written in zip(plan.pieces, ends, strict=False)
     )
+    return f"trajectory {number}, of which {absent} of {count} pieces are not uploaded" if absent else ""
 
 
 def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
@@ -38,5 +41,5 @@ def overwritten_trajectory(data: bytes, firmware: Firmware) -> str:
     place = plan.stored.place
     overlaps = at < place.stop and at + len(data) - _PLACE.size > place.start
     changed = firmware.uploads.memory[place.start : place.stop] != plan.stored.content
-    told = memory == TRAJECTORIES and overlaps and changed
+    told = memory == TRAJECTORY_MEMORY and overlaps and changed
     return "a change of the trajectory that it flies" if told else ""
