@@ -54,6 +54,25 @@ def test_a_vehicle_that_is_opened_after_the_first_has_landed_is_judged(tmp_path:
     assert nominal.failures[2].why == "AssertionError: fails in the air, line 13"
 
 
+SPELLED = """
+import cflib.crtp
+from cflib.crazyflie import Crazyflie
+cflib.crtp.init_drivers()
+for uri in ("radio://0/80/2M/E7E7E7E7E7", "radio://0/80/2M", "radio://1/80/2M/e7e7e7e7e7?rate_limit=100"):
+    Crazyflie().open_link(uri)
+"""
+
+
+def test_spellings_of_one_uri_are_one_vehicle(tmp_path: Path):
+    file = tmp_path / "spelled.py"
+    file.write_text(SPELLED)
+    order = FlightOrder(Program(file), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0)
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
+    assert flight.log is not None
+    assert flight.log.end.unknown == ""
+    assert flight.log.uris == ("radio://0/80/2M/E7E7E7E7E7",)
+
+
 def test_a_program_that_opens_more_vehicles_than_a_radio_has_fails(tmp_path: Path):
     file = tmp_path / "sixteen.py"
     file.write_text(OPENED.format(count=16))

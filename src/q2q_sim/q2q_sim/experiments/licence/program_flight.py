@@ -26,6 +26,7 @@ from types import FrameType
 from typing import NoReturn
 
 from q2q_model.signals.stamps import TICK_S
+from q2q_model.vehicle.vehicle_uri import canonical_uri
 from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
 from q2q_sim.experiments.licence.crazyflie_py.modules import SwarmHost, install_modules
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, stock_vehicles
@@ -160,17 +161,21 @@ class _Flight:
     def _names(self) -> tuple[str, ...]:
         """Return the names of the vehicles, those of the server if the program knows it."""
         served = self._order.served or (self._served() if self._swarms.called else ())
-        known = {one.uri: one.name for one in served}
-        return tuple(known.get(uri, f"cf{row + 1}") for row, uri in enumerate(self._uris))
+        known = {canonical_uri(one.uri): one.name for one in served}
+        opened = enumerate(map(canonical_uri, self._uris))
+        return tuple(known.get(uri, f"cf{row + 1}") for row, uri in opened)
 
     def _vehicle_of(self, uri: str) -> int:
-        if uri not in self._uris and self._order.served:
+        known = [canonical_uri(one) for one in self._uris]
+        vehicle = canonical_uri(uri)
+        if vehicle in known:
+            return known.index(vehicle)
+        if self._order.served:
             raise ValueError(f"{uri} is not the URI of an enabled vehicle of the crazyflies.yaml")
-        if uri not in self._uris:
-            if len(self._uris) == len(self._order.params.starts):
-                self._send(ProgramEnd(self._room.t, unknown=uri))
-            self._uris.append(uri)
-        return self._uris.index(uri)
+        if len(known) == len(self._order.params.starts):
+            self._send(ProgramEnd(self._room.t, unknown=uri))
+        self._uris.append(uri)
+        return len(known)
 
     def _tick(self) -> None:
         self._fly()
