@@ -15,6 +15,7 @@ from q2q_planner.online.safe.stopping.jerk_limited import (
     smooth_motion_after,
     stays_out_smoothly,
     stop_reach,
+    with_stops,
 )
 
 BRAKE, JERK = 2.0, 20.0
@@ -46,10 +47,20 @@ def stopping(vel: float, acc: float) -> Motions:
     return Motions(still, vel * along, acc * along, np.zeros(1), np.zeros((1, 2)), still)
 
 
+def rest(motions: Motions, row: int) -> float:
+    """Return the time at which a motion rests [s]."""
+    return rest_time(with_stops(motions, LAW), row)
+
+
+def proven_apart(motions: Motions, floor: float = 1e-3) -> bool:
+    """Return whether the first two motions are proven to stay apart."""
+    return stays_out_smoothly(with_stops(motions, LAW), 0, 1, LAW, floor)
+
+
 def test_a_stop_from_2_m_per_s_takes_the_time_and_distance_of_its_trapezium() -> None:
     """Without initial acceleration: v / A + A / J, and half of v times that."""
     motion, end = stopping(2.0, 0.0), 2.0 / BRAKE + BRAKE / JERK
-    assert rest_time(motion, 0, LAW) == pytest.approx(end, rel=1e-14)
+    assert rest(motion, 0) == pytest.approx(end, rel=1e-14)
     pos, vel, acc = smooth_motion_after(motion, end, LAW)
     assert pos[0].tolist() == pytest.approx([0.5 * 2.0 * end, 0.0, 0.0], rel=1e-14)
     assert np.abs(vel).max() < 1e-14
@@ -59,7 +70,7 @@ def test_a_stop_from_2_m_per_s_takes_the_time_and_distance_of_its_trapezium() ->
 
 def test_a_stop_from_a_low_speed_takes_the_time_of_its_triangle() -> None:
     """Below v = A^2 / J the deceleration peaks at sqrt(J v): 2 sqrt(v / J)."""
-    assert rest_time(stopping(-0.05, 0.0), 0, LAW) == pytest.approx(2.0 * np.sqrt(0.05 / JERK), rel=1e-14)
+    assert rest(stopping(-0.05, 0.0), 0) == pytest.approx(2.0 * np.sqrt(0.05 / JERK), rel=1e-14)
 
 
 def test_a_motion_at_rest_stays() -> None:
@@ -73,7 +84,7 @@ def test_a_motion_at_rest_stays() -> None:
 @given(st.integers(0, 10**9))
 def test_motions_keep_their_bounds_and_come_to_rest(seed: int) -> None:
     motions = random_motions(seed)
-    end = max(rest_time(motions, row, LAW) for row in range(2))
+    end = max(rest(motions, row) for row in range(2))
     times = np.linspace(0.0, end, 500)
     pos, vel, acc = _over_time(motions, times)
     step = times[1]
@@ -119,10 +130,9 @@ def test_stops_bring_no_two_velocities_further_apart_on_any_axis(seed: int, s: f
 @given(st.integers(0, 10**9))
 def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
     motions = random_motions(seed)
-    proven = stays_out_smoothly(motions, 0, 1, LAW, 1e-3)
+    proven = proven_apart(motions)
     zone, growth = Cylinder(*LAW[:2]), motions.growth.sum(axis=0)
-    rest = max(rest_time(motions, row, LAW) for row in range(2))
-    late = rest + rest_delay(float(growth[1]), LAW)
+    late = max(rest(motions, row) for row in range(2)) + rest_delay(float(growth[1]), LAW)
     left = []
     for s in np.linspace(0.0, late, 400):
         pos, _, _ = smooth_motion_after(motions, float(s), LAW)
@@ -139,25 +149,24 @@ def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
 def test_compiled_and_plain_agree(seed: int) -> None:
     motions = random_motions(seed, 4)
     for i, j in ((0, 1), (2, 3), (0, 3)):
-        assert stays_out_smoothly(motions, i, j, LAW, 1e-3) == stays_out_smoothly.py_func(
-            motions, i, j, LAW, 1e-3
-        )
+        given = with_stops(motions, LAW), i, j, LAW, 1e-3
+        assert stays_out_smoothly(*given) == stays_out_smoothly.py_func(*given)
 
 
 @settings(deadline=None, max_examples=30)
 @given(st.integers(0, 10**9))
 def test_nothing_moves_beyond_its_reach(seed: int) -> None:
     motions = random_motions(seed, 4)
-    longest = max(rest_time(motions, row, LAW) for row in range(4))
+    longest = max(rest(motions, row) for row in range(4))
     there, _, _ = smooth_motion_after(motions, longest, LAW)
     moved = np.sqrt(((there - motions.pos) ** 2).sum(-1)) + motions.growth @ [1.0, longest]
-    assert (moved <= stop_reach(motions, LAW, longest)).all()
+    assert (moved <= stop_reach(with_stops(motions, LAW), LAW, longest)).all()
 
 
 def test_a_velocity_known_less_well_takes_longer_to_stop_by_two_ramps_and_a_plateau() -> None:
     assert rest_delay(0.2, LAW) == pytest.approx(0.2 / BRAKE + 2.0 * np.sqrt(0.2 / JERK), rel=1e-14)
     for vel in (0.0, 0.1, 1.0, 3.0):
-        later = rest_time(stopping(vel + 0.2, 0.0), 0, LAW) - rest_time(stopping(vel, 0.0), 0, LAW)
+        later = rest(stopping(vel + 0.2, 0.0), 0) - rest(stopping(vel, 0.0), 0)
         assert later <= rest_delay(0.2, LAW)
 
 
@@ -172,8 +181,8 @@ def test_the_reach_of_a_stop_is_its_largest_speed_for_its_time_and_its_doubt(
     bound = np.sqrt(most**2 + 2.0 * BRAKE**2)
     speed = 1.5 + bound * (hold + bound / JERK)
     late = longest + rest_delay(0.2, LAW)
-    reach = speed * rest_time(motion, 0, LAW) + 0.1 + 2.0 * 0.2 * late
-    assert stop_reach(motion, LAW, longest).tolist() == [pytest.approx(reach, rel=1e-13)]
+    reach = speed * rest(motion, 0) + 0.1 + 2.0 * 0.2 * late
+    assert stop_reach(with_stops(motion, LAW), LAW, longest).tolist() == [pytest.approx(reach, rel=1e-13)]
 
 
 def test_a_jerk_leads_to_the_wanted_acceleration_within_its_lag_and_bound() -> None:
@@ -195,12 +204,8 @@ def test_vehicles_that_fly_through_each_other_are_not_proven_apart(axis: int, si
     towards = np.zeros(3)
     towards[axis] = sign
     apart = (LAW.d if axis == 2 else LAW.eps) + 1.0
-    assert not stays_out_smoothly(
-        pair(-apart * towards, np.array([6.0 * towards, -6.0 * towards])), 0, 1, LAW, 1e-3
-    )
-    assert stays_out_smoothly(
-        pair(-apart * towards, np.array([-6.0 * towards, 6.0 * towards])), 0, 1, LAW, 1e-3
-    )
+    assert not proven_apart(pair(-apart * towards, np.array([6.0 * towards, -6.0 * towards])))
+    assert proven_apart(pair(-apart * towards, np.array([-6.0 * towards, 6.0 * towards])))
 
 
 @pytest.mark.parametrize("speed", [0.5, 2.0, 6.0])
@@ -209,10 +214,10 @@ def test_who_passes_is_proven_apart_exactly_where_it_stays_out_of_the_zone(speed
     vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
     start = -0.25 * speed / BRAKE * speed  # half of its way to rest
     for outside in (5e-3, 2e-2):
-        assert stays_out_smoothly(pair(np.array([start, LAW.eps + outside, 0.0]), vel), 0, 1, LAW, 1e-3)
+        assert proven_apart(pair(np.array([start, LAW.eps + outside, 0.0]), vel))
     for within in (-0.9e-3, 1e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2):  # the first: less than the floor away
         near = np.array([start, LAW.eps - within, 0.0])
-        assert not stays_out_smoothly(pair(near, vel), 0, 1, LAW, 1e-3)
+        assert not proven_apart(pair(near, vel))
 
 
 def test_accelerations_towards_each_other_count_even_without_speed() -> None:
@@ -220,20 +225,20 @@ def test_accelerations_towards_each_other_count_even_without_speed() -> None:
     acc = np.array([[2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]])
     for left, proven in ((0.1, False), (1.0, True)):
         motions = pair(np.array([-LAW.eps - left, 0.0, 0.0]), np.zeros((2, 3)), acc, hold=0.4)
-        assert stays_out_smoothly(motions, 0, 1, LAW, 1e-3) == proven
+        assert proven_apart(motions) == proven
 
 
 def test_who_is_nearer_than_the_floor_already_may_part_but_not_come_nearer() -> None:
     for speed, proven in ((1.0, True), (0.0, True), (-0.01, False)):
         vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
         start = np.array([LAW.eps + 5e-4, 0.0, 0.0])
-        assert stays_out_smoothly(pair(start, vel), 0, 1, LAW, 1e-3) == proven
+        assert proven_apart(pair(start, vel)) == proven
 
 
 def test_a_pair_that_takes_too_many_steps_is_not_proven() -> None:
     """Side by side at 1e-9 m from the zone, every step is some microseconds."""
     vel = np.tile([3.0, 0.0, 0.0], (2, 1))
-    assert not stays_out_smoothly(pair(np.array([0.0, LAW.eps + 1e-9, 0.0]), vel), 0, 1, LAW, 0.0)
+    assert not proven_apart(pair(np.array([0.0, LAW.eps + 1e-9, 0.0]), vel), floor=0.0)
 
 
 def test_a_doubt_that_grows_brings_vehicles_together_until_both_certainly_rest() -> None:
@@ -244,4 +249,4 @@ def test_a_doubt_that_grows_brings_vehicles_together_until_both_certainly_rest()
         motions = pair(np.array([0.0, LAW.eps + left, 0.0]), vel)._replace(
             growth=np.array([[0.0, 0.1], [0.0, 0.0]])
         )
-        assert stays_out_smoothly(motions, 0, 1, LAW, 1e-3) == proven
+        assert proven_apart(motions) == proven

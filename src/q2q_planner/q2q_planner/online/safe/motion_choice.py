@@ -16,13 +16,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import BORROWING, compiled
+from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.candidate_motions import PairedTraffic, new_motions, old_motions
 from q2q_planner.online.safe.committed_motion import MotionRows
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
-from q2q_planner.online.safe.stopping.jerk_limited import rest_time, stays_out_smoothly, stop_reach
+from q2q_planner.online.safe.stopping.jerk_limited import (
+    StoppingMotions,
+    rest_time,
+    stays_out_smoothly,
+    stop_reach,
+    with_stops,
+)
 from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 OLD, NEW, BROKEN = 0, 1, 2
@@ -46,9 +52,9 @@ class ChoiceRule(NamedTuple):
 class _Selection(NamedTuple):
     """Motions to choose from, and those chosen."""
 
-    new: Motions
-    old: Motions
-    chosen: Motions
+    new: StoppingMotions
+    old: StoppingMotions
+    chosen: StoppingMotions
     choice: Choices
     """OLD, NEW or BROKEN, (rows,)."""
     changes: Rows
@@ -57,12 +63,12 @@ class _Selection(NamedTuple):
     """Pairs of the swarm (n,) and external vehicles (m,) proven together before, (n, m)."""
 
 
-@compiled(**BORROWING)
-def _stays_out(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
+@compiled(**HOT)
+def _stays_out(stopping: StoppingMotions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
     """Return whether a pair is proven to stay apart, by the law's kind of motion."""
     if law.jerk > 0.0:
-        return stays_out_smoothly(motions, i, j, law, floor)
-    return stays_out(motions, i, j, law, floor)
+        return stays_out_smoothly(stopping, i, j, law, floor)
+    return stays_out(stopping.motions, i, j, law, floor)
 
 
 @compiled
@@ -91,42 +97,43 @@ def _stopping_time(motions: Motions, brake: float) -> float:
 
 
 @compiled
-def _stopping_distances(new: Motions, old: Motions, law: BrakingLaw) -> Array:
+def _stopping_distances(new: StoppingMotions, old: StoppingMotions, law: BrakingLaw) -> Array:
     """Return how far each row may move, with growth, before all rest [m], (rows,).
 
     A pair's growth continues until both rest, which the longest stopping time of all bounds.
     """
     if law.jerk > 0.0:
         last = 0.0
-        for row in range(new.hold.size):
-            last = max(last, rest_time(new, row, law), rest_time(old, row, law))
+        for row in range(new.motions.hold.size):
+            last = max(last, rest_time(new, row), rest_time(old, row))
         reach: Array = np.maximum(stop_reach(new, law, last), stop_reach(old, law, last))
         return reach
-    longest = max(_stopping_time(new, law.brake), _stopping_time(old, law.brake))
-    rate = new.growth[:, 1].max()
+    longest = max(_stopping_time(new.motions, law.brake), _stopping_time(old.motions, law.brake))
+    rate = new.motions.growth[:, 1].max()
     late = rate * (longest + 2.0 * rate / law.brake)
-    distances: Array = np.maximum(_reach(new, law.brake), _reach(old, law.brake)) + late
+    distances: Array = np.maximum(_reach(new.motions, law.brake), _reach(old.motions, law.brake)) + late
     return distances
 
 
 @compiled
-def _near_pairs(new: Motions, old: Motions, pairs: Pairs, law: BrakingLaw) -> Rows:
+def _near_pairs(new: StoppingMotions, old: StoppingMotions, pairs: Pairs, law: BrakingLaw) -> Rows:
     """Return the rows of pairs whose stopping distances overlap, (k,): the others are proven."""
     stopping_distances = _stopping_distances(new, old, law)
+    pos = new.motions.pos
     found = np.empty(pairs.i.size, np.intp)
     count = 0
     for row in range(pairs.i.size):
         i, j = pairs.i[row], pairs.j[row]
-        x, y = new.pos[i, 0] - new.pos[j, 0], new.pos[i, 1] - new.pos[j, 1]
+        x, y = pos[i, 0] - pos[j, 0], pos[i, 1] - pos[j, 1]
         far = stopping_distances[i] + stopping_distances[j]
-        if np.sqrt(x * x + y * y) - law.eps > far or abs(new.pos[i, 2] - new.pos[j, 2]) - law.d > far:
+        if np.sqrt(x * x + y * y) - law.eps > far or abs(pos[i, 2] - pos[j, 2]) - law.d > far:
             continue
         found[count] = row
         count += 1
     return found[:count]
 
 
-@compiled(**BORROWING)
+@compiled(**HOT)
 def _is_proven(selection: _Selection, i: int, j: int, rule: ChoiceRule) -> bool:
     """Return whether the chosen motions of a pair are proven to stay apart; two old ones need no floor."""
     own, choice = selection.proven.shape[0], selection.choice
@@ -139,12 +146,15 @@ def _is_proven(selection: _Selection, i: int, j: int, rule: ChoiceRule) -> bool:
 
 
 @compiled
-def _take(selection: _Selection, motions: Motions, row: int, choice: int) -> None:
+def _take(selection: _Selection, taken: StoppingMotions, row: int, choice: int) -> None:
     selection.choice[row] = choice
     selection.changes[row] += 1
-    selection.chosen.acc[row] = motions.acc[row]
-    selection.chosen.jerk[row] = motions.jerk[row]
-    selection.chosen.hold[row] = motions.hold[row]
+    chosen = selection.chosen
+    chosen.motions.acc[row] = taken.motions.acc[row]
+    chosen.motions.jerk[row] = taken.motions.jerk[row]
+    chosen.motions.hold[row] = taken.motions.hold[row]
+    if chosen.phases.size > 0:
+        chosen.phases[row] = taken.phases[row]
 
 
 @compiled
@@ -204,10 +214,12 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
             place.
         rule: see ChoiceRule.
     """
-    chosen = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth, new.jerk.copy())
+    starts, rests = with_stops(new, rule.law), with_stops(old, rule.law)
+    held = Motions(new.pos, new.vel, new.acc.copy(), new.hold.copy(), new.growth, new.jerk.copy())
+    chosen = StoppingMotions(held, starts.phases.copy())
     choice = np.full(new.hold.size, NEW, np.int8)
-    selection = _Selection(new, old, chosen, choice, np.zeros(choice.size, np.intp), proven)
-    near = _near_pairs(new, old, pairs, rule.law)
+    selection = _Selection(starts, rests, chosen, choice, np.zeros(choice.size, np.intp), proven)
+    near = _near_pairs(starts, rests, pairs, rule.law)
     checked = np.full(near.size, -1, np.intp)
     while _sweep(selection, pairs, near, checked, rule):
         pass

@@ -52,6 +52,14 @@ class AxisMotion(NamedTuple):
     """t_3 [s]"""
 
 
+class StoppingMotions(NamedTuple):
+    """Motions and the phases of their stops, which many proofs share."""
+
+    motions: Motions
+    phases: Array
+    """Sign of the velocity that is stopped [-], and t_1, t_2, t_3 [s], of each axis, (n, 3 axes, 4)."""
+
+
 Axes = tuple[AxisMotion, AxisMotion, AxisMotion]
 """x, y and z of a motion."""
 
@@ -90,12 +98,27 @@ def _stopped(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
     return state[0], 0.0, 0.0
 
 
+@compiled
+def with_stops(motions: Motions, law: BrakingLaw) -> StoppingMotions:
+    """Return motions with the phases of their stops; a law that does not bound jerk has none."""
+    phases = np.empty((motions.hold.size if law.jerk > 0.0 else 0, 3, 4))
+    for row in range(len(phases)):
+        for axis in range(3):
+            start = motions.pos[row, axis], motions.vel[row, axis], motions.acc[row, axis]
+            _, vel, acc = _held(start, motions.jerk[row, axis], motions.hold[row])
+            for k, phase in enumerate(_stop_phases(vel, acc, law)):
+                phases[row, axis, k] = phase
+    return StoppingMotions(motions, phases)
+
+
 @compiled(**HOT)
-def _axis_motion(motions: Motions, row: int, axis: int, law: BrakingLaw) -> AxisMotion:
+def _axis_motion(stopping: StoppingMotions, row: int, axis: int) -> AxisMotion:
     """Return one axis of a motion."""
+    motions, phases = stopping
     start = motions.pos[row, axis], motions.vel[row, axis], motions.acc[row, axis]
     held = _held(start, motions.jerk[row, axis], motions.hold[row])
-    sign, first, even, last = _stop_phases(held[1], held[2], law)
+    sign, first = phases[row, axis, 0], phases[row, axis, 1]
+    even, last = phases[row, axis, 2], phases[row, axis, 3]
     return AxisMotion(start, motions.jerk[row, axis], motions.hold[row], held, sign, first, even, last)
 
 
@@ -108,10 +131,9 @@ def _axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 
 @compiled(**HOT)
-def _axes_of(motions: Motions, row: int, law: BrakingLaw) -> Axes:
+def _axes_of(stopping: StoppingMotions, row: int) -> Axes:
     """Return x, y and z of a motion."""
-    x, y = _axis_motion(motions, row, 0, law), _axis_motion(motions, row, 1, law)
-    return x, y, _axis_motion(motions, row, 2, law)
+    return _axis_motion(stopping, row, 0), _axis_motion(stopping, row, 1), _axis_motion(stopping, row, 2)
 
 
 @compiled(**HOT)
@@ -124,9 +146,9 @@ def _rest_of(axes: Axes) -> float:
 
 
 @compiled(**BORROWING)
-def rest_time(motions: Motions, row: int, law: BrakingLaw) -> float:
+def rest_time(stopping: StoppingMotions, row: int) -> float:
     """Return the time at which a motion rests [s]."""
-    return _rest_of(_axes_of(motions, row, law))
+    return _rest_of(_axes_of(stopping, row))
 
 
 @compiled(**BORROWING)
@@ -147,15 +169,16 @@ def rest_delay(rate: float, law: BrakingLaw) -> float:
 
 
 @compiled
-def stop_reach(motions: Motions, law: BrakingLaw, longest: float) -> Array:
+def stop_reach(stopping: StoppingMotions, law: BrakingLaw, longest: float) -> Array:
     """Return a bound of how far each row moves until rest, with growth until `longest` [s] [m], (rows,)."""
+    motions = stopping.motions
     reach = np.empty(motions.hold.size)
     late = longest + rest_delay(motions.growth[:, 1].max(), law)
     for row in range(motions.hold.size):
         most, growth = _acceleration_bound(motions, row, law), motions.growth[row]
         x, y, z = motions.vel[row, 0], motions.vel[row, 1], motions.vel[row, 2]
         speed = np.sqrt(x * x + y * y + z * z) + most * (motions.hold[row] + most / law.jerk)
-        reach[row] = speed * rest_time(motions, row, law) + growth[0] + 2.0 * growth[1] * late
+        reach[row] = speed * rest_time(stopping, row) + growth[0] + 2.0 * growth[1] * late
     return reach
 
 
@@ -175,13 +198,13 @@ def _relative_axis(one: AxisMotion, other: AxisMotion, s: float, law: BrakingLaw
     return here[0] - there[0], here[1] - there[1]
 
 
-@compiled(**BORROWING)
-def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
+@compiled(**HOT)
+def stays_out_smoothly(stopping: StoppingMotions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
     """Return whether vehicles i and j are proven to stay out of each other's zone; as `braking.stays_out`."""
-    growth = motions.growth
+    motions, growth = stopping.motions, stopping.motions.growth
     wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
     most = _acceleration_bound(motions, i, law) + _acceleration_bound(motions, j, law)
-    one, other = _axes_of(motions, i, law), _axes_of(motions, j, law)
+    one, other = _axes_of(stopping, i), _axes_of(stopping, j)
     end = max(_rest_of(one), _rest_of(other)) + rest_delay(rate, law)
     s, keep = 0.0, floor
     for step in range(MOST_STEPS):
@@ -203,9 +226,10 @@ def stays_out_smoothly(motions: Motions, i: int, j: int, law: BrakingLaw, floor:
 def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
     """Return position, velocity and acceleration (n, 3) of n motions at time s [s]."""
     pos, vel, acc = np.empty_like(motions.pos), np.empty_like(motions.pos), np.empty_like(motions.pos)
+    stopping = with_stops(motions, law)
     for row in range(motions.hold.size):
         for axis in range(3):
-            state = _axis_at(_axis_motion(motions, row, axis, law), s, law)
+            state = _axis_at(_axis_motion(stopping, row, axis), s, law)
             pos[row, axis], vel[row, axis], acc[row, axis] = state
     return pos, vel, acc
 
