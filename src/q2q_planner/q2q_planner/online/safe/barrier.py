@@ -153,19 +153,19 @@ def push_apart(acc: Array, states: BarrierStates, pairs: Pairs, wide: Array, law
     for row in range(pairs.i.size):
         required[row] = _required(states, (pairs.i[row], pairs.j[row]), wide[row], law, faces[row])
     near = np.flatnonzero(required > -FAR * np.abs(acc).max())
-    for turn in range(SWEEPS * near.size):
-        row = near[turn % near.size]
-        i, j, face = pairs.i[row], pairs.j[row], faces[row]
-        need = _violation(acc, i, j, required[row], face)
-        if not need > 0.0:
-            continue
-        lead = face[_FLAT] * law.around * need * _lead(states.ref, i, j, face, law.eps + wide[row, 0])
-        size = need / (face[_FLAT] * face[_FLAT] + law.height * face[_UP] * face[_UP])
-        share = _share(states, i, j, law)
-        for vehicle, sign in ((i, share), (j, share - 1.0)):
-            if vehicle < law.own:
-                acc[vehicle, 0] += sign * (size * face[_FLAT] * face[_X] - lead * face[_Y])
-                acc[vehicle, 1] += sign * (size * face[_FLAT] * face[_Y] + lead * face[_X])
-                acc[vehicle, 2] += sign * size * law.height * face[_UP]
-                pushed[vehicle] = True
+    for _ in range(SWEEPS):
+        for pair in near:
+            i, j, face = pairs.i[pair], pairs.j[pair], faces[pair]
+            need = _violation(acc, i, j, required[pair], face)
+            if not need > 0.0:
+                continue
+            lead = face[_FLAT] * law.around * need * _lead(states.ref, i, j, face, law.eps + wide[pair, 0])
+            size = need / (face[_FLAT] * face[_FLAT] + law.height * face[_UP] * face[_UP])
+            share = _share(states, i, j, law)
+            for vehicle, sign in ((i, share), (j, share - 1.0)):
+                if vehicle < law.own:
+                    acc[vehicle, 0] += sign * (size * face[_FLAT] * face[_X] - lead * face[_Y])
+                    acc[vehicle, 1] += sign * (size * face[_FLAT] * face[_Y] + lead * face[_X])
+                    acc[vehicle, 2] += sign * size * law.height * face[_UP]
+                    pushed[vehicle] = True
     return pushed
