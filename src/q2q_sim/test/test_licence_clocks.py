@@ -34,7 +34,7 @@ print(computed < 40.0, time.process_time() < 40.0, time.gmtime(0).tm_year)
 not replaced."""
 
 ATTRIBUTES = """
-import logging, sys, time
+import functools, logging, pickle, sys, threading, time, timeit
 
 class Timer:
     clock, wall, wait = time.perf_counter, time.time, time.sleep
@@ -44,17 +44,30 @@ logging.basicConfig(stream=sys.stdout, format="%(asctime)s %(message)s", datefmt
 logging.warning("in UTC")
 Timer().wait(1.0)
 print(1.0 < Timer().clock() < 2.0, Timer().wall() > 1e9)
-for call in (time.strftime, lambda: time.strftime("%Y", None), lambda: time.localtime(1, 2)):
+print(functools.wraps(time.sleep)(lambda _: None).__name__, time.time.__qualname__, time.monotonic.__module__)
+print(threading.Thread(target=time.sleep).name)
+print(pickle.loads(pickle.dumps(time.time)) is time.time, time.monotonic == time.perf_counter)
+print(timeit.default_timer is time.perf_counter)
+for call in (
+    time.strftime, lambda: time.strftime("%Y", None), lambda: time.localtime(1, 2), time.sleep,
+    lambda: time.sleep(secs=1), lambda: time.time(1), time.clock_gettime,
+):
     try:
         print(call())
     except TypeError as error:
         print(error)
 """
 """Clocks as attributes of classes, and calls that Python refuses."""
+AS_BUILTINS = ("sleep time time", "Thread-1 (sleep)", "True False", "True")
+"""Names, identity."""
 REFUSED = (
     "strftime() takes at least 1 argument (0 given)",
     "Tuple or struct_time argument required",
     "localtime() takes at most 1 argument (2 given)",
+    "time.sleep() takes exactly one argument (0 given)",
+    "time.sleep() takes no keyword arguments",
+    "time.time() takes no arguments (1 given)",
+    "clock_gettime() takes exactly 1 argument (0 given)",
 )
 """What Python says."""
 
@@ -63,8 +76,8 @@ def test_every_clock_of_time_goes_by_the_clock_of_the_room(tmp_path: Path) -> No
     assert printed(tmp_path, READ) == ["[]", "True True 1970"]
 
 
-def test_clocks_are_builtins_as_attributes_of_classes_and_for_wrong_arguments(tmp_path: Path) -> None:
-    assert printed(tmp_path, ATTRIBUTES) == ["2026 in UTC", "True True", *REFUSED]
+def test_clocks_are_builtins_as_attributes_of_classes_by_name_and_for_wrong_arguments(tmp_path: Path) -> None:
+    assert printed(tmp_path, ATTRIBUTES) == ["2026 in UTC", "True True", *AS_BUILTINS, *REFUSED]
 
 
 def printed(folder: Path, text: str) -> list[str]:

@@ -11,8 +11,8 @@ import threading
 import time
 import timeit
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Self
+from functools import update_wrapper
+from typing import Self, final
 
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
 
@@ -33,15 +33,26 @@ OF_SECONDS, OF_STRUCT = {"localtime": 0, "gmtime": 0, "ctime": 0}, {"asctime": 0
 missing."""
 
 
-@dataclass(frozen=True, slots=True)
+@final
 class ClockFunction:
     """Replacement of a builtin of `time`: as a class attribute it does not become a method, as a builtin."""
 
-    call: Callable[..., object]
+    def __init__(self, name: str, call: Callable[..., object], count: int | None) -> None:
+        """Replace the builtin of that name by a call with `count` arguments; None: it takes any, as given."""
+        self._builtin: Callable[..., object] = getattr(time, name)
+        self._name, self._call, self._count = name, call, count
+        update_wrapper(self, self._builtin)
+        del self.__dict__["__wrapped__"]  # no way around the replacement
 
-    def __call__(self, *args: object) -> object:
-        """Return what the replacement returns."""
-        return self.call(*args)
+    def __call__(self, *args: object, **named: object) -> object:
+        """Return what the replacement returns; the builtin refuses arguments that it does not take."""
+        if named or self._count not in {None, len(args)}:
+            return self._builtin(*args, **named)
+        return self._call(*args)
+
+    def __reduce__(self) -> str:
+        """Return the name in `time`, by which functions are pickled and copied."""
+        return self._name
 
 
 class PatchedDatetime(dt.datetime):
@@ -75,7 +86,7 @@ def replace_clocks(scheduler: CooperativeScheduler) -> None:
         _replace_present(name, place, time.time)
     for name, place in OF_STRUCT.items():
         _replace_present(name, place, time.localtime)
-    setattr(timeit, "default_timer", ClockFunction(read))  # noqa: B010
+    setattr(timeit, "default_timer", time.perf_counter)  # noqa: B010
     setattr(dt, "datetime", PatchedDatetime)  # noqa: B010
     for module, name in ((threading, "_time"), (queue, "time")):
         setattr(module, name, lambda: scheduler.now)  # deadlines of waits, which are no calls of the program
@@ -109,8 +120,9 @@ def _replace_in_time(sleep: Callable[[float], None], read: Callable[[], float]) 
         "clock_gettime": lambda clock: EPOCHS[clock] + read() if clock in EPOCHS else processor(clock),
         "clock_gettime_ns": lambda clock: since(EPOCHS[clock]) if clock in EPOCHS else processor_ns(clock),
     }
+    of_one_argument = {"sleep", "clock_gettime", "clock_gettime_ns"}
     for name, call in replaced.items():
-        setattr(time, name, ClockFunction(call))
+        setattr(time, name, ClockFunction(name, call, int(name in of_one_argument)))
 
 
 def _replace_present(name: str, place: int, present: Callable[[], object]) -> None:
@@ -121,4 +133,4 @@ def _replace_present(name: str, place: int, present: Callable[[], object]) -> No
         is_missing = len(args) == place or (args[place:] == (None,) and name in OF_SECONDS)
         return function(*args[:place], present()) if is_missing else function(*args)
 
-    setattr(time, name, ClockFunction(call))
+    setattr(time, name, ClockFunction(name, call, None))
