@@ -99,6 +99,18 @@ def test_a_set_up_is_kept_also_where_its_successor_was_killed_before(bare: Check
     assert kept(bare) == [*WHOLE]
 
 
+@pytest.mark.parametrize("move", ["/q2q/install ", "/.replaced/install "])
+def test_a_set_up_is_kept_also_where_its_moving_aside_or_back_was_killed(bare: Checkout, move: str) -> None:
+    """What had not been moved by then was removed."""
+    add_set_up(bare)
+    bare.tool("mv", f'case "$*" in *"{move}"*) kill -KILL $PPID ;; *) exec /bin/mv "$@" ;; esac')
+    bare.setup()
+    assert (bare.root / ".replaced").exists()
+    (bare.bin / "mv").unlink()
+    bare.setup()
+    assert kept(bare) == [*WHOLE]
+
+
 @pytest.mark.parametrize("ends", [("exit 1",), (KILLED_BUILD, "exit 1")])
 def test_a_set_up_is_kept_where_its_successor_cannot_be_built(bare: Checkout, ends: tuple[str, ...]) -> None:
     """Also where the build of the successor was killed before: its packages are complete then."""

@@ -3,13 +3,16 @@
 MAKING=
 REPLACED=$ROOT/.replaced
 
-# Move a set-up from one folder to another.
-move_set_up() {
-  local folder
-  for folder in .venv build install; do
-    [ ! -e "$1/$folder" ] || mv -- "$1/$folder" "$2"
+# Move folders of a set-up from one place to another, in this order, where the other has none.
+move_folders() {
+  local folder from=$1 to=$2
+  shift 2
+  for folder; do
+    [ ! -e "$from/$folder" ] || [ -e "$to/$folder" ] || mv -- "$from/$folder" "$to"
   done
 }
+# .venv first: as long as there is none, build and install are those of the set-up that is set aside.
+move_aside() { move_folders "$ROOT" "$REPLACED" .venv build install; }
 
 # Whether a set-up is set aside; its successor is complete only when it has been dropped.
 is_set_aside() { [ -f "$REPLACED/.venv/q2q/venv" ]; }
@@ -19,21 +22,24 @@ drop_replaced() { rm -f -- "$REPLACED/.venv/q2q/venv" && rm -rf -- "$REPLACED"; 
 
 # Clear the place of a new .venv. One that was never completed, since its set-up was killed, is not worth keeping.
 set_aside() {
-  if [ -f "$STAMPS/venv" ] && ! is_set_aside; then
+  if is_set_aside; then
+    [ -e "$VENV" ] || move_aside # a set-up was killed between the moves
+  elif [ -f "$STAMPS/venv" ]; then
     rm -rf -- "$REPLACED"
     mkdir "$REPLACED"
-    move_set_up "$ROOT" "$REPLACED"
+    move_aside
   fi
   remove_set_up
 }
 
-remove_set_up() { rm -rf -- "$VENV" "$ROOT/build" "$ROOT/install"; }
+# .venv last, as above.
+remove_set_up() { rm -rf -- "$ROOT/build" "$ROOT/install" "$VENV"; }
 
 clean_up() {
   [ -z "$MAKING" ] || rm -rf -- "$MAKING"
   is_set_aside || return
-  remove_set_up
-  move_set_up "$REPLACED" "$ROOT"
+  [ ! -e "$VENV" ] || remove_set_up
+  move_folders "$REPLACED" "$ROOT" build install .venv
   rm -rf -- "$REPLACED"
   report "the set-up that was to be replaced is back"
 }
