@@ -165,6 +165,22 @@ def test_without_a_network_an_update_leaves_the_set_up_of_the_files_before(bare:
     assert (again.returncode, again.stderr) == (0, "")
 
 
+def test_an_update_that_filled_the_disk_after_a_retry_is_made_when_its_files_are_as_before(
+    bare: Checkout,
+) -> None:
+    """Retries are told as a missing network is, and pip may have removed packages by then."""
+    requirements = bare.root / "requirements/run.txt"
+    before = requirements.read_text()
+    set_pip(bare, "exit 0")
+    bare.setup()
+    full = RETRY.format("ReadTimeoutError(Read timed out.)") + "ERROR: [Errno 28] No space left on device"
+    set_pip_of_venv(bare, without("run.txt", full))
+    requirements.write_text(before + "another\n")
+    assert "setup: error: the disk is full" in bare.setup().stderr
+    requirements.write_text(before)
+    assert "step 2 of 3" in bare.setup().stderr
+
+
 def test_what_is_built_of_a_package_goes_with_its_sources(bare: Checkout) -> None:
     """`ros2 pkg list` had it, and `ros2 run` started what no longer was there."""
     marks = "install/$p/share/colcon-core/packages"

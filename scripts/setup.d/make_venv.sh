@@ -31,12 +31,12 @@ pip_install() {
 }
 
 # Install the packages of a step that has begun. Without a network pip ends before it changes anything: the stamp is
-# again that of what is there.
+# again that of what is there. On a full disk, which retries may precede, it may have changed something.
 install_packages() {
   local step=$1 failure=$2
   shift 2
   in_log pip_install "$@" && return
-  [ -z "$BEFORE" ] || ! lacked_network || stamp "$step" "$BEFORE"
+  [ -z "$BEFORE" ] || lacked_room || ! lacked_network || stamp "$step" "$BEFORE"
   fail "$failure"
 }
 
