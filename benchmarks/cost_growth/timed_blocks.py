@@ -35,7 +35,7 @@ from q2q_model.signals.values import (
     TrackStatus,
 )
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
-from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams, push_force
+from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams, repulsive_force
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.air.wake_laws import WakeLaw
@@ -142,7 +142,7 @@ def _potential_field(scene: Scene) -> TimedBlock:
 
     def all_pairs(k: int) -> object:
         pos = scene.ticks[k].planned.pos
-        return push_force(pos[:, None] - pos, params).sum(axis=1)
+        return repulsive_force(pos[:, None] - pos, params).sum(axis=1)
 
     task: Task = lambda k: block.update(scene.ticks[k].planned, None)  # noqa: E731
     return TimedBlock("replanner, potential field", task, block, "the push of all pairs, numpy", all_pairs)

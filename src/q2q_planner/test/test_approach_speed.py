@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, SwarmSetpoint
-from q2q_planner.online.safe.barrier import SHIFTED, BarrierLaw, BarrierStates, push_apart
+from q2q_planner.online.safe.barrier import SHIFTED, BarrierLaw, BarrierStates, filter_accelerations
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -71,6 +71,6 @@ def test_the_nearer_of_two_to_its_reference_takes_more_of_a_correction() -> None
     for shares, ratio in ((True, (0.3 + SHIFTED) / SHIFTED), (False, 1.0)):
         acc = np.zeros((2, 3))
         law = BarrierLaw(2, 0.2, 1.1, 8.0, 16.0, 0.0, 0.05, shares)
-        assert push_apart(acc, states, pairs, wide, law).all()
+        assert filter_accelerations(acc, states, pairs, wide, law).all()
         assert acc[1, 0] > 0.0 > acc[0, 0]
         assert acc[1, 0] / -acc[0, 0] == pytest.approx(ratio, rel=1e-12)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe import traffic
-from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
+from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, filter_accelerations
 from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after, stays_out
@@ -57,8 +57,8 @@ def test_compiled_and_plain_agree(seed: int) -> None:
     states, wide = BarrierStates(motions.pos, motions.vel, -motions.pos), np.full((4, 2), 0.1)
     once, twice = motions.acc.copy(), motions.acc.copy()
     assert np.array_equal(
-        push_apart(once, states, pairs, wide, BARRIER),
-        push_apart.py_func(twice, states, pairs, wide, BARRIER),
+        filter_accelerations(once, states, pairs, wide, BARRIER),
+        filter_accelerations.py_func(twice, states, pairs, wide, BARRIER),
     )
     assert once == pytest.approx(twice, rel=1e-12, abs=1e-12)  # the compiler may fuse
     assert np.array_equal(once[3], motions.acc[3])  # an external vehicle is not pushed
@@ -111,7 +111,7 @@ def test_no_pair_that_could_matter_is_left_out(seed: int) -> None:
             assert stays_out(Motions(pos, vel, bound, hold, growth, jerk), i, j, LAW, 0.0)
             turned, pair = bound.copy(), Pairs(np.array([i]), np.array([j]))
             wide = (growth[i] + growth[j])[None, :]
-            assert not push_apart(
+            assert not filter_accelerations(
                 turned, BarrierStates(pos, vel, pos), pair, wide, BARRIER._replace(own=12)
             ).any()
 
@@ -151,7 +151,7 @@ def pairs_by_numpy(pos: Array, vel: Array, space: StoppingSpace, limits: SweepLi
     flat = np.maximum(0.0, -(rel[:, :2] * moving[:, :2]).sum(-1) / across)
     closing = np.where(cap > 0.0, np.abs(moving[:, 2]), 0.0) + np.where(side > 0.0, flat, 0.0) + growth[:, 1]
     stops = h > space.stopping_distances[i] + space.stopping_distances[j]
-    slow = 2.0 * limits.pole * closing + limits.push < limits.pole**2 * h
+    slow = 2.0 * limits.pole * closing + limits.correction < limits.pole**2 * h
     kept = ~(stops & slow)
     return set(zip(i[kept].tolist(), j[kept].tolist(), strict=True))
 

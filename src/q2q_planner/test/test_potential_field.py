@@ -13,7 +13,12 @@ from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.online.potential_field import PotentialField, PotentialFieldParams, push_force, swarm_push
+from q2q_planner.online.potential_field import (
+    PotentialField,
+    PotentialFieldParams,
+    repulsive_force,
+    swarm_repulsion,
+)
 
 PAPER = PotentialFieldParams()
 
@@ -41,17 +46,17 @@ def test_the_push_is_equation_19_by_hand() -> None:
         * 10.0
         * rel_pos
     )
-    assert push_force(rel_pos, PAPER) == pytest.approx(by_hand, rel=1e-12)
+    assert repulsive_force(rel_pos, PAPER) == pytest.approx(by_hand, rel=1e-12)
 
 
 def test_the_pushes_of_a_swarm_repel_and_sum_to_zero() -> None:
     pos = np.array([[0.0, 0.0, 1.0], [0.2, 0.0, 1.0], [0.0, 0.3, 1.2], [9.0, 9.0, 9.0]])
-    push = swarm_push(pos, PAPER)
-    assert push.sum(axis=0) == pytest.approx(0.0, abs=1e-12)  # action is reaction
-    assert push[0, 0] < 0.0 < push[1, 0]
-    assert not push[3].any()
-    dense = [sum(push_force(pos[i] - pos[j], PAPER) for j in range(4) if j != i) for i in range(4)]
-    assert push == pytest.approx(np.array(dense), abs=1e-10)  # pairs below CUTOFF
+    repulsion = swarm_repulsion(pos, PAPER)
+    assert repulsion.sum(axis=0) == pytest.approx(0.0, abs=1e-12)  # action is reaction
+    assert repulsion[0, 0] < 0.0 < repulsion[1, 0]
+    assert not repulsion[3].any()
+    dense = [sum(repulsive_force(pos[i] - pos[j], PAPER) for j in range(4) if j != i) for i in range(4)]
+    assert repulsion == pytest.approx(np.array(dense), abs=1e-10)  # pairs below CUTOFF
 
 
 def test_the_modified_trajectory_solves_the_differential_equation() -> None:
@@ -60,7 +65,9 @@ def test_the_modified_trajectory_solves_the_differential_equation() -> None:
     def slope(t: float, y: np.ndarray) -> np.ndarray:
         pos, vel = y[:6].reshape(2, 3), y[6:].reshape(2, 3)
         ref = setpoint_at(plan, t)
-        acc = ref.acc - PAPER.k_d * (vel - ref.vel) - PAPER.k_p * (pos - ref.pos) + swarm_push(pos, PAPER)
+        acc = (
+            ref.acc - PAPER.k_d * (vel - ref.vel) - PAPER.k_p * (pos - ref.pos) + swarm_repulsion(pos, PAPER)
+        )
         return np.concatenate([vel.ravel(), acc.ravel()])
 
     start = setpoint_at(plan, 0.0)
@@ -70,7 +77,7 @@ def test_the_modified_trajectory_solves_the_differential_equation() -> None:
     ).y[:6, -1]
     ours = flown(plan, times)
     shift = np.linalg.norm(ours[500].pos - setpoint_at(plan, 5.0).pos, axis=1)
-    assert shift.min() > 0.02  # they did push each other
+    assert shift.min() > 0.02  # they did repulsion each other
     finer = flown(plan, np.arange(0.0, 9.001, 0.0025))[-1].pos.ravel()
     error, finer_error = np.abs(ours[-1].pos.ravel() - exact).max(), np.abs(finer - exact).max()
     assert error < 2e-3  # first order in the 10 ms step
@@ -160,7 +167,7 @@ def test_a_late_stamp_changes_nothing_of_the_ticks_after_it(vehicles: tuple[int,
 
 
 def test_setpoints_that_are_not_finite_leave_the_errors_finite() -> None:
-    """For 0.1 s amid the encounter the first vehicle has none: it pushes nobody, and no error jumps."""
+    """For 0.1 s amid the encounter the first vehicle has none: it repulsions nobody, and no error jumps."""
     plan, replanner, ticks = crossing(), PotentialField(PAPER), []
     for k in range(4000):
         given, first = setpoint_at(plan, k * 0.01), np.array([[np.nan], [1.0]])

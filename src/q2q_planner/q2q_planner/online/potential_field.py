@@ -18,8 +18,8 @@ so all positive gains are stable. Pairs whose Gaussian is below CUTOFF are skipp
 |---|---|---|
 | k_d | k_d | damping of the error [1/s] |
 | k_p | k_p | stiffness of the error [1/s^2] |
-| K_s | k_s | stiffness of the push along x, y, z [1/s^2] |
-| eps | eps | width of the push [m] |
+| K_s | k_s | stiffness of the repulsion along x, y, z [1/s^2] |
+| eps | eps | width of the repulsion [m] |
 | alpha, beta | alpha, beta | horizontal and vertical width factors |
 | e | SetpointError | r~ - r [m] |
 """
@@ -61,11 +61,11 @@ class PotentialFieldParams:
     k_d: float = tunable(3.0, "damping of the error", unit="1/s", low=0.0, high=100.0)
     k_p: float = tunable(5.0, "stiffness of the error", unit="1/s^2", low=1e-3, high=1e4)
     k_s: tuple[float, ...] = tunable(
-        (10.0, 10.0, 10.0), "stiffness of the push: x, y, z", unit="1/s^2", low=0.0, high=1e4
+        (10.0, 10.0, 10.0), "stiffness of the repulsion: x, y, z", unit="1/s^2", low=0.0, high=1e4
     )
-    alpha: float = tunable(0.7, "horizontal width factor of the push", low=1e-6, high=1e3)
-    beta: float = tunable(0.5, "vertical width factor of the push", low=1e-6, high=1e3)
-    eps: float = tunable(0.3, "width of the push", unit="m", low=1e-3, high=10.0)
+    alpha: float = tunable(0.7, "horizontal width factor of the repulsion", low=1e-6, high=1e3)
+    beta: float = tunable(0.5, "vertical width factor of the repulsion", low=1e-6, high=1e3)
+    eps: float = tunable(0.3, "width of the repulsion", unit="m", low=1e-3, high=10.0)
 
     def __post_init__(self) -> None:
         """Raise ValueError where a number is out of bounds."""
@@ -80,7 +80,7 @@ class PotentialFieldParams:
 
     @property
     def reach(self) -> Reach:
-        """Return the distances beyond which the push is below CUTOFF."""
+        """Return the distances beyond which the repulsion is below CUTOFF."""
         horizontal, _, vertical = np.sqrt(-2.0 * log(CUTOFF) * self.variance)
         return Reach(float(horizontal), float(vertical))
 
@@ -117,8 +117,10 @@ class PotentialField:
             return self._answer
         if self._clock.is_late(setpoint.t):
             error = match_rows(self._error, setpoint.names)
-            return _shifted(setpoint, error, swarm_push(setpoint.pos + error.pos, self.params), self.params)
-        if self._on_reference and not self.params.enabled:  # neither a push nor an error to integrate
+            return _shifted(
+                setpoint, error, swarm_repulsion(setpoint.pos + error.pos, self.params), self.params
+            )
+        if self._on_reference and not self.params.enabled:  # neither a repulsion nor an error to integrate
             self._before = self._answer = setpoint
             return setpoint
         before = self._before
@@ -128,37 +130,37 @@ class PotentialField:
             self._error = match_rows(self._error, setpoint.names)
             if setpoint.t > before.t:
                 self._error = _advance(self._error, _rows_as(before, setpoint), setpoint, self.params)
-        push = swarm_push(setpoint.pos + self._error.pos, self.params)
-        self._error = settle(self._error, np.asarray(push.any(axis=1)))
+        repulsion = swarm_repulsion(setpoint.pos + self._error.pos, self.params)
+        self._error = settle(self._error, np.asarray(repulsion.any(axis=1)))
         self._on_reference = not (self._error.pos.any() or self._error.vel.any())
-        self._before, self._answer = setpoint, _shifted(setpoint, self._error, push, self.params)
+        self._before, self._answer = setpoint, _shifted(setpoint, self._error, repulsion, self.params)
         return self._answer
 
 
-def push_force(rel_pos: Array, params: PotentialFieldParams) -> Array:
+def repulsive_force(rel_pos: Array, params: PotentialFieldParams) -> Array:
     """Return F_s of (19) [m/s^2], (..., 3), on the vehicle at r_1, for rel_pos = r_1 - r_2 (..., 3)."""
     x, y, z = np.moveaxis(rel_pos**2 / params.variance, -1, 0)
     return np.asarray(np.exp(-0.5 * (x + y + z))[..., None] * np.asarray(params.k_s) * rel_pos)
 
 
-def swarm_push(pos: Array, params: PotentialFieldParams) -> Array:
-    """Return the sum of the pushes on every vehicle [m/s^2], (n, 3), at positions pos (n, 3)."""
-    push = np.zeros_like(pos)
+def swarm_repulsion(pos: Array, params: PotentialFieldParams) -> Array:
+    """Return the sum of the repulsions on every vehicle [m/s^2], (n, 3), at positions pos (n, 3)."""
+    repulsion = np.zeros_like(pos)
     if not params.enabled:
-        return push
+        return repulsion
     i, j = pairs_in_reach(pos, params.reach)
     if i.size:
-        force = push_force(pos.take(i, axis=0) - pos.take(j, axis=0), params)
+        force = repulsive_force(pos.take(i, axis=0) - pos.take(j, axis=0), params)
         for axis in range(3):
-            push[:, axis] = np.bincount(i, force[:, axis], len(pos))
-    return push
+            repulsion[:, axis] = np.bincount(i, force[:, axis], len(pos))
+    return repulsion
 
 
 def _shifted(
-    setpoint: SwarmSetpoint, error: SetpointError, push: Array, params: PotentialFieldParams
+    setpoint: SwarmSetpoint, error: SetpointError, repulsion: Array, params: PotentialFieldParams
 ) -> SwarmSetpoint:
-    """Return the reference shifted by the error, with its acceleration by (20) under the pushes (n, 3)."""
-    return shift_reference(setpoint, error, push - params.k_d * error.vel - params.k_p * error.pos)
+    """Return the reference shifted by the error, with its acceleration by (20) under repulsions (n, 3)."""
+    return shift_reference(setpoint, error, repulsion - params.k_d * error.vel - params.k_p * error.pos)
 
 
 def _rows_as(before: SwarmSetpoint, setpoint: SwarmSetpoint) -> SwarmSetpoint:
@@ -175,10 +177,10 @@ def _advance(
     motion = _step_matrix(params.k_p, params.k_d, round(span / steps, 9))  # stamps are whole nanoseconds
     for step in range(steps):
         pos = reference_between(before, after, step / steps) + error.pos
-        push = swarm_push(pos, params)
-        if not (push.any() or error.pos.any() or error.vel.any()):
+        repulsion = swarm_repulsion(pos, params)
+        if not (repulsion.any() or error.pos.any() or error.vel.any()):
             continue
-        pos, vel = (row[0] * error.pos + row[1] * error.vel + row[2] * push for row in motion)
+        pos, vel = (row[0] * error.pos + row[1] * error.vel + row[2] * repulsion for row in motion)
         error = SetpointError(error.names, pos, vel)
     return error
 

@@ -15,7 +15,7 @@ SHIFT_TOLERANCE = 1e-3
 """Shift above which a vehicle's status is SHIFTED [m]: below VICON's dynamic error of 2 mm."""
 
 SETTLE_TOLERANCE = 1e-6
-"""Error below which, without a push, it is set to zero [m, m/s], so that the reference returns exactly."""
+"""Error below which, without repulsion, it is set to zero [m, m/s], so that the reference returns exactly."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,10 @@ nearer of two to its reference takes more, so that those far away pass. SWEEPS G
 several pairs at once. The curvature term (tangential speed)^2 / radius accounts for the rotation of n along
 the cylinder's side.
 
-If the references are on opposite sides of each other, a push perpendicular to n leads around: to the side of
-the reference, or to the right if it is straight behind, which breaks the symmetric tie.
+If the references are on opposite sides of each other, a correction perpendicular to n leads around: to the
+side of the reference, or to the right if it is straight behind, which breaks the symmetric tie.
 
-Downwash disturbs heights and formations hold them, so horizontal pushes are preferred: of all pushes p with
+Downwash disturbs heights and formations hold them, so horizontal corrections are preferred: of all p with
 n.p = need, the one that minimises |p_flat|^2 + p_up^2 / w, where w below 1 is the weight of height:
 p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). For vehicles above each other, n_flat = 0, it is vertical.
 """
@@ -64,9 +64,9 @@ class BarrierLaw(NamedTuple):
     k_0: float
     """[1/s^2]."""
     around: float
-    """Share of a push that leads around."""
+    """Share of a correction that leads around."""
     height: float
-    """w, weight of height in a push."""
+    """w, weight of height in a correction."""
     shares: bool
     """The nearer to its reference, the more of a correction a vehicle takes; else each takes half."""
 
@@ -112,7 +112,7 @@ def _violation(acc: Array, i: int, j: int, required: float, face: Array) -> floa
 
 @compiled(**HOT)
 def _lead(ref: Array, i: int, j: int, face: Array, reach: float) -> float:
-    """Return the signed share, within 1, of a push that leads around: full if the references are opposite."""
+    """Return the signed share, within 1, of a correction that leads around: full for opposite references."""
     goal_x, goal_y = ref[i, 0] - ref[j, 0], ref[i, 1] - ref[j, 1]
     opposite = min(1.0, max(0.0, -(goal_x * face[_X] + goal_y * face[_Y]) / reach))
     return float(-opposite if goal_y * face[_X] - goal_x * face[_Y] < -TIE else opposite)
@@ -138,8 +138,10 @@ def _share(states: BarrierStates, i: int, j: int, law: BarrierLaw) -> float:
 
 
 @compiled
-def push_apart(acc: Array, states: BarrierStates, pairs: Pairs, wide: Array, law: BarrierLaw) -> Mask:
-    """Correct acc (n, 3) in place to satisfy the barriers; return which vehicles were pushed, (n,).
+def filter_accelerations(
+    acc: Array, states: BarrierStates, pairs: Pairs, wide: Array, law: BarrierLaw
+) -> Mask:
+    """Correct acc (n, 3) in place to satisfy the barriers; return which vehicles were corrected, (n,).
 
     Args:
         acc: wanted accelerations [m/s^2].

@@ -1,7 +1,7 @@
 """Broad phase: the pairs that can affect each other in a tick, by a sweep over sorted x.
 
 A pair is kept if the two might not stop apart (their stopping distances, with all growth, overlap), or if
-the barrier might push: the required n.(a_i - a_j) is above what accelerations can be. Both need the distance
+the barrier might act: the required n.(a_i - a_j) is above what accelerations can be. Both need the distance
 h to the zone and the speed h' at which it shrinks, so only pairs whose reaches overlap are looked at: a
 vehicle's reach is its share of the largest h of a pair that is kept, in whatever direction both fly.
 
@@ -52,8 +52,8 @@ class SweepLimits(NamedTuple):
     d: float
     pole: float
     """Pole p of the approach [1/s]."""
-    push: float
-    """Largest push a of a pair [m/s^2]."""
+    correction: float
+    """Largest correction a of a pair [m/s^2]."""
 
 
 @compiled
@@ -96,7 +96,7 @@ def _reaches(vel: Array, room: StoppingSpace, limits: SweepLimits) -> Array:
     for row in range(reaches.size):
         u, v, w = vel[row, 0], vel[row, 1], vel[row, 2]
         closing = BOTH_WAYS * np.sqrt(u * u + v * v + w * w) + growth[row, 1]
-        braked = (2.0 * limits.pole * closing + 0.5 * limits.push) / (limits.pole * limits.pole)
+        braked = (2.0 * limits.pole * closing + 0.5 * limits.correction) / (limits.pole * limits.pole)
         reaches[row] = ROUNDING * (max(room.stopping_distances[row], braked) + growth[row, 0])
     return reaches
 
@@ -111,7 +111,7 @@ def _largest(reaches: Array) -> float:
 
 @compiled(**HOT)
 def _matters(pos: Array, vel: Array, pair: tuple[int, int], room: StoppingSpace, limits: SweepLimits) -> bool:
-    """Return whether a pair might not stop apart, or be pushed."""
+    """Return whether a pair might not stop apart, or be corrected."""
     (i, j), stopping_distances, growth = pair, room.stopping_distances, room.growth
     x, y, z = pos[i, 0] - pos[j, 0], pos[i, 1] - pos[j, 1], pos[i, 2] - pos[j, 2]
     across = np.sqrt(x * x + y * y)
@@ -121,5 +121,5 @@ def _matters(pos: Array, vel: Array, pair: tuple[int, int], room: StoppingSpace,
     closing = abs(w) if cap > 0.0 else 0.0
     closing += max(0.0, -(x * u + y * v) / across) if side > 0.0 else 0.0
     closing += growth[i, 1] + growth[j, 1]
-    slow = 2.0 * limits.pole * closing + limits.push < limits.pole * limits.pole * h
+    slow = 2.0 * limits.pole * closing + limits.correction < limits.pole * limits.pole * h
     return not (h > stopping_distances[i] + stopping_distances[j] and slow)

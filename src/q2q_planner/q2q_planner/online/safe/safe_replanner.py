@@ -37,7 +37,7 @@ each other thus keep the promise together: at every tick each proves its motion 
 may have chosen at that tick, and any other choice is the rest of a motion proven before.
 
 **Control law.** The tracking law of (20), corrected by control barriers (`barrier`): e'' = -k_d e' - k_p e
-and the least push along the zone's normal that keeps the pair's approach stoppable (`wanted_motion`).
+and the least correction along the zone's normal that keeps the pair's approach stoppable (`wanted_motion`).
 """
 
 from dataclasses import replace

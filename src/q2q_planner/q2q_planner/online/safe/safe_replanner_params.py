@@ -33,9 +33,9 @@ class SafeReplannerParams:
         low=0.1,
         high=20.0,
     )
-    around: float = tunable(0.5, "share of a push that leads around", low=0.0, high=2.0)
+    around: float = tunable(0.5, "share of a correction that leads around", low=0.0, high=2.0)
     height: float = tunable(
-        0.05, "weight of height in a push: below 1 prefers horizontal pushes", low=1e-3, high=1.0
+        0.05, "weight of height in a correction: below 1 prefers horizontal ones", low=1e-3, high=1.0
     )
     tracking: float = tunable(
         0.05,

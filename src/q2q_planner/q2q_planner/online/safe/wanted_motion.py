@@ -12,7 +12,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
-from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, push_apart
+from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, filter_accelerations
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, ReferenceRows, length
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -184,7 +184,7 @@ def _apart(acc: Array, reference: ReferenceRows, traffic: TrafficRows, pairs: Pa
     goals = traffic.pos.copy()
     goals[:own] = reference.pos
     states = BarrierStates(traffic.pos, traffic.vel, goals)
-    pushed = push_apart(turned, states, pairs, wide, law.barrier)[:own]
+    pushed = filter_accelerations(turned, states, pairs, wide, law.barrier)[:own]
     for row in range(own):
         if pushed[row]:
             _limit(turned, row, law.acc)
