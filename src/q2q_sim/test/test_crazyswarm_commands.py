@@ -10,7 +10,7 @@ import pytest
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind, client_command
-from q2q_sim.experiments.licence.client_commands.setpoint_words import setpoint_words
+from q2q_sim.experiments.licence.client_commands.setpoint_text import setpoint_text
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
     check_ellipsoid_collisions,
@@ -260,4 +260,4 @@ def test_the_words_of_a_setpoint_name_a_yaw_and_a_yaw_rate_that_are_not_zero():
         ),
         (right, "thrust 0, roll 1.0 and pitch 0.0 deg, yaw rate -450 deg/s"),  # the thrust is locked
     ):
-        assert setpoint_words(requested(packet)) == f"setpoint {words}"
+        assert setpoint_text(requested(packet)) == f"setpoint {words}"

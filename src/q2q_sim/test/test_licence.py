@@ -19,7 +19,7 @@ from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,
     report_text,
-    verdict_words,
+    verdict_text,
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
@@ -142,11 +142,11 @@ def test_a_pass_says_if_no_vehicle_flew(tmp_path: Path):
     (one,) = fly_trials([order], LicenceOptions(), until=inf)
     assert one.log is not None
     found = Licence(program, (one,), (), 1.0)
-    assert verdict_words(found) == "PASS hop.py: 1 flight in 1 s"
+    assert verdict_text(found) == "PASS hop.py: 1 flight in 1 s"
     grounded = replace(one, log=replace(one.log, pos=np.zeros_like(one.log.pos)))
     found = replace(found, flights=(grounded,))
     assert (found.passed, licence_json(found)["flew"]) == (True, False)
-    assert verdict_words(found) == "PASS hop.py: 1 flight in 1 s; no vehicle flew"
+    assert verdict_text(found) == "PASS hop.py: 1 flight in 1 s; no vehicle flew"
     page = write_licence_page(found, tmp_path / "page").read_text(encoding="utf-8")
     assert "with emulated vehicles, of which none left the floor." in page
 

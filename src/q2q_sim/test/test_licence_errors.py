@@ -19,7 +19,7 @@ from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
     licence_json,
     report_text,
-    verdict_words,
+    verdict_text,
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams
@@ -140,14 +140,14 @@ def test_a_program_is_judged_by_a_broken_rule_though_the_simulator_failed_in_ano
     one, other = (Licence(Program(Path("p.py")), (flew, failed, *more), (), 1.0) for more in ((), (broken,)))
     assert (one.passed, one.failed, one.judged) == (False, (), False)
     assert (other.passed, other.failed, other.judged) == (False, (broken,), True)
-    assert verdict_words(other).startswith("FAIL p.py: 1 of 3 flights")
+    assert verdict_text(other).startswith("FAIL p.py: 1 of 3 flights")
 
 
 def test_a_score_counts_a_program_that_could_not_be_judged_as_neither_right_nor_found(tmp_path: Path) -> None:
     found = licence(program(tmp_path, "bad.py", FAILING_ROOM), LicenceOptions())
     assert [one.verdict for one in found.flights] == ["ERROR"]
     buggy = ScoredProgram(found.program.file, sound=False)
-    one = LicenceScore(buggy, found.passed, verdict_words(found), 1, 1.0, found.judged)
+    one = LicenceScore(buggy, found.passed, verdict_text(found), 1, 1.0, found.judged)
     assert (one.right, one.word) == (False, "ERROR")
     counts = licence_score_json([one])
     assert (counts["seeded_bugs"], counts["seeded_found"], counts["not_judged"]) == (1, 0, 1)

@@ -19,7 +19,7 @@ FORBIDDEN = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 HEAD = ("flight", "verdict", "what falls, when, and why")
 
 
-def verdict_words(found: Licence) -> str:
+def verdict_text(found: Licence) -> str:
     """Return the verdict in one line."""
     name, count = found.program.name, len(found.flights)
     if found.failed:
@@ -48,7 +48,7 @@ def report_text(found: Licence) -> str:
         trace = one.error.trace.splitlines() if one.error is not None else ()
         lines += [f"      {line}" for line in (*one.sentences, *trace)]
     lines += [f"not flown  {trial.words}" for trial in found.left_out]
-    return "\n".join([*lines, verdict_words(found)])
+    return "\n".join([*lines, verdict_text(found)])
 
 
 def licence_json(found: Licence) -> Json:
@@ -57,7 +57,7 @@ def licence_json(found: Licence) -> Json:
         "program": found.program.name,
         "passed": found.passed,
         "flew": found.flew,
-        "verdict": verdict_words(found),
+        "verdict": verdict_text(found),
         "seconds": found.seconds,
         "flights": [
             {
@@ -129,7 +129,7 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     rows = [(one.trial.words, one.verdict, "; ".join(one.sentences) or "-") for one in found.flights]
     rows += [(trial.words, "not flown", "no time left") for trial in found.left_out]
-    parts: list[Part] = [PageVerdict(verdict_words(found), ok=found.passed), Grid(HEAD, rows)]
+    parts: list[Part] = [PageVerdict(verdict_text(found), ok=found.passed), Grid(HEAD, rows)]
     shown = [found.flights[0], *(one for one in found.failed[:1] if one is not found.flights[0])]
     runs = [_run(one, one.log) for one in shown if one.log is not None and one.log.uris]
     if runs:

@@ -14,7 +14,7 @@ from pathlib import Path
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.nearest_name import name_hint
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
-from q2q_sim.experiments.licence.licence_reports import verdict_words
+from q2q_sim.experiments.licence.licence_reports import verdict_text
 from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.program_flight import Program
@@ -123,7 +123,7 @@ def score_program(program: ScoredProgram, jobs: int, seed: int) -> LicenceScore:
     )
     found = licence(Program(program.file, (), program.file.parent), options)
     return LicenceScore(
-        program, found.passed, verdict_words(found), len(found.flights), found.seconds, found.judged
+        program, found.passed, verdict_text(found), len(found.flights), found.seconds, found.judged
     )
 
 

@@ -21,7 +21,7 @@ from q2q_sim.crtp.ports import (
     supervisor_port,
 )
 from q2q_sim.experiments.licence.client_commands.plan_reach import reach_violation
-from q2q_sim.experiments.licence.client_commands.setpoint_words import asked_position, setpoint_words
+from q2q_sim.experiments.licence.client_commands.setpoint_text import asked_position, setpoint_text
 from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import (
     absent_trajectory,
     overwritten_trajectory,
@@ -226,7 +226,7 @@ def _setpoint(firmware: Firmware) -> Asked:
         return Asked(CommandKind.OFF, "setpoint of thrust 0")
     refused = _grounded(firmware)
     lifts = moved or one.thrust_pwm >= LIFTING
-    return Asked(CommandKind.SETPOINT, setpoint_words(one), asked_position(one), refused=refused, lifts=lifts)
+    return Asked(CommandKind.SETPOINT, setpoint_text(one), asked_position(one), refused=refused, lifts=lifts)
 
 
 def _planned(data: bytes, answers: list[Packet], firmware: Firmware) -> Asked:

@@ -14,7 +14,7 @@ def asked_position(one: Setpoint) -> Three | None:
     return x, y, z
 
 
-def setpoint_words(one: Setpoint) -> str:
+def setpoint_text(one: Setpoint) -> str:
     """Return the controlled axes of a setpoint in words; its yaw and yaw rate unless they are 0."""
     parts = []
     for axis, mode, pos, vel in zip("xyz", (one.x, one.y, one.z), one.pos, one.vel, strict=True):
