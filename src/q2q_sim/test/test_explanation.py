@@ -271,7 +271,7 @@ def test_a_scenario_is_that_of_the_metadata() -> None:
     ("duration", "text"), [(36.0, "36"), (1234.5678, "1234.5678"), (0.1234567, "0.1234567")]
 )
 def test_the_duration_of_a_flight_is_in_its_metadata_to_the_last_digit(duration: float, text: str) -> None:
-    facts = scenario_facts(replace(library.load("stack3"), duration=duration), Options(), 0)
+    facts = scenario_facts(replace(library.load("stack3"), duration=duration), BlockChoices(), 0)
     assert facts.duration == text
 
 

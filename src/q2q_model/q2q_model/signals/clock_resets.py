@@ -14,8 +14,8 @@ SET_BACK_S = 1.0
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1
-"""Time for which they must have increased [s]: as long as commands hold (q2q_control.attitude.command_limits),
-and longer than the bursts in which a network delivers delayed frames."""
+"""Time for which they must have increased [s]: as long as a command holds
+(q2q_control.attitude.command_limits), and longer than the bursts in which a network delivers frames."""
 
 
 class ClockResetDetector:

@@ -4,8 +4,8 @@ With `wait` the plan is played by calls (q2q_planner.plan_playback.plan_player):
 measured vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the
 plan's clock, `~/hold` brakes along the plan, `~/wait` waits again once vehicles have landed (in flight,
 where they would drift, it is refused: while one is within 0.25 m of its reference), `~/wait_landed` wherever
-they are, for callers that have found all on the ground. The waiting plan is latched on `next_plan`. For real vehicles,
-the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
+they are, for callers that have found all on the ground. The waiting plan is latched on `next_plan`. For real
+vehicles, the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
 """
 
 from collections.abc import Callable
