@@ -111,6 +111,18 @@ def test_a_set_up_is_kept_also_where_its_moving_aside_or_back_was_killed(bare: C
     assert kept(bare) == [*WHOLE]
 
 
+@pytest.mark.parametrize("move", ["/q2q/.venv ", "/q2q/install "])
+def test_a_set_up_is_kept_where_it_cannot_be_moved_aside(bare: Checkout, move: str) -> None:
+    """It was removed, to make place for its successor."""
+    add_set_up(bare)
+    set_pip(bare, "exit 0")
+    bare.tool("mv", f'case "$*" in *"{move}"*) exit 1 ;; *) exec /bin/mv "$@" ;; esac')
+    refused = bare.setup()
+    assert refused.returncode != 0
+    assert "cannot be moved" in refused.stdout + refused.stderr
+    assert kept(bare) == [*WHOLE]
+
+
 @pytest.mark.parametrize("ends", [("exit 1",), (KILLED_BUILD, "exit 1")])
 def test_a_set_up_is_kept_where_its_successor_cannot_be_built(bare: Checkout, ends: tuple[str, ...]) -> None:
     """Also where the build of the successor was killed before: its packages are complete then."""
