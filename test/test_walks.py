@@ -47,6 +47,8 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/plain_values.py",
     "q2q_model/documents/checksummed_json.py",
     "q2q_model/model_files/model_bounds.py",
+    "q2q_model/flights/first_order_lag.py",
+    "q2q_model/flights/interpolated_gaps.py",
     "q2q_model/flights/unit_check.py",
     "q2q_model/flights/up_axis.py",
     "q2q_model/forked.py",
@@ -58,7 +60,8 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/vehicle/constants.py",
     "q2q_model/vehicle/thrust_map.py",
 }
-"""Vehicle and format of the bag, repairs, vectors, intervals, report, format and bounds of files: no step."""
+"""Vehicle and format of the bag, repairs, gaps, a lag, vectors, intervals, report, format and bounds of
+files: no step."""
 
 
 @dataclass
