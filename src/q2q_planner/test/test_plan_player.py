@@ -239,6 +239,20 @@ def test_a_clock_that_is_set_back_starts_the_plan_of_the_first_tick_anew_and_let
     np.testing.assert_allclose(room.tick().pos, before.pos, atol=1e-9)
 
 
+@pytest.mark.parametrize("start", [-1.0, 100.0])
+def test_a_clock_that_is_set_back_lets_what_was_called_go_on_without_a_wait_too(start: float) -> None:
+    player = PlanPlayer(PLAN, start, GlideParams(), wait=False)
+    for k in range(201):
+        player.update(frame(100.0 + STEP * k, GROUND))
+    assert player.hold().granted
+    held = player.update(frame(104.0, GROUND))
+    for t in (50.0, 50.0 + STEP, 60.0):
+        np.testing.assert_array_equal(player.update(frame(t, GROUND)).pos, held.pos)
+    assert player.glide().granted
+    gliding = player.update(frame(61.0, GROUND))
+    np.testing.assert_allclose(player.update(frame(10.0, GROUND)).pos, gliding.pos, atol=1e-12)
+
+
 def test_a_late_frame_lets_no_hold_and_no_glide_jump_back() -> None:
     player = PlanPlayer(PLAN, 0.0, GlideParams(), wait=False)
     for k in range(301):

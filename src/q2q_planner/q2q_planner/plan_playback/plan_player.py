@@ -9,7 +9,7 @@ keep vehicles in flight where they are, and `wait` is refused while one is at it
 flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
 reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
 newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the first
-tick begins anew, and one that was called goes on.
+tick begins anew, and what was called (a glide, a start, a hold) goes on.
 """
 
 from dataclasses import dataclass, replace
@@ -42,6 +42,8 @@ class Played:
     plan: SwarmPlan
     start: float
     """Stamp of its start [s]."""
+    called: bool = False
+    """Whether a call began it."""
     stops: bool = False
     """Whether it brakes another one."""
 
@@ -103,7 +105,7 @@ class PlanPlayer:
             plan = glide(self._plan.names, here, self._first(), self._params)
         except ValueError as refusal:
             return Reply(granted=False, reason=str(refusal))
-        self.played = Played(plan, self._now())
+        self.played = Played(plan, self._now(), called=True)
         return Reply(granted=True, reason=f"gliding for {plan.duration:.1f} s, certified")
 
     def start(self) -> Reply:
@@ -119,7 +121,7 @@ class PlanPlayer:
         if max(far[row], turned[row]) > AT_FIRST:
             state = f"{self._plan.names[row]}'s reference is {far[row]:.2f} m and {turned[row]:.2f} rad"
             return Reply(granted=False, reason=f"{state} from its first point: glide first")
-        self.played = Played(self._plan, self._now())
+        self.played = Played(self._plan, self._now(), called=True)
         return Reply(granted=True, reason=f"the plan has started and takes {self._plan.duration:.1f} s")
 
     def hold(self) -> Reply:
@@ -128,7 +130,8 @@ class PlanPlayer:
             return Reply(granted=False, reason="nothing is played")
         now = self._now()
         if not self.played.stops:
-            self.played = Played(brake_plan(self.played.plan, now - self.played.start), now, stops=True)
+            braking = brake_plan(self.played.plan, now - self.played.start)
+            self.played = Played(braking, now, called=True, stops=True)
         left = max(self.played.start + self.played.plan.duration - now, 0.0)
         return Reply(granted=True, reason=f"at rest in {left:.1f} s")
 
@@ -143,7 +146,7 @@ class PlanPlayer:
         """Follow a clock that was set back to t [s]."""
         if self.played is None or self._last is None or t >= self._last.t - SET_BACK_S:
             return
-        if self._wait:
+        if self.played.called:
             self.played = replace(self.played, start=self.played.start + t - self._last.t)
         elif self._at_first_tick:
             self.played = None
