@@ -7,6 +7,7 @@ import pytest
 
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState, TrackStatus
+from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.lost_vehicles import BLIND_S, FRESH_S, LEFT_BEHIND
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -151,6 +152,28 @@ def test_a_replanner_started_again_in_flight_goes_on_where_the_vehicles_are(begi
         rel_pos = flown.pos[1] - flown.pos[0]
         assert np.hypot(rel_pos[0], rel_pos[1]) > params.eps
         assert not (flown.status == SetpointStatus.PROMISE_BROKEN).any()
+
+
+@pytest.mark.parametrize("jerk", [0.0, 20.0])
+@pytest.mark.parametrize("passed", [LONGEST_GAP + 0.2, -LONGEST_GAP - 0.2])
+def test_after_a_gap_it_goes_on_where_the_vehicles_are_as_one_started_again_does(
+    passed: float, jerk: float
+) -> None:
+    """The first waits beside the second, through which its reference has led meanwhile."""
+    params = replace(PARAMS, jerk_max=jerk)
+    before = crossing_at(3.0)
+    waiting = before.pos - np.array([[0.0, 0.0, 0.0], [0.0, 0.6, 0.0]])
+    beyond = before.pos + np.array([[0.0, 0.0, 0.0], [0.0, 1.2, 0.0]])
+    old, new = SafeReplanner(params), SafeReplanner(params)
+    old.update(replace(before, pos=waiting), replace(state_at(3.0, 0.0), pos=waiting))
+    for k in range(3):
+        t = 3.0 + passed + k * TICK
+        sent, seen = replace(before, t=t, pos=beyond), replace(state_at(t, 0.0), pos=waiting)
+        goes_on, anew = old.update(sent, seen), new.update(sent, seen)
+        np.testing.assert_array_equal(goes_on.pos, anew.pos)
+        assert goes_on.status.tolist() == anew.status.tolist()
+        np.testing.assert_allclose(goes_on.pos[1], waiting[1], atol=0.01)
+        assert goes_on.status[1] == SetpointStatus.SHIFTED
 
 
 @pytest.mark.parametrize(

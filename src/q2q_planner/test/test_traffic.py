@@ -16,6 +16,7 @@ from q2q_planner.online.safe.committed_motion import (
     near_rows,
     propagate,
     reference_rows,
+    still_flown,
 )
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.safe.traffic import TrafficTable, limits_of, traffic_at
@@ -102,7 +103,8 @@ def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
 )
 def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, carried: bool) -> None:
     motion = held(np.ones((2, 3)), np.zeros((2, 3)))
-    after = propagate(motion, setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
+    there = setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3)))
+    after = propagate(still_flown(motion, there.t), there, 3.0)
     assert after.t == 1.0 + passed
     assert (after.pos == 1.0).all() == carried
     assert (after.vel == 0.0).all() == carried

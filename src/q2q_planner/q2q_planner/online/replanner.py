@@ -5,7 +5,7 @@ from typing import Protocol
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 LONGEST_GAP = 5.0
-"""Gap between stamps, forwards or back, after which vehicles restart on the reference [s]."""
+"""Gap between stamps, forwards or back, after which a replanner starts as at its first tick [s]."""
 
 
 class Replanner(Protocol):

@@ -91,20 +91,27 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
     return CommittedMotion(*start, np.zeros(n), on, off, np.zeros((n, 3)))
 
 
+def still_flown(committed: CommittedMotion | None, t: float) -> CommittedMotion | None:
+    """Return the motion of the last tick; None where there is none, of no vehicle, or a gap since."""
+    if committed is None or not committed.names or abs(t - committed.t) > LONGEST_GAP:
+        return None
+    return committed
+
+
 def propagate(
     committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float, jerk: float = 0.0
 ) -> CommittedMotion:
-    """Return the motion at the setpoint's stamp; new vehicles, or all after a gap, start on the reference.
+    """Return the motion at the setpoint's stamp; new vehicles start on the reference.
 
     Where the stamp goes back, the motion waits for it: vehicles are where they were.
 
     Args:
-        committed: motion of the last tick.
+        committed: motion of the last tick; None where all vehicles are new.
         setpoint: reference of this tick.
         brake: deceleration to rest [m/s^2].
         jerk: bound of the jerk [m/s^3]; 0 for none.
     """
-    if committed is None or not committed.names or abs(setpoint.t - committed.t) > LONGEST_GAP:
+    if committed is None:
         return at_reference(setpoint)
     moved = _moved(committed, setpoint.t, brake, jerk)
     return moved if moved.names == setpoint.names else _with_new_vehicles(moved, setpoint)

@@ -9,8 +9,9 @@ So does that of a vehicle that was measured all the time and is far from its mod
 evades another which falls (q2q_control.failsafe.evasion): others would be led past its setpoint, through it.
 One on its reference stays there, as that may jump.
 
-At the first tick of a replanner, which may have been started again in flight, every tracked vehicle that is
-off its reference starts where it is: it may be on the way around another, whom its reference leads through.
+At the first tick of a replanner, which may have been started again in flight, and at the first one after a
+gap (LONGEST_GAP), every tracked vehicle that is off its reference starts where it is: it may be on the way
+around another, whom its reference leads through.
 """
 
 from dataclasses import replace

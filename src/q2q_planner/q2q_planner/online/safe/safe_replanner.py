@@ -66,6 +66,7 @@ from q2q_planner.online.safe.committed_motion import (
     distance,
     propagate,
     reference_rows,
+    still_flown,
 )
 from q2q_planner.online.safe.decision import decide
 from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion, restart_motion, tracked_now
@@ -125,8 +126,8 @@ class SafeReplanner:
 
         The first ones start on the reference; where a vehicle is tracked off it, where that is measured.
         A repeated stamp returns the same setpoints, and a late one the newest, under its own stamp. Where
-        the clock is set back motions go on in the new time (TickClock); a gap over LONGEST_GAP either way
-        restarts on the reference. `state` None assumes ideal tracking and no external vehicles.
+        the clock is set back motions go on in the new time (TickClock); after a gap over LONGEST_GAP either
+        way vehicles start as at the first tick. `state` None assumes ideal tracking and no external vehicles.
         """
         last = self._answer
         if is_repeated(last, setpoint.t, setpoint.names):
@@ -160,6 +161,7 @@ class SafeReplanner:
     ) -> SwarmSetpoint:
         """Return the modified setpoints of finite ones."""
         params, names = self._grown, setpoint.names
+        self._committed = still_flown(self._committed, setpoint.t)
         self._turn = round(setpoint.t / TICK_S) if self._committed is None else self._turn + 1
         committed = propagate(self._committed, setpoint, params.acc_max, params.jerk_max)
         known = None if state is None else self._last_known.of(names, setpoint.t)
