@@ -88,9 +88,30 @@ def test_a_reference_is_followed_within_acceleration_and_speed(
     name: str, asked: list[float], followed: bool
 ) -> None:
     reference = replace(resting(2.0, ("cf1",)), **{name: np.array([asked])})
+    assert follows(reference) == followed
+
+
+@pytest.mark.parametrize(
+    ("acc", "most"),
+    [
+        ([1.0, 0.0, 0.0], 2.425),  # its lag of 0.05 s adds 0.05 m/s, its ramp at 20 m/s^3 0.025 m/s
+        ([2.0, 0.0, 0.0], 2.3),  # 0.1 and 0.1 m/s
+        ([-2.0, 0.0, 0.0], 2.5),
+        ([0.0, 2.0, 0.0], 2.5),
+    ],
+)
+def test_a_reference_is_left_while_its_acceleration_can_be_taken_back_below_the_largest_speed(
+    acc: list[float], most: float
+) -> None:
+    for speed, followed in ((most - 1e-6, True), (most + 1e-6, False)):
+        vel = np.array([[speed, 0.0, 0.0]])
+        assert follows(replace(resting(2.0, ("cf1",)), vel=vel, acc=np.array([acc]))) == followed
+
+
+def follows(reference: SwarmSetpoint) -> bool:
+    """Return whether a vehicle on a reference, and with its acceleration, stays on it."""
     same = replace(at_reference(reference), vel=np.zeros((1, 3)))
-    may = followed_rows(same.rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))
-    assert may.tolist() == [followed]
+    return bool(followed_rows(same.rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))[0])
 
 
 @pytest.mark.parametrize(

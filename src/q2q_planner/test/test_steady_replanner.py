@@ -1,5 +1,6 @@
 """With bounded jerk and a tube, setpoints keep their bounds whatever the reference does, and pairs apart."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -173,10 +174,47 @@ def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
 
 
 def test_who_is_faster_than_the_tube_was_learned_for_says_so() -> None:
-    pos, still = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
-    for speed, expected in ((2.4, False), (2.6, True)):
-        setpoint = reference(0.0, pos, np.array([[speed, 0.0, 0.0]]), still)
-        assert (SafeReplanner(PARAMS).update(setpoint, None).status == BROKEN).all() == expected
+    """A bound that is lowered in flight is broken until the vehicle has slowed down."""
+    start, vel, still = np.array([[0.0, 0.0, 1.0]]), np.array([[2.4, 0.0, 0.0]]), np.zeros((1, 3))
+    replanner, flown = SafeReplanner(PARAMS), []
+    for k in range(300):
+        if k == 10:
+            replanner.configure(replace(PARAMS, speed_max=2.0))
+        flown.append(replanner.update(reference(k * TICK, start + k * TICK * vel, vel, still), None))
+    fast = [bool(np.linalg.norm(one.vel) > 2.0) for one in flown]
+    assert [(one.status == BROKEN).all() for one in flown] == [False] * 10 + fast[10:]
+    assert fast[10]
+    assert not any(fast[100:])
+    assert flown[-1].status[0] == SetpointStatus.SHIFTED
+
+
+@pytest.mark.parametrize(("top", "acc"), [(2.52, 0.3), (2.52, 1.99), (3.0, 1.0), (4.0, 1.99)])
+@pytest.mark.parametrize("along", [(1.0, 0.0, 0.0), (0.6, -0.48, 0.64)])
+def test_a_reference_faster_than_the_largest_speed_is_left_and_followed_below_it(
+    top: float, acc: float, along: tuple[float, float, float]
+) -> None:
+    """It speeds up within the bounds of jerk and acceleration, flies on, and stops at once after 4 s."""
+    replanner, direction, flown = SafeReplanner(PARAMS), np.array([along]), []
+    for k, (x, speed, a) in enumerate(_speeding(top, acc)):
+        asked = reference(k * TICK, x * direction, speed * direction, a * direction)
+        flown.append(replanner.update(asked, None))
+    fastest = np.linalg.norm([one.vel for one in flown], axis=-1).max()
+    assert 0.95 * PARAMS.speed_max - 0.02 < fastest <= PARAMS.speed_max
+    assert not any((one.status == BROKEN).any() for one in flown)
+    assert any(one.status[0] == SetpointStatus.SHIFTED for one in flown)
+    np.testing.assert_allclose(flown[-1].pos, asked.pos, atol=5e-3)
+
+
+def _speeding(top: float, acc: float) -> Iterator[tuple[float, float, float]]:
+    """Yield place, speed and acceleration of each tick [m, m/s, m/s^2]."""
+    x, speed, a = 0.0, 1.5, 0.0
+    for k in range(1000):
+        yield (x, speed, a) if k < 400 else (x, 0.0, 0.0)
+        if k < 400:
+            wanted = acc if speed + 0.5 * a * a / PARAMS.jerk_max < top else 0.0
+            jerk = np.clip((wanted - a) / TICK, -PARAMS.jerk_max, PARAMS.jerk_max)
+            x += TICK * (speed + TICK * (a / 2.0 + TICK * jerk / 6.0))
+            speed, a = speed + TICK * (a + 0.5 * TICK * jerk), a + TICK * jerk
 
 
 def test_an_external_vehicle_nearby_is_outside_the_conditions() -> None:

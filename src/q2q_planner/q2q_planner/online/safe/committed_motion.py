@@ -52,6 +52,8 @@ class FollowBounds(NamedTuple):
     """[m/s^2]."""
     speed: float
     """[m/s]."""
+    lag: float
+    """Of the acceleration, which is taken back [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +164,9 @@ def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
 
 def follow_bounds(params: SafeReplannerParams, passed: float) -> FollowBounds:
     """Return the bounds of a reference, `passed` [s] after the tick before."""
-    return FollowBounds(params.jerk_max, min(passed, params.hold), params.acc_max, params.speed_max)
+    return FollowBounds(
+        params.jerk_max, min(passed, params.hold), params.acc_max, params.speed_max, params.lag
+    )
 
 
 @compiled
@@ -192,17 +196,27 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
     """Return whose reference keeps the bounds of jerk, acceleration and speed at this tick, (n,).
 
     An acceleration keeps the bound of jerk if it changed by no more than that within the time since the tick
-    before, or within `hold` if that was longer ago.
+    before, or within `hold` if that was longer ago. A speed keeps its bound if it still does once the
+    acceleration is taken back.
     """
     followed = np.empty(rows.hold.size, np.bool_)
     jump = bounds.jerk * bounds.passed + ROUNDING
-    acc, vel = reference.acc, reference.vel
+    acc = reference.acc
     for row in range(followed.size):
-        size, speed = (
-            length(acc[row, 0], acc[row, 1], acc[row, 2]),
-            length(vel[row, 0], vel[row, 1], vel[row, 2]),
-        )
-        followed[row] = size <= bounds.acc and speed <= bounds.speed
+        size = length(acc[row, 0], acc[row, 1], acc[row, 2])
+        followed[row] = size <= bounds.acc and _speed_ahead(reference, row, bounds) <= bounds.speed
         for axis in range(3):
             followed[row] &= abs(acc[row, axis] - rows.acc[row, axis]) <= jump
     return followed
+
+
+@compiled
+def _speed_ahead(reference: ReferenceRows, row: int, bounds: FollowBounds) -> float:
+    """Return the speed that a row reaches if its acceleration is taken back from now on [m/s]."""
+    vel, acc = reference.vel[row], reference.acc[row]
+    speed = length(vel[0], vel[1], vel[2])
+    rise = vel[0] * acc[0] + vel[1] * acc[1] + vel[2] * acc[2]
+    if rise <= 0.0:
+        return speed
+    rise /= speed
+    return float(speed + rise * (bounds.lag + 0.5 * rise / bounds.jerk))

@@ -7,7 +7,8 @@ the reference.
 
 With `tracking_z` the tolerance is a tube, `tracking` wide and `tracking_z` high: the zone and both tubes are
 kept apart. With `jerk_max` every modified trajectory has bounded jerk and acceleration on every axis,
-whatever the reference does: one that exceeds `jerk_max`, `acc_max` or `speed_max` is left at that tick.
+whatever the reference does: one that exceeds `jerk_max` or `acc_max`, or accelerates too much to stay below
+`speed_max`, is left at that tick.
 
 **Conditions.** The promise is broken, and reported at the same tick, if
 1. at the first tick, or when a vehicle appears, is measured again or far from its modified trajectory

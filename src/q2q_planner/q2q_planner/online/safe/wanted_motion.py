@@ -128,11 +128,19 @@ def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _WantedL
 
 @compiled
 def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: int, law: _WantedLaw) -> None:
-    """Add the acceleration by which the shift e of a row follows e' = -w(|e|) e / |e| (approach_speed)."""
-    (x, y, z), (u, v, w) = _apart_by(rows.pos, reference.pos, row), _apart_by(rows.vel, reference.vel, row)
+    """Add the acceleration by which the shift e of a row follows e' = -w(|e|) e / |e| (approach_speed).
+
+    The velocity of a faster reference counts up to `law.speed`, and its acceleration not at all.
+    """
+    vel, asked = rows.vel[row], reference.vel[row]
+    share = _share(asked, law.speed)
+    ahead = share * asked[0], share * asked[1], share * asked[2]
+    if share < 1.0:
+        acc[row] = 0.0
+    x, y, z = _apart_by(rows.pos, reference.pos, row)
+    u, v, w = vel[0] - ahead[0], vel[1] - ahead[1], vel[2] - ahead[2]
     far = max(length(x, y, z), TINY)
     speed, slope = approach_speed(far, law.back)
-    ahead = reference.vel[row, 0], reference.vel[row, 1], reference.vel[row, 2]
     most = _most_closing((x / far, y / far, z / far), ahead, law.speed)
     if speed > most:
         speed, slope = most, 0.0
@@ -160,11 +168,16 @@ def _most_closing(out: Vector, vel: Vector, most: float) -> float:
 
 
 @compiled
+def _share(vector: Array, most: float) -> float:
+    """Return the share of a vector, (3,), up to the norm `most`: at most 1."""
+    size = length(vector[0], vector[1], vector[2])
+    return float(most / size) if size > most else 1.0
+
+
+@compiled
 def _limit(acc: Array, row: int, most: float) -> None:
     """Clip a row of accelerations (n, 3) to the norm `most` [m/s^2]."""
-    size = length(acc[row, 0], acc[row, 1], acc[row, 2])
-    if size > most:
-        acc[row] *= most / size
+    acc[row] *= _share(acc[row], most)
 
 
 @compiled
