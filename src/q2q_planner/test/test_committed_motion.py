@@ -42,8 +42,8 @@ def moving() -> CommittedMotion:
 
 
 def test_a_new_vehicle_starts_on_its_reference_and_the_others_go_on() -> None:
-    both = propagate(moving(), resting(2.01, ("cf0", "cf1")), brake=2.0, jerk=20.0)
-    alone = propagate(moving(), resting(2.01, ("cf1",)), brake=2.0, jerk=20.0)
+    both = propagate(moving(), resting(2.01, ("cf0", "cf1")), PARAMS)
+    alone = propagate(moving(), resting(2.01, ("cf1",)), PARAMS)
     assert both.names == ("cf0", "cf1")
     assert both.hold.tolist() == [0.0, pytest.approx(0.09)]
     assert both.jerk.tolist() == [[0.0, 0.0, 0.0], [0.0, 6.0, 0.0]]
@@ -55,7 +55,7 @@ def test_a_new_vehicle_starts_on_its_reference_and_the_others_go_on() -> None:
 
 
 def test_a_held_jerk_is_integrated_over_the_tick() -> None:
-    moved = propagate(moving(), resting(2.01, ("cf1",)), brake=2.0, jerk=20.0)
+    moved = propagate(moving(), resting(2.01, ("cf1",)), PARAMS)
     np.testing.assert_allclose(moved.acc, [[0.0, 6.0 * 0.01, 0.0]], atol=1e-12)
     np.testing.assert_allclose(moved.vel, [[1.0, 0.5 * 6.0 * 0.01**2, 0.0]], atol=1e-12)
     np.testing.assert_allclose(moved.pos, [[0.01, 6.0 * 0.01**3 / 6.0, 1.0]], atol=1e-12)

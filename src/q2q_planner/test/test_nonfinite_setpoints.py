@@ -141,6 +141,6 @@ def test_a_motion_that_overflowed_is_dropped_and_its_vehicle_a_new_one() -> None
     assert some.setpoint.names == NAMES
     assert some.committed is not None
     assert some.committed.names == ("cf2",)
-    both = propagate(some.committed, some.setpoint, PARAMS.acc_max)
+    both = propagate(some.committed, some.setpoint, PARAMS)
     np.testing.assert_array_equal(both.pos[0], apart(1).pos[0])
     assert moves_finitely(both)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.geometry.zone import Cylinder
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.experiments.encounters import random_encounter
@@ -171,6 +172,25 @@ def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
             setpoint = replace(start, t=TICK)
             broken = replanner.update(setpoint, seen(setpoint, off)).status == BROKEN
             assert broken.tolist() == [expected, False]
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize(("vel", "acc"), [(0.0, 8.0), (0.0, 30.0), (4.0, 0.0), (2.5, 2.1), (2.6, 2.0)])
+def test_a_first_setpoint_beyond_the_bounds_is_left_within_them(vel: float, acc: float, late: bool) -> None:
+    """Of a whole swarm, or of one vehicle that joins it."""
+    pos, still = np.array([[0.0, 0.0, 1.0], [0.0, 9.0, 1.0]]), np.zeros((2, 3))
+    replanner, hover, first = SafeReplanner(PARAMS), reference(0.0, pos, still, still), np.zeros((2, 2, 3))
+    if late:
+        replanner.update(of_vehicles(hover, np.array([1])), None)
+    first[:, 0, 0] = vel, acc
+    asked = [replace(hover, t=TICK, vel=first[0], acc=first[1])]
+    asked += [replace(hover, t=k * TICK) for k in range(2, 300)]
+    flown = [replanner.update(one, None) for one in asked]
+    assert accelerations(flown)[0].tolist() == still.tolist()
+    assert np.abs(accelerations(flown)).max() <= PARAMS.acc_max * (1.0 + 1e-9)
+    assert np.linalg.norm([one.vel for one in flown], axis=-1).max() <= PARAMS.speed_max
+    assert not any((one.status == BROKEN).any() for one in flown)
+    assert all(one.status[1] == SetpointStatus.NOMINAL for one in flown)
 
 
 def test_who_is_faster_than_the_tube_was_learned_for_says_so() -> None:

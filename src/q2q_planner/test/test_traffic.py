@@ -84,14 +84,16 @@ def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
     pos, vel, acc = np.array([[1.0, 2.0, 3.0]] * 2), np.array([[0.0, 1.0, 0.0]] * 2), np.eye(3)[:2] * 2.0
     motion = replace(held(pos, vel, 0.5, acc), on_reference=ON, pushed=ON)
     there = setpoint(1.25, ("a", "b"), np.zeros((2, 3)))
-    early = propagate(motion, there, 4.0)
+    strong = replace(PARAMS, acc_max=4.0)
+    early = propagate(motion, there, strong)
     np.testing.assert_allclose(early.pos[0], [1.0 + 0.0625, 2.25, 3.0], atol=1e-15)
     np.testing.assert_allclose(early.vel[0], [0.5, 1.0, 0.0], atol=1e-15)
     assert early.hold.tolist() == [0.25, 0.25]
     assert (early.t, early.acc.tolist()) == (1.25, acc.tolist())
     assert early.on_reference.all()
     assert early.pushed.all()
-    late = propagate(motion, replace(there, t=1.75), 4.0)  # b along y at 2 m/s after its hold, then a quarter
+    # b along y at 2 m/s after its hold, then a quarter
+    late = propagate(motion, replace(there, t=1.75), strong)
     np.testing.assert_allclose(late.pos[1], [1.0, 2.0 + 0.75 + 0.5 - 0.125, 3.0], atol=1e-15)
     np.testing.assert_allclose(late.vel[1], [0.0, 1.0, 0.0], atol=1e-15)
     assert late.hold.tolist() == [0.0, 0.0]
@@ -104,7 +106,7 @@ def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
 def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, carried: bool) -> None:
     motion = held(np.ones((2, 3)), np.zeros((2, 3)))
     there = setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3)))
-    after = propagate(still_flown(motion, there.t), there, 3.0)
+    after = propagate(still_flown(motion, there.t), there, PARAMS)
     assert after.t == 1.0 + passed
     assert (after.pos == 1.0).all() == carried
     assert (after.vel == 0.0).all() == carried
@@ -117,7 +119,7 @@ def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, ca
 def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references() -> None:
     motion = held(np.array([[1.0] * 3, [2.0] * 3]), np.zeros((2, 3)), 0.5, np.eye(3)[:2] * 2.0)
     motion = replace(motion, pushed=np.array([False, True]))
-    after = propagate(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), 3.0)
+    after = propagate(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), PARAMS)
     assert after.names == ("b", "new")
     assert after.pos.tolist() == [[2.0, 2.0625, 2.0], [0.0, 0.0, 0.0]]
     assert after.vel.tolist() == [[0.0, 0.5, 0.0], [1.0, 1.0, 1.0]]
@@ -127,7 +129,7 @@ def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references(
     assert after.pushed.tolist() == [True, False]
     mixed = replace(motion, on_reference=np.array([True, False]))
     more = setpoint(1.25, ("b", "a", "new"), np.zeros((3, 3)))
-    assert propagate(mixed, more, 3.0).on_reference.tolist() == [False, True, True]
+    assert propagate(mixed, more, PARAMS).on_reference.tolist() == [False, True, True]
 
 
 def near(motion: CommittedMotion, reference: SwarmSetpoint) -> list[bool]:

@@ -1,6 +1,6 @@
 """Committed motion of a swarm, propagated from tick to tick."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -93,6 +93,25 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
     return CommittedMotion(*start, np.zeros(n), on, off, np.zeros((n, 3)))
 
 
+def starting(setpoint: SwarmSetpoint, params: SafeReplannerParams) -> CommittedMotion:
+    """Return the motion of a swarm that starts on its reference, or beside one that exceeds the bounds.
+
+    Such a vehicle of bounded jerk starts at most at speed_max, and without acceleration.
+    """
+    start = at_reference(setpoint)
+    if params.jerk_max == 0.0:
+        return start
+    on = followed_rows(start.rows, reference_rows(setpoint), follow_bounds(params, 0.0))
+    vel, acc = up_to(start.vel, params.speed_max), np.where(on[:, None], start.acc, 0.0)
+    return replace(start, vel=vel, acc=acc, on_reference=on)
+
+
+def up_to(vel: Array, speed: float) -> Array:
+    """Return velocities (n, 3), shortened to a speed [m/s]."""
+    size = np.linalg.norm(vel, axis=1, keepdims=True)
+    return np.asarray(vel * np.minimum(1.0, speed / np.maximum(size, speed)))
+
+
 def still_flown(committed: CommittedMotion | None, t: float) -> CommittedMotion | None:
     """Return the motion of the last tick; None where there is none, of no vehicle, or a gap since."""
     if committed is None or not committed.names or abs(t - committed.t) > LONGEST_GAP:
@@ -101,22 +120,21 @@ def still_flown(committed: CommittedMotion | None, t: float) -> CommittedMotion 
 
 
 def propagate(
-    committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float, jerk: float = 0.0
+    committed: CommittedMotion | None, setpoint: SwarmSetpoint, params: SafeReplannerParams
 ) -> CommittedMotion:
-    """Return the motion at the setpoint's stamp; new vehicles start on the reference.
+    """Return the motion at the setpoint's stamp; new vehicles start on the reference (`starting`).
 
     Where the stamp goes back, the motion waits for it: vehicles are where they were.
 
     Args:
         committed: motion of the last tick; None where all vehicles are new.
         setpoint: reference of this tick.
-        brake: deceleration to rest [m/s^2].
-        jerk: bound of the jerk [m/s^3]; 0 for none.
+        params: bounds of braking, and of new vehicles.
     """
     if committed is None:
-        return at_reference(setpoint)
-    moved = _moved(committed, setpoint.t, brake, jerk)
-    return moved if moved.names == setpoint.names else _with_new_vehicles(moved, setpoint)
+        return starting(setpoint, params)
+    moved = _moved(committed, setpoint.t, params.acc_max, params.jerk_max)
+    return moved if moved.names == setpoint.names else _with_new_vehicles(moved, setpoint, params)
 
 
 def _moved(committed: CommittedMotion, t: float, brake: float, jerk: float) -> CommittedMotion:
@@ -140,9 +158,11 @@ def _carried(rows: MotionRows, passed: float, law: BrakingLaw) -> tuple[Array, A
     return pos, vel, rows.acc.copy(), left
 
 
-def _with_new_vehicles(moved: CommittedMotion, setpoint: SwarmSetpoint) -> CommittedMotion:
+def _with_new_vehicles(
+    moved: CommittedMotion, setpoint: SwarmSetpoint, params: SafeReplannerParams
+) -> CommittedMotion:
     """Return the motion of the setpoint's vehicles; those that are new start on the reference."""
-    fresh, have, names = at_reference(setpoint), moved.names, setpoint.names
+    fresh, have, names = starting(setpoint, params), moved.names, setpoint.names
     return CommittedMotion(
         setpoint.t,
         names,

@@ -23,7 +23,7 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask, Names, SwarmState, TrackStatus, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.committed_motion import CommittedMotion, distance
+from q2q_planner.online.safe.committed_motion import CommittedMotion, distance, up_to
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s
@@ -110,8 +110,7 @@ def restart_motion(
 
 
 def _bounded(known: KnownStates, params: SafeReplannerParams) -> Array:
-    speed = np.linalg.norm(known.vel, axis=1, keepdims=True)
-    vel = known.vel * np.minimum(1.0, params.speed_max / np.maximum(speed, params.speed_max))
+    vel = up_to(known.vel, params.speed_max)
     fastest = np.sqrt(2.0 * params.acc_max * np.maximum(known.pos[:, 2], 0.0))
     vel[:, 2] = np.maximum(vel[:, 2], -fastest)
-    return np.asarray(vel)
+    return vel

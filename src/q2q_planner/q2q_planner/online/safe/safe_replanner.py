@@ -164,7 +164,7 @@ class SafeReplanner:
         params, names = self._grown, setpoint.names
         self._committed = still_flown(self._committed, setpoint.t)
         self._turn = round(setpoint.t / TICK_S) if self._committed is None else self._turn + 1
-        committed = propagate(self._committed, setpoint, params.acc_max, params.jerk_max)
+        committed = propagate(self._committed, setpoint, params)
         known = None if state is None else self._last_known.of(names, setpoint.t)
         if state is not None and known is not None:
             committed = self._with_found(committed, known, state)

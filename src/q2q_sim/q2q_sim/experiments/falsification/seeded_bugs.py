@@ -44,6 +44,7 @@ from q2q_model.signals.values import (
 from q2q_planner.online.safe import safe_replanner
 from q2q_planner.online.safe.committed_motion import CommittedMotion, propagate
 from q2q_planner.online.safe.motion_choice import NEW, Choices
+from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
 
@@ -139,9 +140,9 @@ def _no_proof(_: CommittedMotion, traffic: TrafficTable, *__: object) -> Choices
 
 
 def _hold_forgotten(
-    committed: CommittedMotion | None, setpoint: SwarmSetpoint, brake: float, jerk: float = 0.0
+    committed: CommittedMotion | None, setpoint: SwarmSetpoint, params: SafeReplannerParams
 ) -> CommittedMotion:
-    moved = propagate(committed, setpoint, brake, jerk)
+    moved = propagate(committed, setpoint, params)
     same = committed is not None and len(committed.hold) == len(moved.hold)
     return replace(moved, hold=committed.hold) if committed is not None and same else moved
 
