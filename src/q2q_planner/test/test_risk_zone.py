@@ -98,6 +98,15 @@ def test_a_plan_at_a_risk_is_certified_and_says_what_it_rests_on(tmp_path: Path)
     assert known.zone.endswith("tube 0.05 m horizontally and 0.04 m vertically at 0.01")
 
 
+def test_a_plan_through_the_zone_has_no_risk_of_the_swarm(tmp_path: Path) -> None:
+    path, out, facts = tmp_path / "crossing.yaml", tmp_path / "plan.json", tmp_path / "facts.json"
+    path.write_text(CROSSING)
+    asked = ["--risk", "0.02", *TUBED, "--vehicle", "crazyflie_2_1", "--json", str(facts), "--no-avoid"]
+    assert main([str(path), "--out", str(out), *asked]) == 0
+    output = json.loads(facts.read_text())
+    assert (output["certified"], output["risk"], output["swarm_risk"]) == (False, 0.02, None)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -118,7 +118,7 @@ def run(asked: Namespace) -> int:
 
 def _write_others(asked: Namespace, made: Planned, uploads: Mapping[str, Array]) -> None:
     if asked.json:
-        facts = as_json(made) | risk_facts(asked, len(made.plan.names))
+        facts = as_json(made) | risk_facts(asked, len(made.plan.names), certified=made.proof.holds)
         write_json(facts, asked.json)
     if asked.csv:
         write_samples(asked.csv, made.plan)

@@ -54,14 +54,14 @@ def range_note(model: InteractionModel, threshold: float) -> str:
     return f", down to {model.reach.vertical:g} m, the range of the model, where it is still {left:.2f} m/s^2"
 
 
-def risk_facts(asked: Namespace, vehicles: int) -> dict[str, float]:
-    """Return what --json says of the risk: of one vehicle, and of any of them (Boole)."""
+def risk_facts(asked: Namespace, vehicles: int, *, certified: bool) -> dict[str, float | None]:
+    """Return what --json says of the risk: of one vehicle, and, if `certified`, of any of them (Boole)."""
     if asked.risk is None:
         return {}
     terms = terms_of(asked)
     return {
         "risk": terms.alpha,
-        "swarm_risk": min(1.0, vehicles * terms.alpha),
+        "swarm_risk": min(1.0, vehicles * terms.alpha) if certified else None,
         "hold": terms.hold,
         "tube_horizontal_m": terms.tube.horizontal,
         "tube_vertical_m": terms.tube.vertical,
