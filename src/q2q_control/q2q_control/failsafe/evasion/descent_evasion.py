@@ -112,8 +112,10 @@ class DescentEvasion:
         (xy, rest), evading = places, tuple(self._shifts)
         rows = zip(evading, index_of(evading, setpoint.names), index_of(evading, names), strict=True)
         for name, row, i in rows:
-            shift, sent, step = self._shifts[name], setpoint.pos[row, :2], dt * setpoint.vel[row, :2]
-            if min(row, i) < 0 or not shift.begin_at(sent, step, xy[i]):
+            if min(row, i) < 0:
+                continue
+            shift, step = self._shifts[name], dt * setpoint.vel[row, :2]
+            if not shift.begin_at(setpoint.pos[row, :2], step, xy[i]):
                 continue
             for other in shift.directions:
                 j = names.index(other)
