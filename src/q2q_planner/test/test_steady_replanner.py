@@ -237,6 +237,19 @@ def _speeding(top: float, acc: float) -> Iterator[tuple[float, float, float]]:
             speed, a = speed + TICK * (a + 0.5 * TICK * jerk), a + TICK * jerk
 
 
+def test_a_reference_whose_acceleration_ends_at_once_below_the_largest_speed_leads_nobody_beyond_it() -> None:
+    """It is never faster than 2.48 m/s; a vehicle with its acceleration, of bounded jerk, would be."""
+    replanner, flown, ahead = SafeReplanner(PARAMS), [], np.array([[1.0, 0.0, 0.0]])
+    x, speed = 0.0, 1.0
+    for k in range(300):
+        acc = 1.99 if speed < 2.46 else 0.0
+        flown.append(replanner.update(reference(k * TICK, x * ahead, speed * ahead, acc * ahead), None))
+        x, speed = x + TICK * (speed + 0.5 * TICK * acc), speed + TICK * acc
+    assert 2.46 < speed < 2.48
+    assert max(np.linalg.norm(one.vel) for one in flown) <= PARAMS.speed_max
+    assert not any((one.status == BROKEN).any() for one in flown)
+
+
 def test_an_external_vehicle_nearby_is_outside_the_conditions() -> None:
     pos, still = np.array([[0.0, 0.0, 1.0]]), np.zeros((1, 3))
     setpoint = reference(0.0, pos, still, still)
