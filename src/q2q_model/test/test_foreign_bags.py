@@ -399,6 +399,10 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
         ("stamps: wall\nposes: /p", "stamps = 'wall': one of header, receive is expected"),
         ("tolerance_s: -1\nposes: /p", "allowed is 0 to 1 s"),
         ("rename: {a: b}", "maps nothing"),
+        (
+            "references: {a: /b}\nsignals: {reference: /r}",
+            "references and signals: reference are both mapped",
+        ),
         ("signals: {comand: /c}", "map.yaml: signals: q2q has no topic 'comand'; did you mean command"),
         ("signals: {/mocap: /m}", "q2q has no topic '/mocap'; did you mean mocap"),
         ("signals: {plan: /p}", "no topic 'plan'; known are mocap, truth, .*, command"),

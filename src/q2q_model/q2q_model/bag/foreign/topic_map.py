@@ -53,6 +53,11 @@ class TopicMap:
         for topic in self.signals:
             if topic not in TICK_TOPICS:
                 raise ValueError(f"signals: q2q has no topic {topic!r}; {name_hint(topic, TICK_TOPICS)}")
+        if self.references and "reference" in self.signals:
+            raise ValueError(
+                "references and signals: reference are both mapped; keep one of them: positions would be "
+                "those of one, velocities and accelerations those of the other"
+            )
         if not (self.vehicles or self.poses or self.signals):
             raise ValueError("it maps nothing; give vehicles, poses or signals")
 
