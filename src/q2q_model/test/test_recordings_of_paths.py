@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from q2q_model.bag import TopicMap
 from q2q_model.recordings.recording_files import flights_among
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
 from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
@@ -28,6 +29,12 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
     (tmp_path / "lists" / "manifest.csv").write_text("name\n")
     with pytest.raises(ValueError, match="neither a bag nor a table of a flight"):
         flights_among([tmp_path / "lists"])
+
+
+def test_a_topic_map_without_a_bag_to_map_is_refused(tmp_path: Path):
+    (tmp_path / "one.csv").write_text(HEAD + ROWS)
+    with pytest.raises(ValueError, match=r"topics of bags, and .*one\.csv is a table: leave out --topics"):
+        recordings_of_paths([tmp_path], TopicMap({"cf1": "/cf1/pose"}))
 
 
 def test_the_vehicle_of_tables_is_assumed_with_a_note(tmp_path: Path):

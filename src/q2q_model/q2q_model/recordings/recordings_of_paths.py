@@ -17,10 +17,15 @@ def recordings_of_paths(
     """Return the flights, bags first, and notes on repairs and on files left out.
 
     Raises:
-        ValueError: a flight cannot be read, is given twice, or a folder has none.
+        ValueError: a flight cannot be read, is given twice, or a folder has none; or there are topics to map
+            and no bags.
     """
     found, notes = flights_among(paths)
     tables = [path for path in found if path.suffix in TABLES and path.is_file()]
+    if topics is not None and len(tables) == len(found):
+        raise ValueError(
+            f"a topic map assigns topics of bags, and {tables[0]} is a table: leave out --topics"
+        )
     recordings, repairs = recordings_of_bags([path for path in found if path not in tables], topics)
     recordings += [recording_of_table(path) for path in tables]
     if twice := sorted(given_twice(one.flight.name for one in recordings)):
