@@ -321,11 +321,23 @@ def _flown(poses: Array, references: Array) -> tuple[Flight, list[str]]:
 
 
 def test_a_reference_holds_until_the_next_and_a_pause_is_reported():
-    ticks = 5.0 + np.arange(1000) / 100.0
+    ticks = 5.0 + np.arange(900) / 100.0
     flight, remarks = _flown(ticks, np.array([3.0, 7.0, 11.5]))
-    assert flight.ref_pos[:, 0, 0].tolist() == [3.0] * 200 + [7.0] * 450 + [11.5] * 350
+    assert flight.ref_pos[:, 0, 0].tolist() == [3.0] * 200 + [7.0] * 450 + [11.5] * 250
     assert remarks == ["references of cf1 pause for 4.5 s after t = 7.000 s: held"]
-    assert _flown(ticks, np.array([3.0, 5.9, 8.8]))[1] == []  # the last one holds, as there is no later one
+
+
+def test_references_that_have_ended_are_not_held_for_ever():
+    ticks = 5.0 + np.arange(1000) / 100.0
+    flight, remarks = _flown(ticks, 5.0 + np.arange(500) / 100.0)  # a stream: three periods of it
+    known = np.isfinite(flight.ref_pos[:, 0]).all(axis=1)
+    assert ticks[known][-1] == pytest.approx(9.99 + 0.03, abs=1e-6)
+    assert remarks == ["references of cf1 end at t = 9.990 s, 5.0 s before the poses: none after 10.020 s"]
+    flight, remarks = _flown(ticks, np.array([3.0, 5.9, 8.8]))  # goals: as long as one takes to fly to
+    known = np.isfinite(flight.ref_pos[:, 0]).all(axis=1)
+    assert ticks[known][-1] == pytest.approx(11.8, abs=1e-6)
+    assert remarks == ["references of cf1 end at t = 8.800 s, 6.2 s before the poses: none after 11.800 s"]
+    assert _flown(ticks, np.array([3.0, 7.0, 12.5]))[1][1:] == []  # younger than HELD_S at the end
 
 
 @pytest.mark.parametrize("clock", [-5.0, 12.0])

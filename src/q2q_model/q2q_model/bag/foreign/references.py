@@ -1,7 +1,7 @@
 """Reference positions of a bag of other software: at each tick, the last one received.
 
 References may be as rare as goals are. They belong to the clock of the poses, at the latest HELD_S before the
-first of these.
+first of these. After the last one a vehicle lands, or another program leads it: there is no reference then.
 """
 
 from collections.abc import Mapping
@@ -16,6 +16,8 @@ from q2q_model.signals.values import Array
 HELD_S = 3.0
 """Age of a reference from which it is reported as held [s]: a goal is flown to within that, a stream has
 ended."""
+HELD_PERIODS = 3.0
+"""Age of the last reference from which there is none [median periods], HELD_S at most."""
 
 
 def with_references(flight: Flight, given: Mapping[str, Poses]) -> tuple[Flight, list[str]]:
@@ -30,11 +32,23 @@ def with_references(flight: Flight, given: Mapping[str, Poses]) -> tuple[Flight,
             raise ValueError(f"references of {vehicle}; vehicles are {', '.join(flight.names)}")
         if misfit := clock_mismatch(f"references of {vehicle}", track.t, flight.t, HELD_S):
             raise ValueError(misfit)
-        row = np.searchsorted(track.t, flight.t, side="right") - 1
-        held = np.where((row >= 0)[:, None], track.pos[np.clip(row, 0, None)], np.nan)
+        row, end = np.searchsorted(track.t, flight.t, side="right") - 1, _end(track.t)
+        known = (row >= 0) & (flight.t <= end)
+        held = np.where(known[:, None], track.pos[np.clip(row, 0, None)], np.nan)
         ref_pos[:, flight.names.index(vehicle)] = held
         remarks += _pauses(vehicle, track.t, flight.t)
+        if (late := flight.t[-1] - track.t[-1]) > HELD_S:
+            remarks.append(
+                f"references of {vehicle} end at t = {track.t[-1]:.3f} s, {late:.1f} s before the poses: "
+                f"none after {end:.3f} s"
+            )
     return replace(flight, ref_pos=ref_pos), remarks
+
+
+def _end(t: Array) -> float:
+    """Return the time until which the last reference counts [s]."""
+    steps = np.diff(np.unique(t))
+    return float(t[-1]) + (min(HELD_S, HELD_PERIODS * float(np.median(steps))) if len(steps) else HELD_S)
 
 
 def _pauses(vehicle: str, t: Array, ticks: Array) -> list[str]:
