@@ -59,8 +59,8 @@ def room_bag(folder: Path) -> Path:
             turn = {"x": 0.0, "y": 0.0, "z": 0.6, "w": 0.8}
             pose = {"position": vector(0.5 * tick, 2.0, 3.0), "orientation": turn}
             others = {
-                "twist": {"linear": vector(7.0, 7.0, 7.0), "angular": vector(8.0, 8.0, 8.0)},
-                "acc": vector(9.0, 9.0, 9.0),
+                "twist": {"linear": vector(7.0, 7.1, 7.2), "angular": vector(8.0, 8.0, 8.0)},
+                "acc": vector(9.0, 9.1, 9.2),
             }
             values = vector(0.25 * tick, -1.0, 1.5) | {
                 "yaw": 90.0,
@@ -74,13 +74,17 @@ def room_bag(folder: Path) -> Path:
     return file
 
 
-def test_setpoints_of_crazyswarm2_are_references_by_their_positions(tmp_path: Path) -> None:
+def test_setpoints_of_crazyswarm2_are_references_with_all_that_they_carry(tmp_path: Path) -> None:
     setpoints = {"cf1": "/cf1/cmd_position", "cf2": "/cf2/cmd_full_state"}
     flight = read_mapped_flight(room_bag(tmp_path), TopicMap(VEHICLES, references=setpoints))
     ticks = np.arange(TICKS)
     assert flight.names == ("cf1", "cf2")
     expected = [[(0.25 * tick, -1.0, 1.5), (0.5 * tick, 2.0, 3.0)] for tick in ticks]
     np.testing.assert_array_equal(flight.ref_pos, expected)
+    assert np.isnan(flight.ref_vel[:, 0]).all()  # a Position has neither
+    assert np.isnan(flight.ref_acc[:, 0]).all()
+    np.testing.assert_array_equal(flight.ref_vel[:, 1], np.tile([7.0, 7.1, 7.2], (TICKS, 1)))
+    np.testing.assert_array_equal(flight.ref_acc[:, 1], np.tile([9.0, 9.1, 9.2], (TICKS, 1)))
     np.testing.assert_allclose(flight.t, 1.0 + 0.01 * ticks, atol=1e-9)
 
 
@@ -92,5 +96,5 @@ def test_a_setpoint_without_a_position_is_refused_with_what_is_read(tmp_path: Pa
 
 @pytest.mark.parametrize("setpoint", ["/cf1/cmd_position", "/cf2/cmd_full_state"])
 def test_a_setpoint_is_no_pose_of_a_vehicle(tmp_path: Path, setpoint: str) -> None:
-    with pytest.raises(BagError, match=r"which is not read here; .*Odometry, .*NamedPoseArrayV2$"):
+    with pytest.raises(BagError, match=r"which is not read here; known are .*Odometry, TransformStamped$"):
         read_mapped_flight(room_bag(tmp_path), TopicMap({"cf1": setpoint}))

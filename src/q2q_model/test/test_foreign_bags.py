@@ -25,7 +25,7 @@ from q2q_model.bag import (
     read_mapped_flight,
 )
 from q2q_model.bag.foreign.pose_frames import Poses, nearest_rows, pose_frames
-from q2q_model.bag.foreign.references import with_references
+from q2q_model.bag.foreign.references import References, with_references
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr import decode, header_stamp_ns
@@ -317,7 +317,8 @@ def _flown(poses: Array, references: Array) -> tuple[Flight, list[str]]:
     """Return a flight with poses at some times and references at others, each where its time says."""
     frames, _ = pose_frames({"cf1": _track(poses)}, 0.005)
     flight = flight_from_signals("made", {"mocap": frames}).flight
-    return with_references(flight, {"cf1": _track(references)})
+    pos, unknown = _track(references).pos, np.full((len(references), 3), np.nan)
+    return with_references(flight, {"cf1": References(references, pos, unknown, unknown)})
 
 
 def test_a_reference_holds_until_the_next_and_a_pause_is_reported():

@@ -135,7 +135,10 @@ def _loop(
     if not gains.from_commands:
         return gains.loop, flown
     loop = replace(gains.loop, lag=vehicle.thrust_lag, offset=0.0)
-    return loop, [tuple(with_added_acc(one, loop, gains.compensated) for one in pieces) for pieces in flown]
+    return loop, [
+        tuple(with_added_acc(one, loop, gains.compensated, gains.of_rates) for one in pieces)
+        for pieces in flown
+    ]
 
 
 def _file(

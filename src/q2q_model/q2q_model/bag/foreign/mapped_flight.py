@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from q2q_model.bag.foreign.pose_frames import Poses, pose_frames
-from q2q_model.bag.foreign.references import with_references
+from q2q_model.bag.foreign.references import References, with_references
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
@@ -25,7 +25,7 @@ from q2q_model.signals.cdr import BadMessageError, SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.topic_names import TICK_TOPICS
-from q2q_model.signals.values import MocapFrame, given_twice
+from q2q_model.signals.values import Array, MocapFrame, given_twice
 
 POSES = {
     "PoseStamped": ("pose.position", "pose.orientation"),
@@ -36,17 +36,21 @@ POSES = {
 """Type name without package -> attributes of position and quaternion."""
 NAMED = ("NamedPoseArray", "NamedPoseArrayV2")
 """Types of motion_capture_tracking_interfaces with all vehicles in one message."""
-SETPOINTS = POSES | {"FullState": ("pose.position", "pose.orientation")}
-"""The same of references: also pose, twist and acceleration of crazyflie_interfaces."""
+FULL_STATE = "FullState"
+"""Reference of crazyflie_interfaces: pose, twist and acceleration, all in the world."""
+SETPOINTS = POSES | {FULL_STATE: ("pose.position", "pose.orientation")}
+"""The same of references."""
 POSITION = "Position"
 """Reference of crazyflie_interfaces: x, y, z and yaw."""
 NO_QUAT = (np.nan,) * 4
 """Quaternion of a Position: its yaw is in radians or degrees, and a reference needs none."""
+NO_RATES = (np.nan,) * 6
+"""Velocity and acceleration of a message that carries none."""
 IDL_MARK = "=" * 80 + "\n"
 _XYZ, _XYZW = attrgetter("x", "y", "z"), attrgetter("x", "y", "z", "w")
 
 Row = tuple[float, ...]
-"""t, x y z, qx qy qz qw; without t what a message holds."""
+"""t, x y z, qx qy qz qw and, of references, velocity and acceleration; without t what a message holds."""
 
 
 def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
@@ -62,9 +66,11 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     repairs: list[str] = []
     if topic_map.vehicles or topic_map.poses:
         signals["mocap"], repairs = mapped_frames(source, channels, topic_map)
-    given = _sorted(
-        source, _rows_by_vehicle(source, channels, topic_map.references, topic_map, (*SETPOINTS, POSITION))
-    )
+    rows = _rows_by_vehicle(source, channels, topic_map.references, topic_map, (*SETPOINTS, POSITION))
+    given = {
+        vehicle: References(table[:, 0], table[:, 1:4], table[:, 8:11], table[:, 11:])
+        for vehicle, (table, _) in _sorted(source, rows).items()
+    }
     try:
         joined = flight_from_signals(flight_name(path), signals)
         flight, pauses = with_references(joined.flight, given)
@@ -130,7 +136,10 @@ def _tracks(
     rows |= {topic_map.rename.get(name, name): found for name, found in named.items()}
     if not rows:
         raise BagError("; ".join([f"bag {source.path} has no pose of any vehicle", *remarks]))
-    return _sorted(source, rows), remarks
+    return {
+        vehicle: Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
+        for vehicle, (table, back) in _sorted(source, rows).items()
+    }, remarks
 
 
 def _once(found: Sequence[tuple[str, Row]]) -> list[tuple[str, Row]]:
@@ -170,7 +179,8 @@ def _rows_by_vehicle(
     }
 
 
-def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
+def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, tuple[Array, float]]:
+    """Return the rows of every vehicle by time, (rows, columns), and the most that a stamp goes back [s]."""
     empty = sorted(vehicle for vehicle, found in rows.items() if not found)
     if empty:
         raise BagError(f"bag {source.path} has no pose of {', '.join(empty)}")
@@ -184,7 +194,7 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, Poses]:
                 f"bag {source.path}: all {len(table)} poses of {vehicle} have the stamp {table[0, 0]:g} s; "
                 "if headers are not filled, add `stamps: receive` to the topic map"
             )
-        tracks[vehicle] = Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
+        tracks[vehicle] = table, back
     return tracks
 
 
@@ -217,15 +227,19 @@ def _stamp_ns(value: object) -> int:
 
 
 def _placed(value: object, kind: str) -> list[tuple[str, Row]]:
-    """Return name, and position and quaternion, of every pose of a message."""
+    """Return name, and position, quaternion, velocity and acceleration, of every pose of a message."""
     if kind == POSITION:
-        return [("", (*_XYZ(value), *NO_QUAT))]
+        return [("", (*_XYZ(value), *NO_QUAT, *NO_RATES))]
+    rates: Row = NO_RATES
     if kind in SETPOINTS:
         poses = [("", *attrgetter(*SETPOINTS[kind])(value))]
     else:
         named = attrgetter("name", "pose.position", "pose.orientation")
         poses = [named(pose) for pose in attrgetter("poses")(value)]
-    return [(name, (*_XYZ(at), *_XYZW(turn))) for name, at, turn in poses]
+    if kind == FULL_STATE:
+        vel, acc = attrgetter("twist.linear", "acc")(value)
+        rates = (*_XYZ(vel), *_XYZ(acc))
+    return [(name, (*_XYZ(at), *_XYZW(turn), *rates)) for name, at, turn in poses]
 
 
 def _decoder(source: Source, channel: Channel) -> Callable[[RawMessage], object]:

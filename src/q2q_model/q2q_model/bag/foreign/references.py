@@ -1,15 +1,15 @@
-"""Reference positions of a bag of other software: at each tick, the last one received.
+"""References of a bag of other software: at each tick, the last one received.
 
 References may be as rare as goals are. They belong to the clock of the poses, at the latest HELD_S before the
 first of these. After the last one a vehicle lands, or another program leads it: there is no reference then.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from q2q_model.bag.foreign.pose_frames import Poses, clock_mismatch
+from q2q_model.bag.foreign.pose_frames import clock_mismatch
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 
@@ -20,13 +20,33 @@ HELD_PERIODS = 3.0
 """Age of the last reference from which there is none [median periods], HELD_S at most."""
 
 
-def with_references(flight: Flight, given: Mapping[str, Poses]) -> tuple[Flight, list[str]]:
-    """Return the flight with its reference positions, and remarks on pauses of the references.
+@dataclass(frozen=True, slots=True)
+class References:
+    """References of one vehicle in the order of their stamps; NaN where a message carries none."""
+
+    t: Array
+    """(rows,) [s]."""
+    pos: Array
+    """(rows, 3) [m], world."""
+    vel: Array
+    """(rows, 3) [m/s], world."""
+    acc: Array
+    """(rows, 3) [m/s^2], world."""
+
+
+def with_references(flight: Flight, given: Mapping[str, References]) -> tuple[Flight, list[str]]:
+    """Return the flight with its references, and remarks on pauses and ends of the references.
 
     Raises:
         ValueError: references of a vehicle that the flight has not, or on another clock.
     """
-    ref_pos, remarks = flight.ref_pos.copy(), []
+    made = replace(
+        flight,
+        ref_pos=flight.ref_pos.copy(),
+        ref_vel=flight.ref_vel.copy(),
+        ref_acc=flight.ref_acc.copy(),
+    )
+    remarks = []
     for vehicle, track in given.items():
         if vehicle not in flight.names:
             raise ValueError(f"references of {vehicle}; vehicles are {', '.join(flight.names)}")
@@ -34,15 +54,19 @@ def with_references(flight: Flight, given: Mapping[str, Poses]) -> tuple[Flight,
             raise ValueError(misfit)
         row, end = np.searchsorted(track.t, flight.t, side="right") - 1, _end(track.t)
         known = (row >= 0) & (flight.t <= end)
-        held = np.where(known[:, None], track.pos[np.clip(row, 0, None)], np.nan)
-        ref_pos[:, flight.names.index(vehicle)] = held
+        for held, values in (
+            (made.ref_pos, track.pos),
+            (made.ref_vel, track.vel),
+            (made.ref_acc, track.acc),
+        ):
+            held[known, flight.names.index(vehicle)] = values[row[known]]
         remarks += _pauses(vehicle, track.t, flight.t)
         if (late := flight.t[-1] - track.t[-1]) > HELD_S:
             remarks.append(
                 f"references of {vehicle} end at t = {track.t[-1]:.3f} s, {late:.1f} s before the poses: "
                 f"none after {end:.3f} s"
             )
-    return replace(flight, ref_pos=ref_pos), remarks
+    return made, remarks
 
 
 def _end(t: Array) -> float:

@@ -11,7 +11,7 @@ Two layouts are supported, both in SI units with one row per tick:
 |---|---|
 | x y z, qx qy qz qw | mocap; not where `gap` is set: those values are interpolated |
 | vx vy vz, wp wq wr (with the above) | state, as estimated onboard; COASTING in a gap |
-| xref yref zref, vxref vyref vzref, yawref_deg | reference; missing derivatives by finite differences |
+| xref yref zref, vxref vyref vzref, yawref_deg | reference; acceleration by differences, unless held |
 | thrust_cmd | command; roll, pitch and yaw rate are not logged: NaN |
 | ax ay az, wp wq wr | imu: R(q)^T (a + g e_z), because az excludes gravity |
 | all others | the log, under their own names |
@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.sampled_reference import is_rare
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.unit_check import check_metres
 from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
@@ -175,8 +176,9 @@ def _state(table: FlightTable) -> Iterator[Signal]:
 
 def _reference(table: FlightTable) -> Iterator[Signal]:
     pos = table.vectors(REF)
-    vel = table.vectors(REF_VEL) if table.has(REF_VEL) else np.gradient(pos, table.t, axis=0)
+    vel = table.vectors(REF_VEL) if table.has(REF_VEL) else np.full_like(pos, np.nan)
     acc = np.gradient(vel, table.t, axis=0)
+    acc[:, [is_rare(table.t, own) for own in np.swapaxes(vel, 0, 1)]] = np.nan
     unknown = np.full(pos.shape[:2], np.nan)
     yaw = np.deg2rad(table.columns["yawref_deg"]) if table.has(("yawref_deg",)) else unknown
     for row, t in enumerate(table.t):

@@ -19,6 +19,7 @@ import numpy as np
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
 from q2q_model.flights.outliers import find_outliers, repair
+from q2q_model.flights.sampled_reference import HOLD_S, SampledReference, sampled_reference
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
@@ -68,6 +69,8 @@ class AltitudeRecord:
     outliers: int
     """Number of outliers among the motion capture samples."""
     samples: int
+    rates_fitted: bool = False
+    """Whether z_ref' and z_ref'' were not recorded: what of them the controller had is not known."""
 
     @property
     def deviation(self) -> Array:
@@ -123,20 +126,42 @@ def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRec
     """
     standing = _standing(flight)
     if not standing or len(standing) == len(flight.names):
-        return _between_holes(flight, vehicle)
+        records, remarks = _between_holes(flight, vehicle)
+        return records, [*remarks, *_remarks_on_references(flight)]
     flown = of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
     records, remarks = _between_holes(flown, vehicle)
     stood = f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"
-    return records, [stood, *remarks]
+    return records, [stood, *remarks, *_remarks_on_references(flown)]
+
+
+def _remarks_on_references(flight: Flight) -> list[str]:
+    """Return remarks on references without rates, and on those that are not sampled at ticks."""
+    given, remarks = flown_reference(flight), []
+    if fitted := [name for name, lacks in zip(flight.names, given.fitted, strict=True) if lacks]:
+        remarks.append(
+            f"{flight.name}: references of {', '.join(fitted)} have no velocity and acceleration: those of a "
+            "fit to their positions are used, also for a controller that has none; map FullState or reference"
+        )
+    if uneven := [name for name, late in zip(flight.names, given.uneven, strict=True) if late]:
+        remarks.append(
+            f"{flight.name}: references of {', '.join(uneven)} do not come at ticks of the poses, or not "
+            "evenly: the gains may lie outside of their intervals, by some per cent"
+        )
+    if goals := [name for name, held in zip(flight.names, given.goals, strict=True) if held]:
+        remarks.append(
+            f"{flight.name}: references of {', '.join(goals)} mostly stand for more than {HOLD_S:g} s: they "
+            "are read as goals that are held; if they are of a trajectory that moves, the gains are wrong"
+        )
+    return remarks
 
 
 def _standing(flight: Flight) -> list[str]:
     """Return the vehicles without a reference or a thrust that stay where they are."""
-    ref, found = _altitude_reference(flight)[..., 0], []
+    known, found = _referred(flight), []
     pos = np.where(np.isfinite(flight.pos), flight.pos, flight.mocap_pos)
     for i, name in enumerate(flight.names):
         place = pos[np.isfinite(pos[:, i]).all(axis=1), i]
-        if np.isfinite(ref[:, i]).any() or (flight.thrust[:, i] > 0.0).any() or not len(place):
+        if known[:, i].any() or (flight.thrust[:, i] > 0.0).any() or not len(place):
             continue
         away = np.abs(place - np.median(place, axis=0)).max(axis=1)
         if np.quantile(away, MOSTLY) < STILL:
@@ -145,7 +170,7 @@ def _standing(flight: Flight) -> list[str]:
 
 
 def _between_holes(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
-    whole = _whole_rows(_placed(flight), _altitude_reference(flight))
+    whole = _whole_rows(flight)
     t, steps = flight.t[whole], np.diff(flight.t[whole])
     usual = float(np.median(steps)) if steps.size else 0.0
     holes = np.flatnonzero(steps > max(HOLE_S, HOLE_PERIODS * usual))
@@ -183,13 +208,14 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
     visible, placed = _finite_rows(mocap), _placed(flight)
     bad = find_outliers(flight.t, mocap)
-    ref = _altitude_reference(flight)
-    rows = _common_rows(flight, placed, ref)
+    rows = _common_rows(flight)
+    given = flown_reference(flight)
+    ref = np.stack([given.pos[..., 2], given.vel[..., 2], given.acc[..., 2]], axis=-1)
     repaired = repair(flight.t, mocap, bad)
     pos = np.where(np.isfinite(flight.pos), flight.pos, repaired)
     vel = np.where(np.isfinite(flight.vel), flight.vel, np.gradient(repaired, flight.t, axis=0))
     t = np.arange(flight.t[rows][0], flight.t[rows][-1] + 1e-9, dt := float(np.median(np.diff(flight.t))))
-    axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle, placed & _finite_rows(ref))
+    axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle, placed & given.sure)
     pos, vel, axis, ref = (resample(flight.t, values, t) for values in (pos, vel, axis, ref))
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
     return AltitudeRecord(
@@ -206,6 +232,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         added_acc=np.zeros((t.size, len(flight.names))),
         outliers=int((bad & visible).sum()),
         samples=int(visible.sum()),
+        rates_fitted=bool(given.fitted.any()),
     )
 
 
@@ -222,14 +249,19 @@ def check_upright(flight: Flight) -> None:
             )
 
 
-def _altitude_reference(flight: Flight) -> Array:
-    """Return z_ref and two derivatives, (T, n, 3): the controller's setpoint, else the plan."""
-    given = np.stack([flight.safe_pos[..., 2], flight.safe_vel[..., 2], flight.safe_acc[..., 2]], axis=-1)
-    plan = np.stack([flight.ref_pos[..., 2], flight.ref_vel[..., 2], flight.ref_acc[..., 2]], axis=-1)
-    ref = np.where(np.isfinite(given), given, plan)
-    ref[..., 1] = np.where(np.isfinite(ref[..., 1]), ref[..., 1], np.gradient(ref[..., 0], flight.t, axis=0))
-    ref[..., 2] = np.where(np.isfinite(ref[..., 2]), ref[..., 2], np.gradient(ref[..., 1], flight.t, axis=0))
-    return np.asarray(ref)
+def flown_reference(flight: Flight) -> SampledReference:
+    """Return the reference of all vehicles at its samples: the controller's setpoint, else the plan."""
+    pairs = (
+        (flight.safe_pos, flight.ref_pos),
+        (flight.safe_vel, flight.ref_vel),
+        (flight.safe_acc, flight.ref_acc),
+    )
+    return sampled_reference(flight.t, *(np.where(np.isfinite(safe), safe, plan) for safe, plan in pairs))
+
+
+def _referred(flight: Flight) -> Mask:
+    """Return where there is an altitude reference, also one that is held, (T, n)."""
+    return np.asarray(np.isfinite(flight.safe_pos[..., 2]) | np.isfinite(flight.ref_pos[..., 2]))
 
 
 def _placed(flight: Flight) -> Mask:
@@ -237,21 +269,21 @@ def _placed(flight: Flight) -> Mask:
     return _finite_rows(flight.mocap_pos) | _finite_rows(flight.pos)
 
 
-def _whole_rows(placed: Mask, ref: Array) -> Rows:
+def _whole_rows(flight: Flight) -> Rows:
     """Return the rows with position and reference of every vehicle, (k,)."""
-    return np.flatnonzero(placed.all(axis=1) & np.isfinite(ref).all(axis=(1, 2)))
+    return np.flatnonzero((_placed(flight) & _referred(flight)).all(axis=1))
 
 
-def _common_rows(flight: Flight, placed: Mask, ref: Array) -> slice:
+def _common_rows(flight: Flight) -> slice:
     """Return the rows from the first to the last with position and reference of every vehicle."""
-    whole = _whole_rows(placed, ref)
+    whole = _whole_rows(flight)
     if whole.size == 0 or flight.t[whole[-1]] - flight.t[whole[0]] < SHORTEST:
         raise _too_short(flight)
     return slice(int(whole[0]), int(whole[-1]) + 1)
 
 
 def _too_short(flight: Flight) -> ValueError:
-    known = {"reference": np.isfinite(_altitude_reference(flight)[..., 0]), "position": _placed(flight)}
+    known = {"reference": _referred(flight), "position": _placed(flight)}
     lacking = [
         f"no {what} of {name}"
         for what, rows in known.items()

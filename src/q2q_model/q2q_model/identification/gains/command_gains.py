@@ -1,17 +1,22 @@
 """Gains of the altitude loop by regression of the controller's commands on its inputs.
 
     U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + K_i xi - c eta_ff + b
+                               + c_v z_ref' + c_a z_ref''
 
 Each tick gives one row, linear in the gains; Huber weights suppress rows in which a limit was active. The
 offset b is separate for each vehicle and flight (battery, mass). Terms beyond K_p and K_d are kept only if an
 F test finds them significant. Correlated rows reduce the effective number of rows to n (1 - rho) / (1 + rho),
 with rho the correlation of successive residuals.
 
+c_v and c_a are tried where the rates of references are those of a fit to their positions: a controller may
+have none (c_v = -K_d, c_a = -1), as has the firmware that is sent positions. Else they are 0.
+
 | symbol | name | meaning [unit] |
 |---|---|---|
 | K_p K_d b K_i | loop | see q2q_model.vehicle.altitude_loop |
 | xi | | integral of z_ref - z [m s] |
 | c | | share of the downwash eta_ff that the controller compensates [-] |
+| c_v c_a | of_rates | use of the rates of references beside the loop [1/s], [-] |
 """
 
 from collections.abc import Sequence
@@ -38,7 +43,7 @@ ROUNDS, SETTLED = 10, 1e-4
 """Most iterations of reweighting, and the change of weights that ends them [-]."""
 BLOCK = 1.0
 """Least length of a cluster of residuals [s]."""
-K_P, K_D, INTEGRAL, FEED_FORWARD, OFFSET = range(5)
+K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET = range(7)
 """Terms of the equation; OFFSET is one column for each vehicle of each flight."""
 
 
@@ -56,6 +61,8 @@ class GainFit:
     from_commands: bool = True
     compensated: float = 0.0
     """c [-]; 0 if not found from commands."""
+    of_rates: tuple[float, float] = (0.0, 0.0)
+    """c_v [1/s] and c_a [-]."""
 
     @property
     def holds(self) -> bool:
@@ -69,7 +76,7 @@ class _Equation:
 
     target: Array
     columns: Array
-    """K_P to FEED_FORWARD, (rows, 4)."""
+    """K_P to REF_ACC, (rows, 6)."""
     group: Array
     """Number of record and vehicle, (rows,)."""
     flight: Array
@@ -91,8 +98,8 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
             f"{counted(len(records), 'flight')}, {FEWEST} needed: "
             "record the topic command, or fit the gains to trajectories"
         )
-    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, OFFSET]
-    for term in (FEED_FORWARD, INTEGRAL, OFFSET):
+    terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]
+    for term in (REF_ACC, REF_VEL, FEED_FORWARD, INTEGRAL, OFFSET):
         if not _is_needed(system, terms, term):
             terms.remove(term)
     design = _design(system, terms)
@@ -115,6 +122,10 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         needs_integral=INTEGRAL in terms,
         rms=_spread(residual),
         compensated=found[FEED_FORWARD].value if FEED_FORWARD in found else 0.0,
+        of_rates=(
+            found[REF_VEL].value if REF_VEL in found else 0.0,
+            found[REF_ACC].value if REF_ACC in found else 0.0,
+        ),
     )
 
 
@@ -139,7 +150,8 @@ def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equat
     rate = record.ref[:, i, 1] - record.vel[:, i, 2]
     integral = np.cumsum(error) * record.dt
     feed_forward = np.where(np.isfinite(record.feed_forward[:, i]), record.feed_forward[:, i], 0.0)
-    columns = np.stack([error, rate, integral - integral.mean(), -feed_forward], axis=1)
+    rates = record.ref[:, i, 1:] * record.rates_fitted  # (T, 2)
+    columns = np.column_stack([error, rate, integral - integral.mean(), -feed_forward, rates])
     target = record.commanded_acc[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
     t = record.t[known]

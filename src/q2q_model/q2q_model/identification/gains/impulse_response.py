@@ -24,6 +24,7 @@ and 0 for a vehicle that is too seldom alone: its loop then counts as balanced.
 | h | | response of epsilon to a unit eta at one sample [s^2] |
 | b_i - c eta_ff | added_acc | what a controller adds [m/s^2] |
 | c | compensated | share of the predicted downwash eta_ff that it compensates [-] |
+| c_v c_a | of_rates | use of the rates of references beside the loop (command_gains) [1/s], [-] |
 | Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
 """
 
@@ -113,10 +114,13 @@ def undisturbed(record: AltitudeRecord, loop: AltitudeLoop) -> Array:
     return free_response(loop, record.dt, record.start, record.jerk, record.added_acc)
 
 
-def with_added_acc(record: AltitudeRecord, loop: AltitudeLoop, compensated: float) -> AltitudeRecord:
-    """Return the record with `added_acc`, given the loop without offset and c [-]."""
+def with_added_acc(
+    record: AltitudeRecord, loop: AltitudeLoop, compensated: float, of_rates: tuple[float, float] = (0.0, 0.0)
+) -> AltitudeRecord:
+    """Return the record with `added_acc`, given the loop without offset, c [-], and c_v and c_a."""
     known = np.isfinite(record.feed_forward)
-    fed = replace(record, added_acc=-compensated * np.where(known, record.feed_forward, 0.0))
+    rates = record.ref[..., 1:] @ np.array(of_rates) * record.rates_fitted  # (T, n)
+    fed = replace(record, added_acc=rates - compensated * np.where(known, record.feed_forward, 0.0))
     return replace(fed, added_acc=fed.added_acc + _constant(fed, loop))
 
 

@@ -1,0 +1,138 @@
+"""Reference of a flight at its own samples, with rates where none were recorded.
+
+A recording repeats a reference until the next one comes: references at 20 Hz are a staircase at ticks of
+100 Hz, whose differences are no rates. Of a reference that is rarer than ticks, only a tick at which it
+changes is a sample, and every tick of one that stands for HOLD_S without a velocity. Controllers that
+hold their references and those that have them between the samples, too, had the same at these ticks.
+
+Velocity and acceleration that were not recorded are those of a cubic fitted to the samples around by least
+squares (Savitzky and Golay, Analytical Chemistry 1964), which late stamps disturb little:
+
+    r(t + u) = r + r' u + r'' u^2 / 2 + r''' u^3 / 6,    |u| <= max(WIDTH, SAMPLES periods of the reference)
+
+It follows no step: a sample is sure if the fit misses its neighbours by MISFIT of their extent at most.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from q2q_model.signals.values import Array, Mask, Rows
+
+HOLD_S = 0.3
+"""Time without a change from which a reference stands [s]: no trajectory is sent as rarely."""
+WIDTH = 0.15
+"""Least half width of a fit [s]: it misses 0.2 % of a velocity at 1 Hz."""
+SAMPLES = 2.0
+"""Samples on each side of a fit, at least."""
+MISFIT = 0.1
+"""Largest misfit of a fit [-]: of a step it is 0.16 and more, of stamps late by 3 ms 0.03."""
+RESOLUTION = 1e-4
+"""Extent of the samples around from which there is a misfit [m]."""
+DEGREE = 3
+EVERY_TICK = 1.5
+"""Period below which a reference comes at every tick, and repeated ones are samples, too [ticks]."""
+FEWEST = 3
+"""Changes up to which references are no row of goals."""
+UNEVEN, UNEVEN_SHARE = 0.25, 0.1
+"""Deviation from the period, and the share of steps that have it, from which samples are uneven [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SampledReference:
+    """Reference of all vehicles, NaN between its samples."""
+
+    pos: Array
+    """[m], world, (T, n, 3)."""
+    vel: Array
+    """[m/s], world, (T, n, 3)."""
+    acc: Array
+    """[m/s^2], world, (T, n, 3)."""
+    sure: Mask
+    """Samples whose rates were recorded or are those of a smooth motion, (T, n)."""
+    fitted: Mask
+    """Vehicles whose rates were not recorded, (n,)."""
+    uneven: Mask
+    """Vehicles whose samples are not at even distances, as their stamps are not those of the ticks, (n,)."""
+    goals: Mask
+    """Vehicles whose references mostly stand until the next, (n,)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Ticks with a sample of the reference of one vehicle."""
+
+    rows: Rows
+    """(k,)"""
+    period: float
+    """Median time between changes [s]; 0 for a reference that stands."""
+    uneven: bool
+    goals: bool
+    """Whether most of them stand: what moves between is not in them."""
+
+
+def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledReference:
+    """Return the reference at its samples, from what is recorded at ticks t (T,): each (T, n, 3)."""
+    given = np.concatenate((pos, vel, acc), axis=2)  # (T, n, 9)
+    made, sure = np.full_like(given, np.nan), np.zeros(pos.shape[:2], dtype=np.bool_)
+    lacking = np.asarray((np.isfinite(pos) & ~(np.isfinite(vel) & np.isfinite(acc))).any(axis=2))
+    each = [reference_samples(t, given[:, i]) for i in range(pos.shape[1])]
+    for i, found in enumerate(each):
+        rows, lacks = found.rows, lacking[found.rows, i]
+        made[rows, i], sure[rows, i] = given[rows, i], True
+        if lacks.any():
+            fits, smooth = _fits(t[rows], pos[rows, i], found.period, float(np.median(np.diff(t))))
+            made[rows[lacks], i], sure[rows[lacks], i] = fits[lacks], smooth[lacks]
+    uneven = np.array([found.uneven for found in each], dtype=np.bool_)
+    goals = np.array([found.goals for found in each], dtype=np.bool_)
+    fitted = np.asarray(lacking.any(axis=0))
+    return SampledReference(made[..., :3], made[..., 3:6], made[..., 6:], sure, fitted, uneven, goals)
+
+
+def is_rare(t: Array, given: Array) -> bool:
+    """Return whether a vehicle's reference (T, columns) is rarer than ticks: its differences are no rates."""
+    return bool(reference_samples(t, given).period >= EVERY_TICK * np.median(np.diff(t)))
+
+
+def reference_samples(t: Array, given: Array) -> Samples:
+    """Return the samples of one vehicle's reference (T, columns), whose first three are its position."""
+    known = np.flatnonzero(np.isfinite(given[:, :3]).any(axis=1))
+    if not known.size:
+        return Samples(known, 0.0, uneven=False, goals=False)
+    values = np.nan_to_num(given[known])
+    changed = np.append(True, (np.diff(values, axis=0) != 0.0).any(axis=1) | (np.diff(known) > 1))
+    steps = np.diff(t[np.append(known[changed], known[-1])])
+    goals = len(steps) > FEWEST and float(np.median(steps)) > HOLD_S
+    stands = (steps > HOLD_S)[np.cumsum(changed) - 1] & (values[:, 3:] == 0.0).all(axis=1)
+    moving = steps[(steps > 0.0) & (steps <= HOLD_S)]
+    if not moving.size:
+        return Samples(known[changed | stands], 0.0, uneven=False, goals=goals)
+    period = float(np.median(moving))
+    uneven = np.mean(np.abs(moving - period) > UNEVEN * period) > UNEVEN_SHARE
+    every_tick = period < EVERY_TICK * np.median(np.diff(t))
+    return Samples(known[changed | stands | every_tick], period, uneven=bool(uneven), goals=goals)
+
+
+def _fits(t: Array, pos: Array, period: float, tick: float) -> tuple[Array, Mask]:
+    """Return position, velocity and acceleration (k, 9) of a fit around each sample, and where it is smooth.
+
+    NaN where there are too few samples around.
+    """
+    width = max(WIDTH, SAMPLES * period) + 0.5 * tick
+    side = int(width / tick) + 1  # ticks
+    around = np.arange(len(t))[:, None] + np.arange(-side, side + 1)  # (k, w)
+    inside = (around >= 0) & (around < len(t))
+    around = around.clip(0, len(t) - 1)
+    u = (t[around] - t[:, None]) / width
+    weight = (inside & (np.abs(u) <= 1.0)).astype(np.float64)
+    powers = weight[..., None] * u[..., None] ** np.arange(DEGREE + 1)  # (k, w, DEGREE + 1)
+    normal = np.swapaxes(powers, 1, 2) @ powers
+    places = np.nan_to_num(weight[..., None] * (pos[around] - pos[:, None]))  # (k, w, 3)
+    few = weight.sum(axis=1) <= DEGREE
+    normal[few] = np.eye(DEGREE + 1)
+    value = np.linalg.solve(normal, np.swapaxes(powers, 1, 2) @ places)  # (k, DEGREE + 1, 3)
+    value[few] = np.nan
+    missed = np.sqrt(((places - powers @ value) ** 2).sum(axis=(1, 2)) / weight.sum(axis=1))
+    extent = np.linalg.norm(np.ptp(places, axis=1), axis=1)
+    made = np.concatenate((pos + value[:, 0], value[:, 1] / width, 2.0 * value[:, 2] / width**2), axis=1)
+    return made, np.asarray(missed <= MISFIT * np.maximum(extent, RESOLUTION))
