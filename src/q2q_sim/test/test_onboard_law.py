@@ -135,6 +135,19 @@ def test_rows_whose_stamps_jitter_are_all_compared(recorded: Recording):
     assert late.free.mean() == pytest.approx(whole.free.mean(), rel=0.01)
 
 
+@pytest.mark.parametrize("every", [1, 5])
+def test_rates_that_references_lack_are_those_of_their_positions(recorded: Recording, every: int):
+    flight, unknown = recorded.flight, np.full_like(recorded.flight.ref_vel, np.nan)
+    row = np.arange(len(flight.t)) // every * every
+    mapped = replace(flight, ref_pos=flight.ref_pos[row], ref_vel=unknown, ref_acc=unknown)
+    found = tracked_flight(replace(recorded, flight=mapped), CRAZYFLIE_2_0)
+    whole = tracked_flight(recorded, CRAZYFLIE_2_0)
+    inner = slice(100, -100)
+    np.testing.assert_allclose(found.ref_pos[inner], whole.ref_pos[inner], atol=1e-3)
+    np.testing.assert_allclose(found.ref_vel[inner], whole.ref_vel[inner], atol=0.01)
+    np.testing.assert_allclose(found.ref_acc[inner], whole.ref_acc[inner], atol=0.1)
+
+
 @pytest.fixture(scope="module")
 def recorded() -> Recording:
     """Return a recorded flight."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.sampled_reference import sampled_reference
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.gains.altitude_record import UP, resample
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
@@ -93,6 +94,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
     )
     grid = flying_grid(flight)
     nearest, there = _nearest_rows(flight.t, grid)
+    reference = sampled_reference(flight.t, flight.ref_pos, flight.ref_vel, flight.ref_acc)
     return TrackedFlight(
         name=flight.name,
         names=flight.names,
@@ -100,9 +102,9 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         pos=resample(flight.t, flight.pos, grid),
         vel=resample(flight.t, flight.vel, grid),
         quat=normalised(resample(flight.t, flight.quat, grid)),
-        ref_pos=resample(flight.t, flight.ref_pos, grid),
-        ref_vel=resample(flight.t, flight.ref_vel, grid),
-        ref_acc=resample(flight.t, flight.ref_acc, grid),
+        ref_pos=resample(flight.t, reference.pos, grid),
+        ref_vel=resample(flight.t, reference.vel, grid),
+        ref_acc=resample(flight.t, reference.acc, grid),
         acc=resample(flight.t, rotate(flight.quat, flight.specific_force_body) - GRAVITY * UP, grid),
         thrust=resample(flight.t, flight.thrust, grid),
         compensated=resample(flight.t, _compensated(flight, recording.log, vehicle.mass), grid),
