@@ -223,6 +223,19 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     assert not (tmp_path / "bag").exists()
 
 
+def test_what_is_in_the_log_for_lack_of_other_columns_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    columns = {name: one for name, one in _columns().items() if not name.endswith(("_qw", "_yaw", "_fa_ff"))}
+    _write_csv(columns, tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    named = "vx, vy, vz, ax, ay, az, roll, pitch, qx, qy, qz, wp, wq, wr"
+    assert f"  in /log only: {named}; /state needs vx, vy, vz, /imu ax" in capsys.readouterr().out
+    log = read_flight_log(tmp_path / "bag")
+    assert np.array_equal(log.column("vz")[:, 1], columns["cf51_vz"])
+    assert log.units[log.columns.index("vz")] == "m/s"
+
+
 @NEEDS_DATA
 @pytest.mark.parametrize(
     ("file", "topics"),

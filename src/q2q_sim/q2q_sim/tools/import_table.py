@@ -16,6 +16,11 @@ from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, us
 from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.signals.values import Array
 
+NEEDS = (
+    "/state needs vx, vy, vz, /imu ax, ay, az, each with qx, qy, qz, qw or roll, pitch, yaw, "
+    "and /reference xref, yref, zref"
+)
+
 
 def run(args: Namespace) -> int:
     """Convert the flight; print what is in the bag; return the exit status."""
@@ -26,6 +31,8 @@ def run(args: Namespace) -> int:
     _print_vehicles(columns, len(table.t), args.out)
     for topic, count in counts.items():
         print(f"  {topic}: {counted(count, 'message')}")
+    if lone := [name for name in log_of(table).columns if name in CARRIED]:
+        print(f"  in /log only: {', '.join(lone)}; {NEEDS}")
     print(f"  {counted(int(table.gap.sum()), 'sample')} in gaps of the source: not in /mocap")
     for note in filter(None, [*notes, y_up_reason(table.vectors(POS))]):
         print(f"  {note}")

@@ -9,12 +9,14 @@ Two layouts are supported, both in SI units with one row per tick:
 
 | columns | become |
 |---|---|
-| x y z, qx qy qz qw | mocap; not where `gap` is set: those values are interpolated |
-| vx vy vz, wp wq wr (with the above) | state, as estimated onboard; COASTING in a gap |
+| x y z, qx qy qz qw or roll pitch yaw | mocap; not where `gap` is set: those values are interpolated |
+| vx vy vz (with the above), wp wq wr | state, as estimated onboard; COASTING in a gap |
 | xref yref zref, vxref vyref vzref, yawref_deg | reference; acceleration by differences, unless held |
 | thrust_cmd | command; roll, pitch and yaw rate are not logged: NaN |
-| ax ay az, wp wq wr | imu: R(q)^T (a + g e_z), because az excludes gravity |
-| all others | the log, under their own names |
+| ax ay az (with an attitude), wp wq wr | imu: R(q)^T (a + g e_z), because az excludes gravity |
+| all others, and those of a row above in part | the log, under their own names |
+
+Angles are Z-Y-X [rad], pitch nose down, and count where no quaternion is. Rates that are absent are NaN.
 """
 
 from collections.abc import Iterator, Mapping
@@ -26,7 +28,7 @@ from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.sampled_reference import is_rare
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.unit_check import check_metres
-from q2q_model.geometry.rotations import identity_quat, normalised, rotate_inverse
+from q2q_model.geometry.rotations import normalised, quat_from_euler, rotate_inverse
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 from q2q_model.signals.values import (
@@ -44,11 +46,18 @@ from q2q_model.vehicle.constants import GRAVITY
 
 POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
 REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")
-CARRIED = {*POS, *QUAT, *VEL, *RATE, *REF, *REF_VEL, *ACC, "thrust_cmd", "yawref_deg", "roll", "pitch", "yaw"}
-"""Columns contained in the signals; roll, pitch and yaw repeat the quaternion."""
+EULER, YAW_REF, THRUST = ("roll", "pitch", "yaw"), ("yawref_deg",), ("thrust_cmd",)
+CARRIED = {*POS, *QUAT, *EULER, *VEL, *RATE, *REF, *REF_VEL, *YAW_REF, *ACC, *THRUST}
+"""Columns that signals contain, with those they need."""
 LONGEST_STEP = 0.5
 """Longest median time between rows of a flight [s]; steps of 30 Hz in milliseconds are 33."""
 UNITS = {
+    **dict.fromkeys(REF, "m"),
+    **dict.fromkeys((*VEL, *REF_VEL), "m/s"),
+    **dict.fromkeys(ACC, "m/s^2"),
+    **dict.fromkeys(EULER, "rad"),
+    **dict.fromkeys(RATE, "rad/s"),
+    **dict.fromkeys(YAW_REF, "deg"),
     "vbat": "V",
     "fa_ff": "N",
     "thrust_est": "N",
@@ -89,8 +98,8 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     """Return a table's columns sorted by vehicle.
 
     Raises ValueError for a table without t or positions, one whose columns can be read as those of one
-    vehicle or of several, a time that is negative, not a number or not increasing, or times and positions
-    that are not in s and m.
+    vehicle or of several, a time that is negative, not a number or not increasing, or times, positions and
+    angles that are not in s, m and rad.
     """
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
@@ -113,33 +122,62 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
 
 
 def _check_units(table: FlightTable) -> None:
-    """Raise ValueError for times or positions that are not in s or m."""
+    """Raise ValueError for times, positions or angles that are not in s, m or rad."""
     step = float(np.median(np.diff(table.t))) if len(table.t) > 1 else 0.0
     if step > LONGEST_STEP:
         raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the most: is it in seconds?")
     check_metres(table.names, table.vectors(POS))
+    if table.has(EULER):
+        _check_radians(table)
+
+
+def _check_radians(table: FlightTable) -> None:
+    """Raise ValueError if angles that are the attitude of a vehicle are not in radians."""
+    used = ~_has_quat(table)
+    for k, name in enumerate(table.names):
+        tilt = float(np.nanmax(np.abs(table.vectors(EULER[:2])[used[:, k], k]), initial=0.0))
+        if tilt > np.pi:
+            raise ValueError(
+                f"roll and pitch of {name} reach {tilt:g} and are its attitude: they must be radians, pitch "
+                "nose down; a column map (bag_import --columns) scales degrees by 0.0174533, and the "
+                "firmware's pitch, which is nose up, by -0.0174533"
+            )
 
 
 def signals_of(table: FlightTable) -> dict[str, Iterator[Signal]]:
     """Return topic -> one signal per tick, for every topic that the table contains."""
     made: dict[str, Iterator[Signal]] = {"/mocap": _mocap(table)}
-    if table.has((*QUAT, *VEL, *RATE)):
+    if _has_attitude(table) and table.has(VEL):
         made["/state"] = _state(table)
     if table.has(REF):
         made["/reference"] = _reference(table)
-    if table.has(("thrust_cmd",)):
+    if table.has(THRUST):
         made["/command"] = _command(table)
-    if table.has((*ACC, *QUAT, *RATE)):
+    if _has_attitude(table) and table.has(ACC):
         made["/imu"] = _imu(table)
     return made
 
 
+def _has_attitude(table: FlightTable) -> bool:
+    return table.has(QUAT) or table.has(EULER)
+
+
 def log_of(table: FlightTable) -> FlightLog:
     """Return the columns that no signal contains."""
-    rest = tuple(name for name in table.columns if name not in CARRIED)
+    carried = _carried(table)
+    rest = tuple(name for name in table.columns if name not in carried)
     shape = (len(table.t), len(table.names), 0)
     values = table.vectors(rest) if rest else np.zeros(shape)
     return FlightLog(table.t, table.names, rest, tuple(UNITS.get(name, "") for name in rest), values)
+
+
+def _carried(table: FlightTable) -> set[str]:
+    """Return the columns that signals of this table contain; angles repeat a quaternion beside them."""
+    groups = [POS, QUAT, EULER, THRUST]
+    moving = [group for group in (VEL, ACC) if table.has(group)] if _has_attitude(table) else []
+    groups += [*moving, RATE] if moving else []
+    groups += [REF, REF_VEL, YAW_REF] if table.has(REF) else []
+    return {name for group in groups if table.has(group) for name in group}
 
 
 def stamp(t: float) -> float:
@@ -157,7 +195,7 @@ def _mocap(table: FlightTable) -> Iterator[Signal]:
 
 
 def _state(table: FlightTable) -> Iterator[Signal]:
-    pos, vel, quat, rate = table.vectors(POS), table.vectors(VEL), _quat(table), table.vectors(RATE)
+    pos, vel, quat, rate = table.vectors(POS), table.vectors(VEL), _quat(table), _rate(table)
     gap = table.gap
     last = np.maximum.accumulate(np.where(gap, table.t[0], table.t[:, None]), axis=0)
     status = np.where(gap, TrackStatus.COASTING, TrackStatus.TRACKED).astype(np.uint8)
@@ -210,12 +248,26 @@ def _command(table: FlightTable) -> Iterator[Signal]:
 
 def _imu(table: FlightTable) -> Iterator[Signal]:
     pull = table.vectors(ACC) + np.array([0.0, 0.0, GRAVITY])
-    force, rate = rotate_inverse(_quat(table), pull), table.vectors(RATE)
+    force, rate = rotate_inverse(_quat(table), pull), _rate(table)
     for row, t in enumerate(table.t):
         yield SwarmImu(t=stamp(t), names=table.names, specific_force_body=force[row], ang_vel_body=rate[row])
 
 
+def _rate(table: FlightTable) -> Array:
+    return table.vectors(RATE) if table.has(RATE) else np.full((len(table.t), len(table.names), 3), np.nan)
+
+
 def _quat(table: FlightTable) -> Array:
+    quat = np.full((len(table.t), len(table.names), 4), np.nan)
+    if table.has(EULER):
+        quat = quat_from_euler(*(table.columns[name] for name in EULER))
+    if table.has(QUAT):
+        quat = np.where(_has_quat(table)[..., None], normalised(table.vectors(QUAT)), quat)
+    return quat
+
+
+def _has_quat(table: FlightTable) -> Mask:
+    """Return the rows with a quaternion, (T, n)."""
     if not table.has(QUAT):
-        return np.full_like(identity_quat((len(table.t), len(table.names))), np.nan)
-    return normalised(table.vectors(QUAT))
+        return np.zeros((len(table.t), len(table.names)), dtype=bool)
+    return np.asarray(np.isfinite(normalised(table.vectors(QUAT))).all(axis=-1))
