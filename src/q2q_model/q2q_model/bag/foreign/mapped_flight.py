@@ -13,7 +13,7 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from q2q_model.bag.foreign.pose_frames import Poses, pose_frames
+from q2q_model.bag.foreign.pose_frames import Poses, clock_set_back, pose_frames
 from q2q_model.bag.foreign.references import References, with_references
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.reader import SIGNALS
@@ -187,13 +187,16 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, tuple[Ar
     tracks = {}
     for vehicle, found in rows.items():
         table = np.array(found)
-        back = float(np.max(np.maximum.accumulate(table[:, 0]) - table[:, 0]))
-        table = table[np.argsort(table[:, 0], kind="stable")]
+        recorded = table[:, 0]
+        back = float(np.max(np.maximum.accumulate(recorded) - recorded))
+        table = table[np.argsort(recorded, kind="stable")]
         if len(table) > 1 and table[0, 0] == table[-1, 0]:
             raise BagError(
                 f"bag {source.path}: all {len(table)} poses of {vehicle} have the stamp {table[0, 0]:g} s; "
                 "if headers are not filled, add `stamps: receive` to the topic map"
             )
+        if step := clock_set_back(recorded):
+            raise BagError(f"bag {source.path}, poses of {vehicle}: {step}")
         tracks[vehicle] = table, back
     return tracks
 

@@ -2,14 +2,17 @@
 
 The ticks are the stamps of the vehicle with the most poses and, where that one is not seen, those of the
 vehicle with the next most. A tick takes the pose of each vehicle nearest in time within a tolerance; no tick
-takes a pose that is nearer to another.
+takes a pose that is nearer to another. Of poses with the same stamp, the last that was recorded counts.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
+from q2q_model.counted import counted
+from q2q_model.signals.clock_resets import CONFIRM_STAMPS, SET_BACK_S
 from q2q_model.signals.values import Array, MocapFrame, Rows
 
 HOLE_PERIODS = 0.75
@@ -19,7 +22,7 @@ that of a vehicle captured between the ticks."""
 
 @dataclass(frozen=True, slots=True)
 class Poses:
-    """Poses of one vehicle in the order of their stamps."""
+    """Poses of one vehicle in the order of their stamps, those of one stamp as recorded."""
 
     t: Array
     """(rows,) [s]."""
@@ -37,16 +40,25 @@ def pose_frames(tracks: Mapping[str, Poses], tolerance_s: float) -> tuple[list[M
     Raises:
         ValueError: the poses of a vehicle match no pose of the one with the most.
     """
-    ticks, repairs = _ticks(tracks, tolerance_s), []
+    once = {vehicle: _once_a_stamp(track) for vehicle, track in tracks.items()}
+    ticks, repairs = _ticks(once, tolerance_s), []
     rows = {}
-    for vehicle, track in tracks.items():
+    for vehicle, track in once.items():
         rows[vehicle] = nearest_rows(ticks, track.t, tolerance_s)
         lost = len(track.t) - np.count_nonzero(rows[vehicle] >= 0)
         if track.back > 0.0:
             repairs.append(f"stamps of poses of {vehicle} go back by up to {track.back:.3f} s: sorted")
+        if repeated := len(tracks[vehicle].t) - len(track.t):
+            repairs.append(f"{counted(repeated, 'repeated stamp')} of poses of {vehicle}: the last is used")
         if lost:
             repairs.append(f"{lost} of {len(track.t)} poses of {vehicle} match no tick: dropped")
-    return [_frame(float(t), tracks, rows, tick) for tick, t in enumerate(ticks)], repairs
+    return [_frame(float(t), once, rows, tick) for tick, t in enumerate(ticks)], repairs
+
+
+def _once_a_stamp(track: Poses) -> Poses:
+    """Return the last pose of every stamp."""
+    last = np.append(np.diff(track.t) > 0.0, True)
+    return Poses(track.t[last], track.pos[last], track.quat[last], track.back)
 
 
 def _frame(t: float, tracks: Mapping[str, Poses], rows: Mapping[str, Rows], tick: int) -> MocapFrame:
@@ -88,6 +100,24 @@ def clock_mismatch(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> 
         return ""
     spans = f"{t[0]:.3f} to {t[-1]:.3f} s, not {ticks[0]:.3f} to {ticks[-1]:.3f} s"
     return f"{what} lie at {spans}: the clocks differ, or the recordings do not overlap"
+
+
+def clock_set_back(t: Array) -> str:
+    """Return where the clock of stamps in the order of the recording was set back; empty if it was not.
+
+    Some stamps in a row are then older by more than SET_BACK_S than as many in a row before; fewer are late
+    or wrong.
+    """
+    if len(t) < 2 * CONFIRM_STAMPS:
+        return ""
+    in_a_row = sliding_window_view(t, CONFIRM_STAMPS)
+    reached = np.maximum.accumulate(in_a_row.min(axis=1))[:-CONFIRM_STAMPS]
+    old = np.flatnonzero(reached - in_a_row.max(axis=1)[CONFIRM_STAMPS:] > SET_BACK_S)
+    if not len(old):
+        return ""
+    row = old[0] + CONFIRM_STAMPS
+    steps = f"after {row} of {len(t)}, their stamps go back from {t[row - 1]:.3f} to {t[row]:.3f} s"
+    return f"{steps}: the clock was set back, and two flights would be mixed; split the bag there"
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
