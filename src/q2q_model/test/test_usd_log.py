@@ -113,12 +113,22 @@ def flight(*data: bytes, **given: tuple[SourceColumn, ...]) -> dict[str, Array]:
     return columns_of_logs({f"cf{k}": usd_log(one) for k, one in enumerate(data, 1)}, given)
 
 
-def test_vehicles_on_one_clock_stay_on_it_and_others_begin_together() -> None:
+def test_clocks_from_the_start_of_logging_stay_as_they_are_where_first_rows_are_lost() -> None:
     together = flight(old_format(), old_format(seed=1, first_us=209_000))
     assert together["t"][0] == pytest.approx(0.21)  # the first row that both have
     np.testing.assert_allclose(together["cf1_x"] - together["cf2_x"], 0.2, atol=1e-6)
-    apart = flight(new_format(2), new_format(2, seed=1, first_s=400.0))
+
+
+@pytest.mark.parametrize("first_s", [12.03, 12.6, 400.0])
+def test_vehicles_switched_on_at_their_own_times_begin_together(first_s: float) -> None:
+    apart = flight(new_format(2), new_format(2, seed=1, first_s=first_s))
     np.testing.assert_allclose(apart["cf1_x"], apart["cf2_x"], atol=1e-6)
+    assert apart["t"][0] == 0.0
+
+
+def test_a_log_from_the_start_of_logging_begins_with_one_from_its_switching_on() -> None:
+    mixed = flight(old_format(), new_format(2, seed=1))
+    np.testing.assert_allclose(mixed["cf1_x"], mixed["cf2_x"], atol=1e-6)
 
 
 def test_units_are_si_and_attitudes_are_unpacked_to_ten_bits() -> None:

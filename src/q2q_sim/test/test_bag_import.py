@@ -126,12 +126,12 @@ def _vectors(*prefixes: str) -> dict[str, Array]:
     return {"t": t} | {f"{one}{axis}": k + 0.0 * t for k, one in enumerate(prefixes) for axis in "xyz"}
 
 
-def _log_of_a_line() -> bytes:
+def _log_of_a_line(first_us: int = 0) -> bytes:
     """Return a micro-SD log of 2 s along x at 1 m/s."""
     variables = [f"stateEstimate.{axis}(f)" for axis in "xyz"]
     header = struct.pack("<BHHH", 0xBC, 2, 1, 0) + b"rows\0" + struct.pack("<H", 3)
     header += b"".join(one.encode() + b"\0" for one in variables)
-    rows = b"".join(struct.pack("<HQfff", 0, 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
+    rows = b"".join(struct.pack("<HQfff", 0, first_us + 10_000 * k, 0.01 * k, 0.0, 1.0) for k in range(200))
     return header + rows + struct.pack("<I", crc32(header + rows))
 
 
@@ -320,8 +320,22 @@ def test_a_log_goes_into_a_bag_under_its_files_name(tmp_path: Path, capsys: pyte
         (tmp_path / name).write_bytes(_log_of_a_line())
     logs = [str(tmp_path / name) for name in ("cf7_03", "cf8_03")]
     assert main([*logs, "--out", str(tmp_path / "bag")]) == 0
+    assert "  clocks count from the start of logging: taken as common" in capsys.readouterr().out
     flight = read_flight(tmp_path / "bag")
     assert flight.names == ("cf7", "cf8")
     np.testing.assert_allclose(flight.mocap_pos[:, 1, 0], flight.t, atol=1e-6)
     assert main([*logs, "--names", "cf7,cf7", "--out", str(tmp_path / "other")]) == 1
     assert "give --names, a different one each" in capsys.readouterr().err
+
+
+def test_vehicles_switched_on_at_their_own_times_begin_together(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    for name, first_us in (("cf7_03", 35_200_000), ("cf8_03", 35_800_000)):
+        (tmp_path / name).write_bytes(_log_of_a_line(first_us))
+    logs = [str(tmp_path / name) for name in ("cf7_03", "cf8_03")]
+    assert main([*logs, "--out", str(tmp_path / "bag")]) == 0
+    told = "clocks count from switching on: all first rows are taken as one time (cf7 35.200 s, cf8 35.800 s)"
+    assert told in capsys.readouterr().out
+    flight = read_flight(tmp_path / "bag")
+    np.testing.assert_allclose(flight.mocap_pos[:, 0], flight.mocap_pos[:, 1], atol=1e-6)

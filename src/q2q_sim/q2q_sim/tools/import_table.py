@@ -11,7 +11,7 @@ from q2q_model.flights.tables.column_map import ColumnMap, load_column_map, mapp
 from q2q_model.flights.tables.flight_table import CARRIED, POS, FlightTable, flight_table, log_of, signals_of
 from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
-from q2q_model.flights.tables.usd_flight import columns_of_logs
+from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
 from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
 from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.signals.values import Array
@@ -54,7 +54,7 @@ def _print_vehicles(columns: Mapping[str, Array], ticks: int, out: Path) -> None
 def _columns(
     paths: Sequence[Path], names: str | None, chosen: ColumnMap | None
 ) -> tuple[Mapping[str, Array], list[str]]:
-    """Return the columns of a flight, and what its logs lack."""
+    """Return the columns of a flight, how clocks of its logs are joined, and what they lack."""
     if not any(is_usd_log(path.read_bytes()[:256]) for path in paths):
         if len(paths) > 1:
             raise ValueError(f"{', '.join(map(str, paths))}: give one table, or micro-SD logs only")
@@ -62,7 +62,7 @@ def _columns(
         return (mapped_table(columns, chosen) if chosen else columns), []
     logs = read_logs(paths, names.split(",") if names else None)
     notes = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
-    return columns_of_logs(logs, chosen), notes
+    return columns_of_logs(logs, chosen), [clock_note(logs), *notes]
 
 
 def read_logs(paths: Sequence[Path], names: Sequence[str] | None = None) -> dict[str, UsdLog]:

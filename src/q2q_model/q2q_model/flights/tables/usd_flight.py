@@ -1,12 +1,12 @@
 """One flight from the micro-SD logs of its vehicles: common clock, common rows, our columns.
 
-One broadcast starts logging in all vehicles, so their clocks are joined there: logs whose first rows lie
-within SHARED_CLOCK_S of each other share a clock already; otherwise each begins at its own first row. Rows
-are interpolated to 100 Hz from the first to the last row that all vehicles have; what lies in a hole of a log
-longer than HOLE_S is marked in the column `gap`.
+One broadcast starts logging in all vehicles, so their clocks are joined there: clocks that count from the
+start of logging are common already; of others, which count from each vehicle's own switching on, each begins
+at its first row. Rows are interpolated to 100 Hz from the first to the last row that all vehicles have; what
+lies in a hole of a log longer than HOLE_S is marked in the column `gap`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -20,7 +20,9 @@ STEP_S = 0.01
 """Period of a flight's ticks [s]."""
 HOLE_S = 0.025
 """A row more is missing: 2.5 periods of a log at 100 Hz [s]."""
-SHARED_CLOCK_S = 1.0
+LOGGING_CLOCK_S = 0.5
+"""First row up to which a clock counts from the start of logging [s]: 0.01 s in the logs of
+aerorobotics/neural-swarm, more by a block of rows that is damaged; a vehicle takes longer to switch on."""
 ROUNDING = 1e-6
 """Share of a period that times are rounded by."""
 QUAT = ("qx", "qy", "qz", "qw")
@@ -44,8 +46,7 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
     variables = sorted({name for log in logs.values() for name in log.variables})
     require_sources(given or {}, variables, variables)
     chosen = {**FIRMWARE, **(given or {})}
-    starts = {name: log.t[0] for name, log in logs.items()}
-    shared = max(starts.values()) - min(starts.values()) <= SHARED_CLOCK_S
+    shared = share_clock(logs.values())
     clocks = {name: log.t if shared else log.t - log.t[0] for name, log in logs.items()}
     begin, end = max(t[0] for t in clocks.values()), min(t[-1] for t in clocks.values())
     first, last = np.ceil(begin / STEP_S - ROUNDING), np.floor(end / STEP_S + ROUNDING)
@@ -64,6 +65,21 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
         rows = {key: np.interp(t, clocks[name], values) for key, values in columns.items()}
         found |= {f"{name}_{key}": values for key, values in (rows | _gap(t, clocks[name])).items()}
     return found
+
+
+def share_clock(logs: Iterable[UsdLog]) -> bool:
+    """Return whether the clocks of logs count from the start of logging, which is common."""
+    return all(log.t[0] <= LOGGING_CLOCK_S for log in logs)
+
+
+def clock_note(logs: Mapping[str, UsdLog]) -> str:
+    """Return in words how the clocks of logs are joined; empty for one log."""
+    if len(logs) < 2:
+        return ""
+    if share_clock(logs.values()):
+        return "clocks count from the start of logging: taken as common"
+    starts = ", ".join(f"{name} {log.t[0]:.3f} s" for name, log in logs.items())
+    return f"clocks count from switching on: all first rows are taken as one time ({starts})"
 
 
 def _columns(variables: Mapping[str, Array], chosen: ColumnMap) -> dict[str, Array]:
