@@ -2,21 +2,17 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from q2q_model.bag import (
-    BagError,
     BagRepairWarning,
     TopicMap,
     is_bag,
     load_topic_map,
 )
-from q2q_model.flights.flight import Flight
 from q2q_model.forked import forked
+from q2q_model.recordings.distinct_flights import distinct_flights, reject_duplicates
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import recording_of_bag
 
@@ -33,26 +29,12 @@ def recordings_of_bags(
         BagError: a bag cannot be read, or is given twice, also as a copy or by its file: a held-out flight
             would be in the fit.
     """
-    _reject_duplicates([bag.resolve() for bag in bags])
+    reject_duplicates(bags)
     middle = (len(bags) + 1) // 2
     beside = forked(partial(_read, bags[middle:], topics))
     parts = [_read(bags[:middle], topics), beside()]
     recordings = [one for found, _ in parts for one in found]
-    _reject_copies(bags, recordings)
-    names = [one.flight.name for one in recordings]
-    for k, bag in enumerate(bags):
-        alike = [other.resolve() for j, other in enumerate(bags) if j != k and names[j] == names[k]]
-        if alike:
-            flight = replace(recordings[k].flight, name=_distinct_end(bag.resolve(), alike))
-            recordings[k] = replace(recordings[k], flight=flight)
-    return recordings, [repair for _, repairs in parts for repair in repairs]
-
-
-def _distinct_end(path: Path, others: Sequence[Path]) -> str:
-    """Return the shortest end of a path, in whole parts, that none of other paths has."""
-    sizes = range(1, len(path.parts) + 1)
-    size = next(n for n in sizes if all(other.parts[-n:] != path.parts[-n:] for other in others))
-    return "/".join(path.parts[-size:])
+    return distinct_flights(bags, recordings), [repair for _, repairs in parts for repair in repairs]
 
 
 def _read(bags: Sequence[Path], topics: TopicMap | None) -> tuple[list[Recording], list[str]]:
@@ -77,24 +59,3 @@ def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
 def topic_map(path: Path | None) -> TopicMap | None:
     """Return the map in a file; None for none."""
     return None if path is None else load_topic_map(path)
-
-
-def _reject_copies(bags: Sequence[Path], recordings: Sequence[Recording]) -> None:
-    for k, one in enumerate(recordings):
-        for j, earlier in enumerate(recordings[:k]):
-            if _is_copy(one.flight, earlier.flight):
-                raise BagError(f"bags {bags[j]} and {bags[k]} hold the same flight; give each flight once")
-
-
-def _is_copy(one: Flight, other: Flight) -> bool:
-    """Return whether two flights are equal in every array."""
-    if one.names != other.names or one.t.shape != other.t.shape:
-        return False
-    arrays = [field.name for field in fields(Flight) if field.name not in {"name", "names"}]
-    return all(np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True) for name in arrays)
-
-
-def _reject_duplicates(bags: Sequence[Path]) -> None:
-    duplicates = sorted({str(bag) for bag in bags if bags.count(bag) > 1})
-    if duplicates:
-        raise BagError(f"bag {', '.join(duplicates)} is given twice; give each flight once")

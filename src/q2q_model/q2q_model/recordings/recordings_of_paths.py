@@ -6,9 +6,9 @@ from pathlib import Path
 from q2q_model.bag import TopicMap
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.recordings.bag_recordings import recordings_of_bags
+from q2q_model.recordings.distinct_flights import distinct_flights, reject_duplicates
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import flights_among, recording_of_table
-from q2q_model.signals.values import given_twice
 
 
 def recordings_of_paths(
@@ -16,18 +16,23 @@ def recordings_of_paths(
 ) -> tuple[list[Recording], list[str]]:
     """Return the flights, bags first, and notes on repairs and on files left out.
 
+    Flights are named by their folders or files, and by parent folders too where names collide.
+
     Raises:
-        ValueError: a flight cannot be read, is given twice, or a folder has none; or there are topics to map
-            and no bags.
+        ValueError: a flight cannot be read, is given twice, also as a bag and a table, or a folder has none;
+            or there are topics to map and no bags.
     """
     found, notes = flights_among(paths)
+    reject_duplicates(found)
     tables = [path for path in found if path.suffix in TABLES and path.is_file()]
     if topics is not None and len(tables) == len(found):
         raise ValueError(
             f"a topic map assigns topics of bags, and {tables[0]} is a table: leave out --topics"
         )
-    recordings, repairs = recordings_of_bags([path for path in found if path not in tables], topics)
+    bags = [path for path in found if path not in tables]
+    recordings, repairs = recordings_of_bags(bags, topics)
     recordings += [recording_of_table(path) for path in tables]
-    if twice := sorted(given_twice(one.flight.name for one in recordings)):
-        raise ValueError(f"flight {', '.join(twice)} is given twice; give each flight once")
-    return recordings, [*notes, *(f"repaired: {repair}" for repair in repairs)]
+    return distinct_flights([*bags, *tables], recordings), [
+        *notes,
+        *(f"repaired: {repair}" for repair in repairs),
+    ]
