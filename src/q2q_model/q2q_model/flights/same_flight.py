@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable
 
-IN_FIT = "in the fit: not held out"
+IN_FIT = "a flight of this name is in the fit: not held out if it is this one"
+"""Remark: files of models and airs name their flights, and strangers may have one name (`bag`)."""
 
 
 def is_among(name: str, fitted: Iterable[str]) -> bool:
