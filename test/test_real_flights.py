@@ -49,6 +49,18 @@ def test_gains_from_thrust_commands_are_those_that_flew(recordings: dict[str, Re
 
 
 @needs_flights
+@pytest.mark.parametrize("kind", ["dc21_randomwalk_ss_", "dc21_randomwalk_sss_", "dc21_"])
+def test_gains_of_random_walks_are_those_of_swaps(kind: str, recordings: dict[str, Recording]) -> None:
+    """A walk's velocity setpoint is at its limit in a third of its rows: with them, K_p is 8.3, K_d 3.8."""
+    flown = [recorded_altitudes(recordings[name], CRAZYFLIE_2_0) for name in FLIGHTS if name.startswith(kind)]
+    found = gains_from_commands([record for records, _ in flown for record in records])
+    assert found.k_p.value == pytest.approx(
+        10.0, rel=0.02
+    )  # of swaps 10.13: the tilt of |f| is not that of the vehicle
+    assert found.k_d.value == pytest.approx(5.0, rel=0.02)
+
+
+@needs_flights
 @pytest.mark.parametrize("name", FLIGHTS)
 def test_every_real_flight_goes_through_identify(name: str, bags: dict[str, Path], tmp_path: Path) -> None:
     out = tmp_path / "model.q2q"

@@ -9,8 +9,10 @@ from scipy.integrate import solve_ivp
 
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
+from q2q_model.identification.gain_notes import gain_notes
 from q2q_model.identification.gains.altitude_record import (
     AltitudeRecord,
     altitude_record,
@@ -98,6 +100,53 @@ def test_rows_in_which_a_limit_cut_the_command_do_not_move_the_gains():
     commanded_acc[100:150] = 0.05
     fit = gains_from_commands([replace(record, commanded_acc=commanded_acc)])
     assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-3)  # 50 of 6000 rows, all wrong the same way
+
+
+def random_walk(given: Array, dt: float = 0.01) -> AltitudeRecord:
+    """Return a vehicle that is given accelerations (T,), with a velocity setpoint cut at 0.25 m/s.
+
+    It follows 0.2 s late. The record has the derivative of its velocity setpoint, and not what was given.
+    """
+    limited = np.clip((np.cumsum(given) - 0.5 * given) * dt, -0.25, 0.25)
+    place = np.cumsum(limited) * dt
+    ref = np.stack([place, limited, np.gradient(limited, dt)], axis=-1)[:, None]  # (T, 1, 3)
+    pos, vel, empty = (np.zeros((given.size, 1, 3)) for _ in range(3))
+    for values, wanted in ((pos, place), (vel, limited)):
+        values[:, 0, 2] = first_order_lag(wanted[:, None], dt * np.arange(given.size), 0.2)[:, 0]
+    error, rate = (ref[..., k] - values[..., 2] for k, values in enumerate((pos, vel)))
+    commanded = given[:, None] + LOOP.k_p * error + LOOP.k_d * rate
+    commanded += 0.01 * np.random.default_rng(3).standard_normal(commanded.shape)
+    unknown, t = np.full_like(commanded, np.nan), dt * np.arange(given.size)
+    return AltitudeRecord(
+        "walk", ("a",), dt, t, pos, vel, empty, ref, commanded, unknown, 0.0 * commanded, 0, t.size
+    )
+
+
+def test_rows_in_which_the_velocity_setpoint_is_at_its_limit_do_not_move_the_gains():
+    """There its derivative is not the acceleration that the controller was given."""
+    t = np.arange(0.0, 60.0, 0.01)
+    record = random_walk(0.6 * np.cos(1.5 * t) + 0.3 * np.cos(0.7 * t))
+    fit = gains_from_commands([record])
+    assert fit.limited == pytest.approx((np.abs(record.ref[..., 1]) == 0.25).mean(), abs=0.03)
+    assert fit.k_p.low <= LOOP.k_p <= fit.k_p.high
+    assert fit.k_d.low <= LOOP.k_d <= fit.k_d.high
+    assert fit.k_p.high - fit.k_p.low < 0.1 * LOOP.k_p
+    assert gain_notes(fit, [], CRAZYFLIE_2_0)[0].startswith(f"{fit.limited:.0%} of the rows with commands")
+
+
+def test_vehicles_that_climb_at_a_constant_rate_have_the_gains_of_hovering_ones():
+    """All their rows are at the largest velocity, and its derivative is right."""
+    still = record_of(CALM)
+    pos, vel, ref = still.pos.copy(), still.vel.copy(), still.ref.copy()
+    pos[..., 2] += 0.2 * still.t[:, None]
+    ref[..., 0] += 0.2 * still.t[:, None]
+    vel[..., 2] += 0.2
+    ref[..., 1] += 0.2
+    risen = replace(still, pos=pos, vel=vel, ref=ref)
+    hovering, climbing = gains_from_commands([still]), gains_from_commands([risen])
+    assert climbing.limited == 0.0
+    assert climbing.k_p.as_list() == pytest.approx(hovering.k_p.as_list(), rel=1e-6)
+    assert climbing.k_d.as_list() == pytest.approx(hovering.k_d.as_list(), rel=1e-6)
 
 
 def test_the_ground_and_holes_in_the_positions_do_not_move_the_gains():

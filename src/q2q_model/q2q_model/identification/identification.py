@@ -16,6 +16,7 @@ from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.downwash_evidence import DownwashEvidence, largest_gap
+from q2q_model.identification.gain_notes import gain_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.impulse_response import with_added_acc
@@ -25,7 +26,7 @@ from q2q_model.identification.push.loading import loading_of
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
-from q2q_model.identification.push.sensor_check import MOST_OFFSET, sensor_notes
+from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.identification.selection.candidates import (
     NOTHING,
     Candidate,
@@ -41,7 +42,7 @@ from q2q_model.identification.selection.cross_validation import Score, model_dou
 from q2q_model.model_files.model_file import Fit, ModelFile
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, Vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 
 StepCallback = Callable[[str], None]
 
@@ -198,7 +199,7 @@ def _gains(
 ) -> tuple[GainFit, list[str]]:
     try:
         fit = gains_from_commands(records)
-        return fit, [*_sign_note(fit), *_weight_note(fit, vehicle), *_filter_note(recordings)]
+        return fit, gain_notes(fit, recordings, vehicle)
     except ValueError as missing:
         found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
         if needs_offset := is_better(shifted, found):
@@ -225,46 +226,6 @@ def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
         (
             "the topic interference is recorded, but no commands: if the controller compensated it, the "
             "model has what was left of it; record the topic command"
-        )
-    ]
-
-
-def _sign_note(fit: GainFit) -> list[str]:
-    """Return a note if the gains do not hold a vehicle at its reference."""
-    if fit.holds:
-        return []
-    return [
-        (
-            f"the model file has no gains, as K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both "
-            "above 0: is z up in positions and references, and is the reference that of the controller?"
-        )
-    ]
-
-
-def _filter_note(recordings: Sequence[Recording]) -> list[str]:
-    """Return a note if velocities are filtered positions, which need not be those that the controller had."""
-    count = sum(one.filtered for one in recordings)
-    if not count:
-        return []
-    return [
-        (
-            f"{count} of {len(recordings)} flights have no states: K_d is fitted to velocities that the "
-            "mocap filter makes of their poses. It is too small, beyond its interval, if the controller had "
-            "other velocities (4.7 for 5 by noise of 0.3 mm, 3.5 by 1 mm): record the topic state"
-        )
-    ]
-
-
-def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
-    """Return a note if the commanded thrust carries another weight than the vehicle's."""
-    if abs(fit.loop.offset) <= MOST_OFFSET:
-        return []
-    carried = vehicle.mass * (1.0 + fit.loop.offset / GRAVITY)
-    return [
-        (
-            f"the commanded thrust carries {1e3 * carried:.1f} g, and {vehicle.name} weighs "
-            f"{1e3 * vehicle.mass:.1f} g: the gains are wrong by that ratio: give the vehicle that was flown "
-            "(--vehicle)"
         )
     ]
 

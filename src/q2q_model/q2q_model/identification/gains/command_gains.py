@@ -3,10 +3,15 @@
     U1 b_z / m - g - z_ref'' = K_p (z_ref - z) + K_d (z_ref' - z') + K_i xi - c eta_ff + b
                                + c_v z_ref' + c_a z_ref''
 
-Each tick gives one row, linear in the gains; Huber weights suppress rows in which a limit was active. The
-offset b is separate for each vehicle and flight (battery, mass). Terms beyond K_p and K_d are kept only if an
-F test finds them significant. Correlated rows reduce the effective number of rows to n (1 - rho) / (1 + rho),
-with rho the correlation of successive residuals.
+Each tick gives one row, linear in the gains; Huber weights suppress rows in which a limit of the thrust was
+active, and those at the limit of a velocity setpoint are left out (velocity_limit). The offset b is separate
+for each vehicle and flight (battery, mass). Terms beyond K_p and K_d are kept only if an F test finds them
+significant. Correlated rows reduce the effective number of rows to n (1 - rho) / (1 + rho), with rho the
+correlation of successive residuals.
+
+U1 b_z is what the controller wants along z if it divides by the tilt. One that commands the size of its force
+(q2q_sim.experiments.validation.onboard_law) wants it along another tilt than that of the vehicle, b. On the
+recorded flights this moves K_p by up to 2 % and K_d by 1 %, more than the ends of their intervals.
 
 c_v and c_a are tried where the rates of references are those of a fit to their positions: a controller may
 have none (c_v = -K_d, c_a = -1), as has the firmware that is sent positions. Else they are 0.
@@ -20,15 +25,16 @@ have none (c_v = -K_d, c_a = -1), as has the firmware that is sent positions. El
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.special import fdtrc
 
 from q2q_model.counted import counted
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
+from q2q_model.identification.gains.velocity_limit import at_velocity_limit
 from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, cluster_rows, intervals
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FEWEST = 200
@@ -63,6 +69,8 @@ class GainFit:
     """c [-]; 0 if not found from commands."""
     of_rates: tuple[float, float] = (0.0, 0.0)
     """c_v [1/s] and c_a [-]."""
+    limited: float = 0.0
+    """Share of the rows that was left out, as their velocity setpoint is at its limit [-]."""
 
     @property
     def holds(self) -> bool:
@@ -83,6 +91,8 @@ class _Equation:
     """Number of the flight, (rows,)."""
     t: Array
     """[s], (rows,), ascending within a group."""
+    limited: Mask
+    """Whether the velocity setpoint is at its limit, (rows,)."""
 
 
 def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
@@ -91,7 +101,8 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     Raises:
         ValueError: too few rows with commands.
     """
-    system = _stacked(records)
+    whole = _stacked(records)
+    system = _without_limited(whole)
     if system.target.size < FEWEST:
         raise ValueError(
             f"{counted(system.target.size, 'row')} with thrust commands in "
@@ -126,6 +137,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
             found[REF_VEL].value if REF_VEL in found else 0.0,
             found[REF_ACC].value if REF_ACC in found else 0.0,
         ),
+        limited=1.0 - system.target.size / whole.target.size,
     )
 
 
@@ -142,7 +154,16 @@ def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
         group=np.concatenate([part.group for part in parts]),
         flight=np.concatenate([part.flight for part in parts]),
         t=np.concatenate([part.t for part in parts]),
+        limited=np.concatenate([part.limited for part in parts]),
     )
+
+
+def _without_limited(system: _Equation) -> _Equation:
+    """Return the rows whose velocity setpoint is not at its limit; all if those are few, as in a climb."""
+    rows = ~system.limited
+    if rows.sum() < FEWEST:
+        return system
+    return _Equation(**{one.name: getattr(system, one.name)[rows] for one in fields(system)})
 
 
 def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equation:
@@ -154,8 +175,9 @@ def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equat
     columns = np.column_stack([error, rate, integral - integral.mean(), -feed_forward, rates])
     target = record.commanded_acc[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
-    t = record.t[known]
-    return _Equation(target[known], columns[known], np.full(t.size, group), np.full(t.size, flight), t)
+    t, limited = record.t[known], at_velocity_limit(record.ref[:, i, 1])[known]
+    groups, flights = np.full(t.size, group), np.full(t.size, flight)
+    return _Equation(target[known], columns[known], groups, flights, t, limited)
 
 
 def _rows(system: _Equation, terms: Sequence[int], residual: Array, weight: Array) -> EstimatingRows:

@@ -11,8 +11,7 @@ family. Lateral gains enter |f| by the tilt only, so typical ones stand in where
 The offset c contains errors of the thrust and what the integral had learned before the first row. It is the
 one that balances the recorded motion in clear air: the mean of r'' minus all other terms.
 
-Where a velocity setpoint is at its limit (up to half of the rows of a random walk), differentiating it gives
-no acceleration, although the controller is given one. There a_ref is read from the command and the attitude.
+Where a velocity setpoint is at its limit (velocity_limit), a_ref is read from the command and the attitude.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -24,7 +23,6 @@ no acceleration, although the controller is given one. There a_ref is read from 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 from scipy.optimize import least_squares
 from scipy.signal import butter, cont2discrete, lfilter, sosfiltfilt
 
@@ -32,18 +30,13 @@ from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.identification.gains.velocity_limit import at_velocity_limit
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.vehicle_term import LOOP
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
-LIMIT = 0.98
-"""Share of its largest value from which a velocity setpoint counts as limited [-]."""
-SLOWEST = 0.05
-"""Smallest limit of a velocity setpoint [m/s]: a vehicle that is told to hover is not limited."""
-AROUND = 3
-"""Rows beside a limited one that count as limited too: the differences over them are wrong."""
 FEWEST = 200
 """Fewest rows of the regression: 2 s at 100 Hz."""
 ROW_ERROR = 0.01
@@ -96,7 +89,7 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     Raises:
         ValueError: fewer than 2 s of commands, or an unstable law.
     """
-    limited = limited_rows(flight)
+    limited = at_velocity_limit(flight.ref_vel)  # (T, n, 3)
     law = _regression(flight, limited, vehicle.mass)
     known = _known(flight, law)  # (T, n, 3)
     attitude = _attitude(flight, known, _steady(flight, limited), vehicle.thrust_lag)
@@ -135,13 +128,6 @@ def check_stable(name: str, law: OnboardLaw, lag: float, seconds: float) -> None
                 f"{1.0 / growth:.2g} s of {seconds:.0f} s; give a flight whose errors along {axis} show in "
                 "its thrust"
             )
-
-
-def limited_rows(flight: TrackedFlight) -> Mask:
-    """Return where the velocity setpoint of an axis is at its limit, (T, n, 3)."""
-    speed = np.abs(flight.ref_vel)
-    at_limit = speed >= LIMIT * np.maximum(speed.max(axis=0), SLOWEST)
-    return np.asarray(maximum_filter1d(at_limit, 2 * AROUND + 1, axis=0))
 
 
 def _steady(flight: TrackedFlight, limited: Mask) -> Mask:

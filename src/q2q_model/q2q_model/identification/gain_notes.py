@@ -1,0 +1,68 @@
+"""Notes of `identify` on gains from commands."""
+
+from collections.abc import Sequence
+
+from q2q_model.identification.gains.command_gains import GainFit
+from q2q_model.identification.push.sensor_check import MOST_OFFSET
+from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+
+LIMITED = 0.1
+"""Share of rows at the limit of a velocity setpoint from which it is told [-]."""
+
+
+def gain_notes(fit: GainFit, recordings: Sequence[Recording], vehicle: Vehicle) -> list[str]:
+    """Return what limits the use of gains that the commands of recordings gave."""
+    return [*_limit_note(fit), *_sign_note(fit), *_weight_note(fit, vehicle), *_filter_note(recordings)]
+
+
+def _limit_note(fit: GainFit) -> list[str]:
+    """Return a note if rows with velocity setpoints at their limit were left out of the gains."""
+    if fit.limited < LIMITED:
+        return []
+    return [
+        (
+            f"{fit.limited:.0%} of the rows with commands are left out of the gains: their velocity setpoint "
+            "is at its limit, so its derivative is not the acceleration that the controller was given"
+        )
+    ]
+
+
+def _sign_note(fit: GainFit) -> list[str]:
+    """Return a note if the gains do not hold a vehicle at its reference."""
+    if fit.holds:
+        return []
+    return [
+        (
+            f"the model file has no gains, as K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both "
+            "above 0: is z up in positions and references, and is the reference that of the controller?"
+        )
+    ]
+
+
+def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
+    """Return a note if the commanded thrust carries another weight than the vehicle's."""
+    if abs(fit.loop.offset) <= MOST_OFFSET:
+        return []
+    carried = vehicle.mass * (1.0 + fit.loop.offset / GRAVITY)
+    return [
+        (
+            f"the commanded thrust carries {1e3 * carried:.1f} g, and {vehicle.name} weighs "
+            f"{1e3 * vehicle.mass:.1f} g: the gains are wrong by that ratio: give the vehicle that was flown "
+            "(--vehicle)"
+        )
+    ]
+
+
+def _filter_note(recordings: Sequence[Recording]) -> list[str]:
+    """Return a note if velocities are filtered positions, which need not be those that the controller had."""
+    count = sum(one.filtered for one in recordings)
+    if not count:
+        return []
+    return [
+        (
+            f"{count} of {len(recordings)} flights have no states: K_d is fitted to velocities that the "
+            "mocap filter makes of their poses. It is too small, beyond its interval, if the controller had "
+            "other velocities (4.7 for 5 by noise of 0.3 mm, 3.5 by 1 mm): record the topic state"
+        )
+    ]
