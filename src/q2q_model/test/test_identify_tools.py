@@ -89,7 +89,11 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     assert scores["flights"]["table2_1"] == scores["pooled"] | {"in_fit": True}
     assert scores["pooled"]["r2_exposed"] > 0.9
     output = capsys.readouterr()
-    assert re.search(r"table2_1 .*, a flight of this name is in the fit: not held out if it is this one$", output.out, re.MULTILINE)
+    assert re.search(
+        r"table2_1 .*, a flight of this name is in the fit: not held out if it is this one$",
+        output.out,
+        re.MULTILINE,
+    )
     pooled = rf"^pooled +R2 +0\.\d+, 20 ms ahead 0\.\d+, rmse 0\.\d+ m/s\^2, {scores['pooled']['n']} rows"
     assert re.search(pooled, output.out, re.MULTILINE)
     assert "push of 1 flight is from imu and command, with a thrust lag of 0.07 s" in output.err
