@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.signals.values import Array, Mask, Rows
+from q2q_model.signals.values import Array, Mask, Names, Rows
 
 HOLD_S = 0.3
 """Time without a change from which a reference stands [s]: no trajectory is sent as rarely."""
@@ -87,6 +87,30 @@ def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledRe
     goals = np.array([found.goals for found in each], dtype=np.bool_)
     fitted = np.asarray(lacking.any(axis=0))
     return SampledReference(made[..., :3], made[..., 3:6], made[..., 6:], sure, fitted, uneven, goals)
+
+
+FITTED = (
+    "have no velocity and acceleration: those of a fit to their positions are used, also for a controller "
+    "that has none; map FullState or reference"
+)
+OFF_TICKS = (
+    "do not come at ticks of the poses, or not evenly: the gains may lie outside of their intervals, by some "
+    "per cent"
+)
+GOALS = (
+    f"mostly stand for more than {HOLD_S:g} s: they are read as goals that are held; if they are of a "
+    "trajectory that moves, the gains are wrong"
+)
+
+
+def reference_remarks(flight: str, names: Names, given: SampledReference) -> list[str]:
+    """Return remarks on references that determine gains less well than the intervals of these say."""
+    told = ((given.fitted, FITTED), (given.uneven, OFF_TICKS), (given.goals, GOALS))
+    return [
+        f"{flight}: references of {', '.join(np.array(names)[which])} {words}"
+        for which, words in told
+        if which.any()
+    ]
 
 
 def is_rare(t: Array, given: Array) -> bool:

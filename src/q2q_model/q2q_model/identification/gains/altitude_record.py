@@ -19,7 +19,7 @@ import numpy as np
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
 from q2q_model.flights.outliers import find_outliers, repair
-from q2q_model.flights.sampled_reference import HOLD_S, SampledReference, sampled_reference
+from q2q_model.flights.sampled_reference import SampledReference, reference_remarks, sampled_reference
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.geometry.rotations import rotate
 from q2q_model.signals.values import Array, Mask, Names, Rows
@@ -125,34 +125,13 @@ def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRec
         ValueError: as `altitude_record`, or no 2 s between holes.
     """
     standing = _standing(flight)
-    if not standing or len(standing) == len(flight.names):
-        records, remarks = _between_holes(flight, vehicle)
-        return records, [*remarks, *_remarks_on_references(flight)]
+    if len(standing) == len(flight.names):
+        standing = []
     flown = of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
     records, remarks = _between_holes(flown, vehicle)
-    stood = f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"
-    return records, [stood, *remarks, *_remarks_on_references(flown)]
-
-
-def _remarks_on_references(flight: Flight) -> list[str]:
-    """Return remarks on references without rates, and on those that are not sampled at ticks."""
-    given, remarks = flown_reference(flight), []
-    if fitted := [name for name, lacks in zip(flight.names, given.fitted, strict=True) if lacks]:
-        remarks.append(
-            f"{flight.name}: references of {', '.join(fitted)} have no velocity and acceleration: those of a "
-            "fit to their positions are used, also for a controller that has none; map FullState or reference"
-        )
-    if uneven := [name for name, late in zip(flight.names, given.uneven, strict=True) if late]:
-        remarks.append(
-            f"{flight.name}: references of {', '.join(uneven)} do not come at ticks of the poses, or not "
-            "evenly: the gains may lie outside of their intervals, by some per cent"
-        )
-    if goals := [name for name, held in zip(flight.names, given.goals, strict=True) if held]:
-        remarks.append(
-            f"{flight.name}: references of {', '.join(goals)} mostly stand for more than {HOLD_S:g} s: they "
-            "are read as goals that are held; if they are of a trajectory that moves, the gains are wrong"
-        )
-    return remarks
+    stood = [f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"] if standing else []
+    told = reference_remarks(flown.name, flown.names, flown_reference(flown))
+    return records, [*stood, *remarks, *told]
 
 
 def _standing(flight: Flight) -> list[str]:
@@ -251,12 +230,10 @@ def check_upright(flight: Flight) -> None:
 
 def flown_reference(flight: Flight) -> SampledReference:
     """Return the reference of all vehicles at its samples: the controller's setpoint, else the plan."""
-    pairs = (
-        (flight.safe_pos, flight.ref_pos),
-        (flight.safe_vel, flight.ref_vel),
-        (flight.safe_acc, flight.ref_acc),
-    )
-    return sampled_reference(flight.t, *(np.where(np.isfinite(safe), safe, plan) for safe, plan in pairs))
+    safe = (flight.safe_pos, flight.safe_vel, flight.safe_acc)
+    plan = (flight.ref_pos, flight.ref_vel, flight.ref_acc)
+    pairs = zip(safe, plan, strict=True)
+    return sampled_reference(flight.t, *(np.where(np.isfinite(one), one, other) for one, other in pairs))
 
 
 def _referred(flight: Flight) -> Mask:
