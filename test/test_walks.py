@@ -55,6 +55,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/forked.py",
     "q2q_model/geometry/rotations.py",
     "q2q_model/identification/intervals.py",
+    "q2q_model/recordings/distinct_flights.py",
     "q2q_model/recordings/filtered_states.py",
     "q2q_model/tools/bag_vehicle.py",
     "q2q_model/tools/identify_report.py",
