@@ -54,6 +54,8 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/flights/up_axis.py",
     "q2q_model/forked.py",
     "q2q_model/geometry/rotations.py",
+    "q2q_model/identification/gain_notes.py",
+    "q2q_model/identification/gains/velocity_limit.py",
     "q2q_model/identification/intervals.py",
     "q2q_model/recordings/distinct_flights.py",
     "q2q_model/recordings/filtered_states.py",
