@@ -102,6 +102,24 @@ def test_the_values_reported_a_jet_are_those_of_its_term_and_within_the_search(
     assert values["jet.push_mps2"].ends[0] < axis < values["jet.push_mps2"].ends[1]
 
 
+def test_the_push_of_short_passes_is_whole_and_within_its_interval() -> None:
+    """Of two minutes, 4.6 s are under the other vehicle: what pulls the push to zero shows most here."""
+    flights = []
+    for k in range(2):
+        motion = orbit(60.0, (0.6, 1.05), k)
+        pos = motion.pos * np.array([3.0, 3.0, 1.0])
+        level = np.broadcast_to([0.0, 0.0, 1.0], pos.shape)
+        wide = replace(motion, pos=pos, vel=np.gradient(pos, DT, axis=0), axis=level)
+        flights.append(flown(f"passes{k}", wide, Wake(wide_jet()), k))
+    found = jet_term(flights)
+    assert found is not None
+    push, known = found.values[0], float(push_in_table(wide_jet(), np.array([0.4]), np.zeros(1))[0])
+    assert push.value == pytest.approx(known, rel=0.05)
+    assert_within(found.values, "jet.push_mps2", known)
+    assert push.ends is not None
+    assert push.ends[0] < push.value < push.ends[1]
+
+
 def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> None:
     """Sources that hover neither tilt nor move: where they were and what air they carried is not seen."""
     flights = []

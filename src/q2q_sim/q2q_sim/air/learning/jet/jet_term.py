@@ -4,10 +4,10 @@ Slowness, carried and slope (jet_coordinates) are profiled: the best table (jet_
 and the simplex of Nelder and Mead minimises what is left. The bootstrap is linearised at the estimate: with
 the Jacobian J = (X, Z) of coefficients above zero and travel, and the misses e,
 
-    (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + lambda R)^-1 (sum w_g J_g' e_g - lambda R beta)
+    (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + R)^-1 (sum w_g J_g' e_g - R beta)
 
-with a travel beyond its bounds at them. The ridge on beta is left out of the score, so that the intervals
-hold what it takes from the push where little was flown; the values are those of the estimate.
+with R, the matrix of the penalties, and a travel beyond its bounds at them. Where all w_g are 1 the step of
+beta is zero: the intervals are around the estimate.
 
 An item of the travel is not shown if even alone, with the scores z_g' e_g of the blocks,
 
@@ -28,9 +28,9 @@ from q2q_sim.air.learning.jet.jet_coordinates import Travel
 from q2q_sim.air.learning.jet.jet_splines import (
     DEFAULT_PENALTY,
     RIDGE,
-    ROUGHNESS,
     chosen_penalty,
     normal_equations,
+    penalties,
     solve_penalised,
     solve_signed,
     spline_values,
@@ -189,8 +189,8 @@ class _Fit:
         moved = [self._derivative(int(k)) for k in np.flatnonzero(self.shown)]
         jacobian = np.column_stack([along, *moved])
         missed = self._y + self._push(self.travel)
-        rough = np.zeros((jacobian.shape[1], jacobian.shape[1]))
-        rough[: active.size, : active.size] = self._penalty * ROUGHNESS[np.ix_(active, active)]
+        rough = RIDGE * np.eye(jacobian.shape[1])
+        rough[: active.size, : active.size] = penalties(self._penalty)[np.ix_(active, active)]
         smoothed = rough[:, : active.size] @ self.beta[active]
         score = block_sums(jacobian * missed[:, None], self._blocks)
         count = int(self._blocks.max()) + 1
@@ -198,7 +198,7 @@ class _Fit:
         least, most = np.array(BOUNDS).T
 
         def estimate(weight: Array) -> Array:
-            square = np.tensordot(weight, squares, 1) + rough + RIDGE * np.eye(len(rough))
+            square = np.tensordot(weight, squares, 1) + rough
             step = np.linalg.solve(square, weight @ score - smoothed)
             beta, travel = self.beta.copy(), np.array(self.travel)
             beta[active] += step[: active.size]
