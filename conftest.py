@@ -1,10 +1,17 @@
-"""Settings of every test: hypothesis fails none for being slow, as speeds are measured in benchmarks."""
+"""Settings of every test: hypothesis fails none for being slow, as speeds are measured in benchmarks.
+
+Programs are interrupted as in a foreground shell, also where the tests run in the background of one: there they
+would inherit that SIGINT is ignored.
+"""
 
 import os
+import signal
 
 from hypothesis import settings
 
 pytest_plugins = ["budgets", "changed", "two_hosts"]
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")

@@ -22,12 +22,13 @@ import os
 import signal
 import sys
 
-handler = signal.getsignal(signal.SIGINT)
-if handler is signal.default_int_handler:
+interruptible = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+if interruptible:
     signal.signal(signal.SIGINT, lambda *_: os._exit({interrupted}))  # a traceback of imports says nothing
 from {module} import {function}
 
-signal.signal(signal.SIGINT, handler)
+if interruptible:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 if __name__ == "__main__":
     sys.exit({function}())
 '''
