@@ -1,7 +1,7 @@
 """Settings of every test: hypothesis fails none for being slow, as speeds are measured in benchmarks.
 
-Programs are interrupted as in a foreground shell, also where the tests run in the background of one: there they
-would inherit that SIGINT is ignored.
+Programs are interrupted as in a foreground shell, also where the tests run in the background of one, in which
+they would inherit that SIGINT is ignored.
 """
 
 import os

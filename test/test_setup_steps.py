@@ -111,15 +111,17 @@ def test_a_set_up_is_kept_also_where_its_moving_aside_or_back_was_killed(bare: C
     assert kept(bare) == [*WHOLE]
 
 
-@pytest.mark.parametrize("move", ["/q2q/.venv ", "/q2q/install "])
-def test_a_set_up_is_kept_where_it_cannot_be_moved_aside(bare: Checkout, move: str) -> None:
+@pytest.mark.parametrize(
+    ("tool", "at"), [("mv", "/q2q/.venv "), ("mv", "/q2q/install "), ("mkdir", ".replaced")]
+)
+def test_a_set_up_is_kept_where_it_cannot_be_moved_aside(bare: Checkout, tool: str, at: str) -> None:
     """It was removed, to make place for its successor."""
     add_set_up(bare)
     set_pip(bare, "exit 0")
-    bare.tool("mv", f'case "$*" in *"{move}"*) exit 1 ;; *) exec /bin/mv "$@" ;; esac')
+    bare.tool(tool, f'case "$*" in *"{at}"*) exit 1 ;; *) exec /bin/{tool} "$@" ;; esac')
     refused = bare.setup()
     assert refused.returncode != 0
-    assert "cannot be moved" in refused.stdout + refused.stderr
+    assert "cannot be m" in refused.stdout + refused.stderr
     assert kept(bare) == [*WHOLE]
 
 

@@ -8,7 +8,7 @@ move_folders() {
   local folder from=$1 to=$2
   shift 2
   for folder; do
-    [ ! -e "$from/$folder" ] || [ -e "$to/$folder" ] || mv -- "$from/$folder" "$to" || return
+    [ ! -e "$from/$folder" ] || [ -e "$to/$folder" ] || mv -- "$from/$folder" "$to/" || return
   done
 }
 # .venv first: as long as there is none, build and install are those of the set-up that is set aside.
@@ -28,7 +28,7 @@ set_aside() {
     [ -e "$VENV" ] || move_aside # a set-up was killed between the moves
   elif [ -f "$STAMPS/venv" ]; then
     rm -rf -- "$REPLACED"
-    mkdir "$REPLACED"
+    mkdir -- "$REPLACED" || fail "$REPLACED cannot be made"
     move_aside
   fi
   remove_set_up

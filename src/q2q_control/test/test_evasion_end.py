@@ -211,3 +211,15 @@ def test_who_is_led_back_from_beyond_the_lost_one_evades_on_that_side() -> None:
     for k in range(31, 200):
         output = evasion.update(setpoint_of(k * TICK, sent), state_of(beyond), flown(2, 0), {})
         assert output.pos[1, 0] > beyond[1, 0] - 0.01
+
+
+@pytest.mark.parametrize("named", [0, 1])
+def test_an_evasion_goes_on_while_the_setpoints_lack_its_vehicle(named: int) -> None:
+    """The controller ended by an IndexError where there was no setpoint."""
+    evasion, sent = DescentEvasion(), np.array([UPPER, (-0.1, 0.0, 1.0)])
+    state, outputs = state_of(sent), []
+    for k in range(200):
+        count = named if 100 <= k < 110 else 2
+        outputs.append(evasion.update(setpoint_of(k * TICK, sent[:count]), state, flown(2, 0), {}))
+    assert [len(one.names) for one in outputs[98:112]] == [2, 2, *[named] * 10, 2, 2]
+    assert outputs[-1].pos[1, 0] < outputs[99].pos[1, 0] < -0.4

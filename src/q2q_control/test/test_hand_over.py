@@ -117,6 +117,20 @@ def test_a_procedure_whose_node_has_gone_flies_no_vehicle() -> None:
     assert flying == [True, True, False, True]
 
 
+@pytest.mark.parametrize(
+    ("back", "begins"), [([Step.FLIGHT], [False]), ([Step.CHECKED, Step.GLIDE], [False, True])]
+)
+def test_a_procedure_that_is_back_begins_a_flight_from_the_ground_only(
+    back: list[Step], begins: list[bool]
+) -> None:
+    hand_overs = HandOvers()
+    hand_overs.take("a", Step.FLIGHT.value)
+    hand_overs.end_absent({"a"})
+    hand_overs.end_absent(set())
+    assert [hand_overs.take("a", step.value) for step in back] == begins
+    assert hand_overs.flying
+
+
 def test_a_procedure_of_a_bag_that_another_node_plays_goes_on_to_fly() -> None:
     hand_overs = HandOvers()
     hand_overs.take("a", Step.FLIGHT.value)

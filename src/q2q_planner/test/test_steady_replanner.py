@@ -176,13 +176,16 @@ def test_a_tube_is_as_wide_and_as_high_as_it_says() -> None:
 
 @pytest.mark.parametrize("late", [False, True])
 @pytest.mark.parametrize(("vel", "acc"), [(0.0, 8.0), (0.0, 30.0), (4.0, 0.0), (2.5, 2.1), (2.6, 2.0)])
-def test_a_first_setpoint_beyond_the_bounds_is_left_within_them(vel: float, acc: float, late: bool) -> None:
+@pytest.mark.parametrize("along", [(1.0, 0.0, 0.0), (2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0)])
+def test_a_first_setpoint_beyond_the_bounds_is_left_within_them(
+    vel: float, acc: float, along: tuple[float, float, float], late: bool
+) -> None:
     """Of a whole swarm, or of one vehicle that joins it."""
     pos, still = np.array([[0.0, 0.0, 1.0], [0.0, 9.0, 1.0]]), np.zeros((2, 3))
     replanner, hover, first = SafeReplanner(PARAMS), reference(0.0, pos, still, still), np.zeros((2, 2, 3))
     if late:
         replanner.update(of_vehicles(hover, np.array([1])), None)
-    first[:, 0, 0] = vel, acc
+    first[:, 0] = np.multiply.outer((vel, acc), along)
     asked = [replace(hover, t=TICK, vel=first[0], acc=first[1])]
     asked += [replace(hover, t=k * TICK) for k in range(2, 300)]
     flown = [replanner.update(one, None) for one in asked]
@@ -246,6 +249,21 @@ def test_a_reference_whose_acceleration_ends_at_once_below_the_largest_speed_lea
         flown.append(replanner.update(reference(k * TICK, x * ahead, speed * ahead, acc * ahead), None))
         x, speed = x + TICK * (speed + 0.5 * TICK * acc), speed + TICK * acc
     assert 2.46 < speed < 2.48
+    assert max(np.linalg.norm(one.vel) for one in flown) <= PARAMS.speed_max
+    assert not any((one.status == BROKEN).any() for one in flown)
+
+
+@pytest.mark.parametrize(("start", "jump", "acc"), [(0.5, 3.0, 1.9), (1.5, 1.0, 1.0)])
+def test_a_reference_that_speeds_up_on_the_way_back_to_it_leads_nobody_beyond_the_largest_speed(
+    start: float, jump: float, acc: float
+) -> None:
+    """It stays below the largest speed itself, and jumps ahead once."""
+    replanner, flown, ahead = SafeReplanner(PARAMS), [], np.array([[1.0, 0.0, 0.0]])
+    x, speed = 0.0, start
+    for k in range(500):
+        x, a = x + jump * (k == 50), acc * (k >= 110 and speed < 2.3)
+        flown.append(replanner.update(reference(k * TICK, x * ahead, speed * ahead, a * ahead), None))
+        x, speed = x + TICK * (speed + 0.5 * TICK * a), speed + TICK * a
     assert max(np.linalg.norm(one.vel) for one in flown) <= PARAMS.speed_max
     assert not any((one.status == BROKEN).any() for one in flown)
 

@@ -35,6 +35,7 @@ class HandOver:
         """Whether commands are flown."""
         self.flying = True
         """Whether vehicles are in the air, and not landing."""
+        self._gone = False
 
     def take(self, step: str) -> bool:
         """Take a reported step; return whether commands begin to be flown in it.
@@ -42,9 +43,13 @@ class HandOver:
         After a landing they go on to be flown, where setpoints could not be stopped.
         """
         self.flying = step in _FLYING
-        begins = step in _FOLLOWS and not self.flown
-        self.flown = step in _FOLLOWS or step == _LANDING
+        begins = step in _FOLLOWS and not self.flown and not self._gone
+        self.flown, self._gone = step in _FOLLOWS or step == _LANDING, False
         return begins
+
+    def end(self) -> None:
+        """End the procedure, whose node has gone; in flight when it is back, it begins none."""
+        self.flown, self.flying, self._gone = False, False, True
 
 
 class HandOvers:
@@ -67,7 +72,7 @@ class HandOvers:
         """
         self._published |= publishing
         for reporter in (self._by_reporter.keys() & self._published) - publishing:
-            self._by_reporter[reporter].take(Step.OFFLINE.value)
+            self._by_reporter[reporter].end()
 
     def take(self, reporter: str, step: str) -> bool:
         """Take a step of a procedure; return whether commands begin to be flown, and of no other yet are."""

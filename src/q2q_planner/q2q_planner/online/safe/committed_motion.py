@@ -107,9 +107,9 @@ def starting(setpoint: SwarmSetpoint, params: SafeReplannerParams) -> CommittedM
 
 
 def up_to(vel: Array, speed: float) -> Array:
-    """Return velocities (n, 3), shortened to a speed [m/s]."""
+    """Return velocities (n, 3), those that are longer shortened to a speed [m/s], no more by rounding."""
     size = np.linalg.norm(vel, axis=1, keepdims=True)
-    return np.asarray(vel * np.minimum(1.0, speed / np.maximum(size, speed)))
+    return np.where(size > speed, vel * ((1.0 - ROUNDING) * speed / np.maximum(size, speed)), vel)
 
 
 def still_flown(committed: CommittedMotion | None, t: float) -> CommittedMotion | None:

@@ -130,7 +130,8 @@ def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _WantedL
 def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: int, law: _WantedLaw) -> None:
     """Add the acceleration by which the shift e of a row follows e' = -w(|e|) e / |e| (approach_speed).
 
-    The velocity of a faster reference counts up to `law.speed`, and its acceleration not at all.
+    The velocity of a faster reference counts up to `law.speed`. Its acceleration does not where the bound of
+    the speed acts: it would lead beyond it.
     """
     vel, asked = rows.vel[row], reference.vel[row]
     share = _share(asked, law.speed)
@@ -143,7 +144,7 @@ def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: in
     speed, slope = approach_speed(far, law.back)
     most = _most_closing((x / far, y / far, z / far), ahead, law.speed)
     if speed > most:
-        speed, slope = most, 0.0
+        speed, slope, acc[row] = most, 0.0, 0.0
     along = (x * u + y * v + z * w) / far
     turning = speed / far
     for axis, shift, rate in ((0, x, u), (1, y, v), (2, z, w)):
