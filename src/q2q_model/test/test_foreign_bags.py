@@ -334,11 +334,24 @@ def test_references_that_have_ended_are_not_held_for_ever():
     known = np.isfinite(flight.ref_pos[:, 0]).all(axis=1)
     assert ticks[known][-1] == pytest.approx(9.99 + 0.03, abs=1e-6)
     assert remarks == ["references of cf1 end at t = 9.990 s, 5.0 s before the poses: none after 10.020 s"]
-    flight, remarks = _flown(ticks, np.array([3.0, 5.9, 8.8]))  # goals: as long as one takes to fly to
-    known = np.isfinite(flight.ref_pos[:, 0]).all(axis=1)
-    assert ticks[known][-1] == pytest.approx(11.8, abs=1e-6)
-    assert remarks == ["references of cf1 end at t = 8.800 s, 6.2 s before the poses: none after 11.800 s"]
-    assert _flown(ticks, np.array([3.0, 7.0, 12.5]))[1][1:] == []  # younger than HELD_S at the end
+    thrice, remarks = _flown(ticks, np.repeat(5.0 + np.arange(500) / 100.0, 3))  # each stamp three times
+    np.testing.assert_array_equal(thrice.ref_pos, flight.ref_pos)
+    assert remarks[0].endswith("none after 10.020 s")
+
+
+@pytest.mark.parametrize("goals", [[5.0], [5.0, 5.01, 5.02], [3.0, 5.9, 8.8], [5.0, 5.01, 8.0, 8.01, 8.02]])
+def test_the_last_goal_holds_to_the_end_of_the_poses(goals: list[float]):
+    """A vehicle that hovers is sent one, once or several times in a row."""
+    ticks = 5.0 + np.arange(1000) / 100.0
+    flight, remarks = _flown(ticks, np.array(goals))
+    assert np.isfinite(flight.ref_pos).all()
+    assert flight.ref_pos[-1, 0, 0] == goals[-1]
+    ends = f"references of cf1 end at t = {goals[-1]:.3f} s, {14.99 - goals[-1]:.1f} s before the poses"
+    assert remarks == [f"{ends}: the last is held"]
+
+
+def test_references_that_end_shortly_before_the_poses_are_not_told():
+    assert _flown(5.0 + np.arange(1000) / 100.0, np.array([3.0, 7.0, 12.5]))[1][1:] == []
 
 
 @pytest.mark.parametrize("clock", [-5.0, 12.0])

@@ -1,23 +1,26 @@
 """References of a bag of other software: at each tick, the last one received.
 
-References may be as rare as goals are. They belong to the clock of the poses, at the latest HELD_S before the
-first of these. After the last one a vehicle lands, or another program leads it: there is no reference then.
+References belong to the clock of the poses, at the latest HELD_S before the first of these. They may be as
+rare as goals are, of which each holds until the next, and the last one to the end of the poses. After the
+last one of a stream a vehicle lands, or another program leads it: there is no reference then.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
 from q2q_model.bag.foreign.pose_frames import clock_mismatch
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.sampled_reference import HOLD_S
 from q2q_model.signals.values import Array
 
 HELD_S = 3.0
-"""Age of a reference from which it is reported as held [s]: a goal is flown to within that, a stream has
-ended."""
+"""Age of a reference from which it is reported as held [s], and the time before the last one that tells a
+stream from goals."""
 HELD_PERIODS = 3.0
-"""Age of the last reference from which there is none [median periods], HELD_S at most."""
+"""Age of the last reference of a stream from which there is none [periods]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,17 +65,21 @@ def with_references(flight: Flight, given: Mapping[str, References]) -> tuple[Fl
             held[known, flight.names.index(vehicle)] = values[row[known]]
         remarks += _pauses(vehicle, track.t, flight.t)
         if (late := flight.t[-1] - track.t[-1]) > HELD_S:
-            remarks.append(
-                f"references of {vehicle} end at t = {track.t[-1]:.3f} s, {late:.1f} s before the poses: "
-                f"none after {end:.3f} s"
-            )
+            then = "the last is held" if end == inf else f"none after {end:.3f} s"
+            ends = f"references of {vehicle} end at t = {track.t[-1]:.3f} s, {late:.1f} s before the poses"
+            remarks.append(f"{ends}: {then}")
     return made, remarks
 
 
 def _end(t: Array) -> float:
-    """Return the time until which the last reference counts [s]."""
-    steps = np.diff(np.unique(t))
-    return float(t[-1]) + (min(HELD_S, HELD_PERIODS * float(np.median(steps))) if len(steps) else HELD_S)
+    """Return the time until which the last reference counts [s], infinite for a goal.
+
+    Half of the HELD_S before it is in steps of a period or less, in which bursts weigh little.
+    """
+    start = t[-1] - HELD_S
+    steps = np.sort(np.diff(t[t > start], prepend=start))
+    period = float(steps[np.searchsorted(np.cumsum(steps), 0.5 * HELD_S)])
+    return float(t[-1]) + HELD_PERIODS * period if period <= HOLD_S else inf
 
 
 def _pauses(vehicle: str, t: Array, ticks: Array) -> list[str]:

@@ -5,7 +5,7 @@ vehicles:                 # one topic per vehicle: PoseStamped, TransformStamped
   cf2: /cf2/odom
 poses: /poses             # also or instead: NamedPoseArray, all vehicles in one message
 rename: {cf231: cf1}      # name in `poses`: name of the vehicle
-references:               # as `vehicles`, or Position or FullState of Crazyswarm2; the last one holds
+references:               # as `vehicles`, or Position or FullState of Crazyswarm2
   cf1: /cf1/cmd_position
 signals:                  # also or instead: topics of q2q_msgs under other names
   mocap: /room/frames
