@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_flights import Pass, made_flight
 from mcap_ros2.writer import Writer as ForeignWriter
 from rosbags.typesys import Stores, get_typestore
 
@@ -51,7 +52,8 @@ def write_as_a_stranger(flight: Flight, path: Path) -> None:
             for k, (topic, kind) in enumerate((("/vicon/one/pose", POSE), ("/two/odom", ODOMETRY))):
                 given = head | {"pose": pose(flight.ref_pos[tick, k], level)}
                 name = ("one", "two")[k]
-                writer.write_message(f"/{name}/cmd_pose", schemas[POSE], given, stamp_ns, stamp_ns)
+                if np.isfinite(flight.ref_pos[tick, k]).all():
+                    writer.write_message(f"/{name}/cmd_pose", schemas[POSE], given, stamp_ns, stamp_ns)
                 if np.isfinite(flight.mocap_pos[tick, k]).all():
                     seen = pose(flight.mocap_pos[tick, k], flight.mocap_quat[tick, k])
                     wide = {"child_frame_id": name, "twist": {"twist": still, "covariance": zeros}}
@@ -181,6 +183,21 @@ def test_wrong_input_is_named_in_one_line(tmp_path: Path, capsys: pytest.Capture
     (tmp_path / "bad.yaml").write_text("vehicle: {}")
     lines = said_by_identify(tmp_path / "twice", capsys, "--topics", str(tmp_path / "bad.yaml"))
     assert "unknown key 'vehicle'" in lines
+
+
+def test_references_that_have_ended_are_told_before_the_error_that_follows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flight = made_flight(Pass(seconds=6.0))
+    ended = (flight.t > flight.t[0] + 1.8)[:, None, None]
+    flight = replace(flight, ref_pos=np.where(ended, np.nan, flight.ref_pos))
+    write_as_a_stranger(flight, tmp_path / "room.mcap")
+    (tmp_path / "map.yaml").write_text(MAP)
+    words = [str(tmp_path / "room.mcap"), "--topics", str(tmp_path / "map.yaml")]
+    assert identify.main([*words, "--out", str(tmp_path / "m.q2q")]) == 1
+    said = capsys.readouterr().err.replace("\n", " ")
+    told, error = said.index("references of one end at t ="), said.index("never last for 2.0 s together")
+    assert told < error
 
 
 @needs_bags

@@ -108,9 +108,10 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         for flight in (one.flight for one in recordings):
             if doubt := y_up_reason(flight.mocap_pos):
                 progress.console.print(f"identify: flight {flight.name}: {doubt}", highlight=False)
+        for repair in repairs:  # first: an error may follow from them
+            progress.console.print(f"identify: repaired: {repair}", highlight=False)
         found = identify(recordings, _params(args, flown.vehicle), steps.begin)
-        remarks = [f"repaired: {repair}" for repair in repairs]
-        for note in [*left_out, *filter(None, [flown.note]), *remarks]:
+        for note in [*left_out, *filter(None, [flown.note])]:
             progress.console.print(f"identify: {note}", highlight=False)
         return found, steps.finish()
 
