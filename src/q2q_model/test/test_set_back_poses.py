@@ -1,5 +1,6 @@
 """Poses whose clock goes back: the last of equal stamps counts, and two flights in one bag are refused."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,23 @@ def _with(row: int, stamp: float) -> Array:
     return changed
 
 
+def _late(count: int, rows: int) -> Array:
+    """Return a flight of which some stamps in a row are recorded a number of rows late."""
+    before, late, after = np.split(FLIGHT, [100, 100 + count])
+    return np.concatenate([before, after[:rows], late, after[rows:]])
+
+
+def test_a_clock_set_back_after_late_stamps_is_found_where_it_was_set_back() -> None:
+    found = clock_set_back(np.concatenate([_late(3, 200), FLIGHT - 2.0]))
+    assert found.startswith("after 500 of 1000, their stamps go back from 4.990 to -2.000 s")
+
+
+@pytest.mark.parametrize("rare", [FLIGHT, FLIGHT[::10]])
+@pytest.mark.parametrize("later", [FLIGHT + 0.003, FLIGHT[::10] + 0.003])
+def test_a_clock_set_back_is_found_between_tracks_of_any_rates(rare: Array, later: Array) -> None:
+    assert clock_set_back(np.concatenate([rare, later])).startswith(f"after {len(rare)} of ")
+
+
 @pytest.mark.parametrize(
     "t",
     [
@@ -58,22 +76,42 @@ def _with(row: int, stamp: float) -> Array:
         _with(300, 0.5),  # one that is delivered again
         _with(300, 99.0),  # one with a wrong stamp
         np.concatenate([FLIGHT + 100.0, FLIGHT + 200.0]),
+        np.concatenate([FLIGHT[250:], FLIGHT[:250]]),  # the second half first
+        _late(3, 200),
+        _late(30, 170),
     ],
 )
 def test_late_and_wrong_stamps_and_a_clock_set_forward_are_no_clock_set_back(t: Array) -> None:
     assert clock_set_back(t) == ""
 
 
-def test_a_bag_of_two_flights_on_one_time_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "room.mcap"
+def _room_bag(file: Path, stamps: Mapping[str, Array]) -> None:
+    """Write poses with stamps in the order given, of each topic."""
     with file.open("wb") as stream, Writer(stream) as writer:
         text = "std_msgs/Header header\ngeometry_msgs/Pose pose\n" + POSE + HEADER
         schema = writer.register_msgdef("geometry_msgs/msg/PoseStamped", text)
-        for row, t in enumerate(np.concatenate([FLIGHT, FLIGHT])):
-            stamp = {"sec": int(t), "nanosec": round(1e9 * (t % 1.0))}
-            place = {"position": {"x": t, "y": 0.0, "z": 1.0}, "orientation": {"w": 1.0}}
-            message = {"header": {"stamp": stamp, "frame_id": "world"}, "pose": place}
-            writer.write_message("/cf1", schema, message, log_time=row, publish_time=row)
+        for topic, own in stamps.items():
+            for row, t in enumerate(own):
+                stamp = {"sec": int(t), "nanosec": round(1e9 * (t % 1.0))}
+                place = {"position": {"x": t, "y": 0.0, "z": 1.0}, "orientation": {"w": 1.0}}
+                message = {"header": {"stamp": stamp, "frame_id": "world"}, "pose": place}
+                writer.write_message(topic, schema, message, log_time=row, publish_time=row)
+
+
+def test_references_that_are_set_back_or_not_there_are_not_called_poses(tmp_path: Path) -> None:
+    file, mapped = tmp_path / "room.mcap", TopicMap({"cf1": "/cf1"}, references={"cf1": "/goal"})
+    for given, said in (
+        (np.concatenate([FLIGHT, FLIGHT]), "references of cf1: after 500 of 1000"),
+        (np.zeros(9), "all 9 references of cf1 have the stamp 0 s"),
+    ):
+        _room_bag(file, {"/cf1": FLIGHT, "/goal": given})
+        with pytest.raises(BagError, match=said):
+            read_mapped_flight(file, mapped)
+
+
+def test_a_bag_of_two_flights_on_one_time_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "room.mcap"
+    _room_bag(file, {"/cf1": np.concatenate([FLIGHT, FLIGHT])})
     with pytest.raises(BagError, match=r"poses of cf1: after 500 of 1000, .* set back.* split the bag there"):
         read_mapped_flight(file, TopicMap({"cf1": "/cf1"}))
     flight = read_mapped_flight(file, TopicMap({"cf1": "/cf1"}, stamps="receive"))

@@ -69,7 +69,7 @@ def read_mapped_flight(path: Path | str, topic_map: TopicMap) -> Flight:
     rows = _rows_by_vehicle(source, channels, topic_map.references, topic_map, (*SETPOINTS, POSITION))
     given = {
         vehicle: References(table[:, 0], table[:, 1:4], table[:, 8:11], table[:, 11:])
-        for vehicle, (table, _) in _sorted(source, rows).items()
+        for vehicle, (table, _) in _sorted(source, rows, "references").items()
     }
     try:
         joined = flight_from_signals(flight_name(path), signals)
@@ -138,7 +138,7 @@ def _tracks(
         raise BagError("; ".join([f"bag {source.path} has no pose of any vehicle", *remarks]))
     return {
         vehicle: Poses(table[:, 0], table[:, 1:4], table[:, 4:8], back)
-        for vehicle, (table, back) in _sorted(source, rows).items()
+        for vehicle, (table, back) in _sorted(source, rows, "poses").items()
     }, remarks
 
 
@@ -179,11 +179,11 @@ def _rows_by_vehicle(
     }
 
 
-def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, tuple[Array, float]]:
+def _sorted(source: Source, rows: Mapping[str, list[Row]], what: str) -> dict[str, tuple[Array, float]]:
     """Return the rows of every vehicle by time, (rows, columns), and the most that a stamp goes back [s]."""
     empty = sorted(vehicle for vehicle, found in rows.items() if not found)
     if empty:
-        raise BagError(f"bag {source.path} has no pose of {', '.join(empty)}")
+        raise BagError(f"bag {source.path} has no {what} of {', '.join(empty)}")
     tracks = {}
     for vehicle, found in rows.items():
         table = np.array(found)
@@ -192,11 +192,11 @@ def _sorted(source: Source, rows: Mapping[str, list[Row]]) -> dict[str, tuple[Ar
         table = table[np.argsort(recorded, kind="stable")]
         if len(table) > 1 and table[0, 0] == table[-1, 0]:
             raise BagError(
-                f"bag {source.path}: all {len(table)} poses of {vehicle} have the stamp {table[0, 0]:g} s; "
+                f"bag {source.path}: all {len(table)} {what} of {vehicle} have the stamp {table[0, 0]:g} s; "
                 "if headers are not filled, add `stamps: receive` to the topic map"
             )
         if step := clock_set_back(recorded):
-            raise BagError(f"bag {source.path}, poses of {vehicle}: {step}")
+            raise BagError(f"bag {source.path}, {what} of {vehicle}: {step}")
         tracks[vehicle] = table, back
     return tracks
 

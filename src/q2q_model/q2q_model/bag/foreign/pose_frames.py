@@ -13,11 +13,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.counted import counted
 from q2q_model.signals.clock_resets import CONFIRM_STAMPS, SET_BACK_S
-from q2q_model.signals.values import Array, MocapFrame, Rows
+from q2q_model.signals.values import Array, Mask, MocapFrame, Rows
 
 HOLE_PERIODS = 0.75
-"""Distance from the nearest tick from which a pose makes a tick of its own [median periods]; half a period is
-that of a vehicle captured between the ticks."""
+"""Distance from the nearest tick from which a pose makes a tick of its own, and an old stamp is in a hole
+[median periods]; half a period is that of a vehicle captured between the ticks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,19 +105,30 @@ def clock_mismatch(what: str, t: Array, ticks: Array, before_s: float = 0.0) -> 
 def clock_set_back(t: Array) -> str:
     """Return where the clock of stamps in the order of the recording was set back; empty if it was not.
 
-    Some stamps in a row are then older by more than SET_BACK_S than as many in a row before; fewer are late
-    or wrong.
+    Some stamps in a row are then older by more than SET_BACK_S than as many in a row before, and among the
+    others; fewer are late or wrong, and of those that fill a hole of the others sorting is the order.
     """
     if len(t) < 2 * CONFIRM_STAMPS:
         return ""
     in_a_row = sliding_window_view(t, CONFIRM_STAMPS)
     reached = np.maximum.accumulate(in_a_row.min(axis=1))[:-CONFIRM_STAMPS]
-    old = np.flatnonzero(reached - in_a_row.max(axis=1)[CONFIRM_STAMPS:] > SET_BACK_S)
-    if not len(old):
+    old = np.flatnonzero(reached - in_a_row.max(axis=1)[CONFIRM_STAMPS:] > SET_BACK_S) + CONFIRM_STAMPS
+    doubled = old[_are_among(t, old[:, None] + np.arange(CONFIRM_STAMPS)).all(axis=1)]
+    if not len(doubled):
         return ""
-    row = old[0] + CONFIRM_STAMPS
+    before = old[old <= doubled[0]]
+    row = before[np.append(True, np.diff(before) > 1)][-1]
     steps = f"after {row} of {len(t)}, their stamps go back from {t[row - 1]:.3f} to {t[row]:.3f} s"
     return f"{steps}: the clock was set back, and two flights would be mixed; split the bag there"
+
+
+def _are_among(t: Array, rows: Rows) -> Mask:
+    """Return which of some rows (k, w) of stamps are nearer to others than these follow each other."""
+    if not rows.size:
+        return np.zeros(rows.shape, dtype=np.bool_)
+    others, steps = np.sort(np.delete(t, np.unique(rows))), np.diff(t[: rows.min()])
+    period = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+    return np.asarray(np.abs(t[rows] - others[_nearest(others, t[rows])]) < HOLE_PERIODS * period)
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
