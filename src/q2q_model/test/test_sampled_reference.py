@@ -1,5 +1,6 @@
 """References at their own samples: rates of staircases, steps, and gains from each of them."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -41,6 +42,22 @@ def test_rates_of_a_staircase_are_those_of_the_motion_at_its_samples(every: int)
     )  # (OMEGA width)^2 / 10
     assert found.fitted.all()
     assert not found.uneven.any()
+
+
+def test_long_recordings_at_high_rates_are_fitted_in_little_memory() -> None:
+    t = np.arange(30_000) / 300.0
+    pos, vel, _ = sine(t)
+    unknown = np.full_like(pos, np.nan)
+    tracemalloc.start()
+    try:
+        found = sampled_reference(t, pos, unknown, unknown)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 100e6  # [B]; 5e4 B for every sample, if the windows of all are there at once
+    inner = slice(100, -100)
+    assert found.sure.all()
+    np.testing.assert_allclose(found.vel[inner], vel[inner], atol=2e-3 * 0.2 * OMEGA)
 
 
 def test_recorded_rates_are_kept_as_they_are() -> None:
