@@ -70,6 +70,28 @@ def test_recorded_rates_are_kept_as_they_are() -> None:
     assert not found.fitted.any()
 
 
+@pytest.mark.parametrize("lost", [slice(1000, 1001), slice(1000, 1010)])
+def test_a_component_that_is_no_number_is_no_sample(lost: slice) -> None:
+    given, vel, _ = sine(T)
+    pos = given.copy()
+    pos[lost, 0, 2] = np.nan
+    found = sampled_reference(T, pos, UNKNOWN, UNKNOWN)
+    assert not found.sure[lost].any()
+    near = found.sure[:, 0] & (np.abs(T - 10.0) < 1.0)
+    assert np.count_nonzero(near) >= 170
+    np.testing.assert_allclose(found.pos[near], given[near], atol=2e-3 * 0.2)
+    np.testing.assert_allclose(found.vel[near], vel[near], atol=2e-2 * 0.2 * OMEGA)  # a side is lost
+
+
+def test_altitudes_alone_are_a_reference() -> None:
+    given, vel, _ = sine(T)
+    pos = np.where([False, False, True], given, np.nan)
+    found = sampled_reference(T, pos, UNKNOWN, UNKNOWN)
+    assert found.sure.all()
+    np.testing.assert_allclose(found.vel[50:-50, 0, 2], vel[50:-50, 0, 2], atol=2e-3 * 0.2 * OMEGA)
+    assert np.isnan(found.vel[..., :2]).all()
+
+
 def test_a_step_has_no_rates_and_a_goal_stands() -> None:
     pos = np.where(T[:, None, None] < 10.0, [0.0, 0.0, 1.0], [0.0, 0.0, 1.5])
     found = sampled_reference(T, pos, UNKNOWN, UNKNOWN)

@@ -122,7 +122,9 @@ def is_rare(t: Array, given: Array) -> bool:
 
 def reference_samples(t: Array, given: Array) -> Samples:
     """Return the samples of one vehicle's reference (T, columns), whose first three are its position."""
-    known = np.flatnonzero(np.isfinite(given[:, :3]).any(axis=1))
+    measured = np.isfinite(given[:, :3])
+    absent = ~measured.any(axis=0)  # it may be of altitudes alone
+    known = np.flatnonzero(measured.any(axis=1) & (measured | absent).all(axis=1))
     if not known.size:
         return Samples(known, 0.0, uneven=False, goals=False)
     values = np.nan_to_num(given[known])
@@ -170,6 +172,7 @@ def _fits_of(rows: Rows, t: Array, pos: Array, width: float, side: int) -> tuple
     value[few] = np.nan
     missed = np.sqrt(((places - powers @ value) ** 2).sum(axis=(1, 2)) / weight.sum(axis=1))
     extent = np.linalg.norm(np.ptp(places, axis=1), axis=1)
+    value[np.isnan(np.broadcast_to(pos[rows, None], value.shape))] = np.nan
     made = np.concatenate(
         (pos[rows] + value[:, 0], value[:, 1] / width, 2.0 * value[:, 2] / width**2), axis=1
     )
