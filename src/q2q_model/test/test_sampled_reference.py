@@ -9,7 +9,7 @@ from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.sampled_reference import HOLD_S, sampled_reference
+from q2q_model.flights.sampled_reference import HOLD_S, reference_remarks, sampled_reference
 from q2q_model.identification.gains.altitude_record import altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.signals.values import Array
@@ -90,6 +90,29 @@ def test_altitudes_alone_are_a_reference() -> None:
     assert found.sure.all()
     np.testing.assert_allclose(found.vel[50:-50, 0, 2], vel[50:-50, 0, 2], atol=2e-3 * 0.2 * OMEGA)
     assert np.isnan(found.vel[..., :2]).all()
+
+
+def test_only_what_lacks_is_fitted_and_told() -> None:
+    pos, vel, acc = sine(T)
+    found = sampled_reference(T, pos, vel, UNKNOWN)
+    np.testing.assert_array_equal(found.pos, pos)
+    np.testing.assert_array_equal(found.vel, vel)
+    np.testing.assert_allclose(found.acc[50:-50], acc[50:-50], atol=4e-2 * 0.2 * OMEGA**2)
+    assert found.fitted.tolist() == [[False, True]]
+    assert reference_remarks("made", ("cf1",), found)[0].startswith(
+        "made: references of cf1 have no acceleration: that of a fit to their positions is used, also for"
+    )
+
+
+def test_a_single_rate_that_lacks_is_fitted_without_a_remark() -> None:
+    pos, vel, acc = sine(T)
+    some = acc.copy()
+    some[1000] = np.nan
+    found = sampled_reference(T, pos, vel, some)
+    np.testing.assert_array_equal(np.delete(found.acc, 1000, axis=0), np.delete(acc, 1000, axis=0))
+    np.testing.assert_allclose(found.acc[1000], acc[1000], atol=4e-2 * 0.2 * OMEGA**2)
+    assert found.sure.all()
+    assert reference_remarks("made", ("cf1",), found) == []
 
 
 def test_a_step_has_no_rates_and_a_goal_stands() -> None:

@@ -36,6 +36,9 @@ EVERY_TICK = 1.5
 """Period below which a reference comes at every tick, and repeated ones are samples, too [ticks]."""
 FEWEST = 3
 """Changes up to which references are no row of goals."""
+VEL, ACC = slice(3, 6), slice(6, 9)
+LACKING_SHARE = 0.05
+"""Share of samples without a rate from which the rate counts as fitted [-]."""
 UNEVEN, UNEVEN_SHARE = 0.25, 0.1
 """Deviation from the period, and the share of steps that have it, from which samples are uneven [-]."""
 
@@ -53,7 +56,7 @@ class SampledReference:
     sure: Mask
     """Samples whose rates were recorded or are those of a smooth motion, (T, n)."""
     fitted: Mask
-    """Vehicles whose rates were not recorded, (n,)."""
+    """Vehicles that lack velocity, and acceleration, at more than LACKING_SHARE of their samples, (n, 2)."""
     uneven: Mask
     """Vehicles whose samples are not at even distances, as their stamps are not those of the ticks, (n,)."""
     goals: Mask
@@ -77,24 +80,28 @@ def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledRe
     """Return the reference at its samples, from what is recorded at ticks t (T,): each (T, n, 3)."""
     given = np.concatenate((pos, vel, acc), axis=2)  # (T, n, 9)
     made, sure = np.full_like(given, np.nan), np.zeros(pos.shape[:2], dtype=np.bool_)
-    lacking = np.asarray((np.isfinite(pos) & ~(np.isfinite(vel) & np.isfinite(acc))).any(axis=2))
+    lacking = np.isfinite(np.tile(pos, 3)) & ~np.isfinite(given)
+    lacking[..., :3] = lacking[..., 3:6]  # beside a fitted velocity is the position of the same fit
+    fitted = np.zeros((pos.shape[1], 2), dtype=np.bool_)
     each = [reference_samples(t, given[:, i]) for i in range(pos.shape[1])]
     for i, found in enumerate(each):
         rows, lacks = found.rows, lacking[found.rows, i]
         made[rows, i], sure[rows, i] = given[rows, i], True
         if lacks.any():
             fits, smooth = _fits(t[rows], pos[rows, i], found.period, float(np.median(np.diff(t))))
-            made[rows[lacks], i], sure[rows[lacks], i] = fits[lacks], smooth[lacks]
+            made[rows, i], sure[rows, i] = np.where(lacks, fits, given[rows, i]), smooth | ~lacks.any(axis=1)
+            fitted[i] = [np.mean(lacks[:, own].any(axis=1)) > LACKING_SHARE for own in (VEL, ACC)]
     uneven = np.array([found.uneven for found in each], dtype=np.bool_)
     goals = np.array([found.goals for found in each], dtype=np.bool_)
-    fitted = np.asarray(lacking.any(axis=0))
     return SampledReference(made[..., :3], made[..., 3:6], made[..., 6:], sure, fitted, uneven, goals)
 
 
 FITTED = (
-    "have no velocity and acceleration: those of a fit to their positions are used, also for a controller "
-    "that has none; map FullState or reference"
+    "of a fit to their positions {} used, also for a controller that has none; map FullState or reference"
 )
+BOTH_FITTED = f"have no velocity and acceleration: those {FITTED.format('are')}"
+VEL_FITTED = f"have no velocity: that {FITTED.format('is')}"
+ACC_FITTED = f"have no acceleration: that {FITTED.format('is')}"
 OFF_TICKS = (
     "do not come at ticks of the poses, or not evenly: the gains may lie outside of their intervals, by some "
     "per cent"
@@ -107,7 +114,14 @@ GOALS = (
 
 def reference_remarks(flight: str, names: Names, given: SampledReference) -> list[str]:
     """Return remarks on references that determine gains less well than the intervals of these say."""
-    told = ((given.fitted, FITTED), (given.uneven, OFF_TICKS), (given.goals, GOALS))
+    vel, acc = given.fitted.T
+    told = (
+        (vel & acc, BOTH_FITTED),
+        (vel & ~acc, VEL_FITTED),
+        (acc & ~vel, ACC_FITTED),
+        (given.uneven, OFF_TICKS),
+        (given.goals, GOALS),
+    )
     return [
         f"{flight}: references of {', '.join(np.array(names)[which])} {words}"
         for which, words in told
