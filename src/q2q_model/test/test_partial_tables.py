@@ -4,23 +4,33 @@ import numpy as np
 import pytest
 
 from q2q_model.flights.flight import Flight, flight_from_signals
-from q2q_model.flights.tables.flight_table import QUAT, RATE, FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.tables.column_map import SourceColumn, mapped_table
+from q2q_model.flights.tables.flight_table import (
+    ANGLES,
+    EULER,
+    QUAT,
+    RATE,
+    FlightTable,
+    flight_table,
+    log_of,
+    signals_of,
+)
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.signals.values import Array, SwarmState
 from q2q_model.vehicle.constants import GRAVITY
 
 TICKS = 50
-ANGLES = (0.1, -0.2, 0.3)
+TURN = (0.1, -0.2, 0.3)
 """Roll, pitch and yaw of the table [rad]."""
-WHOLE = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", *RATE, *QUAT, "roll", "pitch", "yaw")
-ATTITUDE = (*QUAT, "roll", "pitch", "yaw")
+ATTITUDE = (*QUAT, *EULER)
+WHOLE = ("x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", *RATE, *ATTITUDE)
 
 
 def _columns(*without: str) -> dict[str, Array]:
-    """Return a table of cf1 and cf2, whose attitudes are ANGLES, without some columns."""
+    """Return a table of cf1 and cf2, whose attitudes are TURN, without some columns."""
     rng = np.random.default_rng(3)
     columns: dict[str, Array] = {f"cf{k}_{name}": rng.normal(size=TICKS) for k in (1, 2) for name in WHOLE}
-    attitude = (*quat_from_euler(*ANGLES), *ANGLES)
+    attitude = (*quat_from_euler(*TURN), *TURN)
     columns |= {
         f"cf{k}_{name}": np.full(TICKS, value)
         for k in (1, 2)
@@ -49,7 +59,7 @@ def test_without_rates_velocities_and_accelerations_stay_and_rates_are_not_numbe
     assert log_of(table).columns == ()
 
 
-def test_roll_pitch_and_yaw_are_the_attitude_where_no_quaternion_is() -> None:
+def test_angles_in_radians_by_their_name_are_the_attitude_where_no_quaternion_is() -> None:
     flight = _flight(flight_table(_columns(*QUAT)))
     whole = _flight(flight_table(_columns()))
     np.testing.assert_allclose(flight.quat, whole.quat, atol=1e-15)
@@ -67,7 +77,10 @@ def test_a_vehicle_with_angles_beside_one_with_a_quaternion_has_its_attitude() -
     ("without", "logged"),
     [
         (ATTITUDE, (*("vx", "vy", "vz", "ax", "ay", "az"), *RATE)),
-        (("qw", "yaw"), (*("vx", "vy", "vz", "ax", "ay", "az"), *RATE, "qx", "qy", "qz", "roll", "pitch")),
+        (
+            ("qw", "yaw_rad"),
+            (*("vx", "vy", "vz", "ax", "ay", "az"), *RATE, "qx", "qy", "qz", "roll_rad", "pitch_rad"),
+        ),
         (("vy", "az"), ("vx", "vz", "ax", "ay", *RATE)),
         (("wq",), ("wp", "wr")),
     ],
@@ -87,7 +100,25 @@ def test_references_and_thrust_that_are_in_part_are_in_the_log() -> None:
 
 
 def test_angles_in_degrees_are_refused_where_they_are_the_attitude() -> None:
-    degrees = {"cf1_roll": np.full(TICKS, 6.0)}
-    with pytest.raises(ValueError, match=r"roll and pitch of cf1 reach 6 .* radians, .* 0\.0174533"):
+    degrees = {"cf1_roll_rad": np.full(TICKS, 6.0)}
+    with pytest.raises(ValueError, match=r"roll_rad and pitch_rad of cf1 reach 6 .* radians; .* 0\.0174533"):
         flight_table(_columns(*QUAT) | degrees)
     flight_table(_columns() | degrees)
+
+
+def test_angles_of_unknown_unit_are_no_attitude() -> None:
+    plain = {f"cf{k}_{name}": np.full(TICKS, 0.5) for k in (1, 2) for name in ANGLES}
+    table = flight_table(_columns(*ATTITUDE) | plain)
+    assert np.isnan(_flight(table).mocap_quat).all()
+    assert set(ANGLES) < set(log_of(table).columns)
+    assert log_of(table).units[log_of(table).columns.index("roll")] == ""
+    assert not set(ANGLES) & set(log_of(flight_table(_columns() | plain)).columns)  # beside an attitude
+
+
+def test_a_column_map_makes_degrees_of_the_firmware_the_attitude() -> None:
+    theirs = dict(zip(ANGLES, np.rad2deg(TURN) * [1.0, -1.0, 1.0], strict=True))  # pitch nose up
+    plain = {f"cf{k}_{name}": np.full(TICKS, angle) for k in (1, 2) for name, angle in theirs.items()}
+    scales = zip(ANGLES, EULER, np.deg2rad([1.0, -1.0, 1.0]), strict=True)
+    chosen = {ours: (SourceColumn(name, float(scale)),) for name, ours, scale in scales}
+    table = flight_table(mapped_table(_columns(*ATTITUDE) | plain, chosen))
+    np.testing.assert_allclose(_flight(table).quat, _flight(flight_table(_columns())).quat, atol=1e-15)

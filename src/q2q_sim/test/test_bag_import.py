@@ -236,6 +236,21 @@ def test_what_is_in_the_log_for_lack_of_other_columns_is_named(
     assert log.units[log.columns.index("vz")] == "m/s"
 
 
+def test_how_angles_become_the_attitude_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    columns = {name: one for name, one in _columns().items() if not name.endswith("_qw")}
+    _write_csv(columns, tmp_path / "flight.csv")
+    turned = "columns: {roll_rad: roll, pitch_rad: {from: pitch, scale: -1.0}, yaw_rad: yaw}"
+    (tmp_path / "map.yaml").write_text(turned)
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    told = "roll_rad: {from: roll, scale: 0.0174533}; 1 for radians"
+    assert told in capsys.readouterr().out
+    mapped = ["--columns", str(tmp_path / "map.yaml"), "--out", str(tmp_path / "mapped")]
+    assert main([str(tmp_path / "flight.csv"), *mapped]) == 0
+    assert told not in capsys.readouterr().out
+    pitch = euler_from_quat(read_flight(tmp_path / "mapped").quat[:, 0])[:, 1]
+    np.testing.assert_allclose(np.sin(pitch), -np.sin(columns["cf50_pitch"]), atol=1e-12)
+
+
 @NEEDS_DATA
 @pytest.mark.parametrize(
     ("file", "topics"),

@@ -8,7 +8,15 @@ from pathlib import Path
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
 from q2q_model.flights.tables.column_map import ColumnMap, load_column_map, mapped_table
-from q2q_model.flights.tables.flight_table import CARRIED, POS, FlightTable, flight_table, log_of, signals_of
+from q2q_model.flights.tables.flight_table import (
+    ANGLES,
+    CARRIED,
+    POS,
+    FlightTable,
+    flight_table,
+    log_of,
+    signals_of,
+)
 from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
@@ -17,8 +25,13 @@ from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.signals.values import Array
 
 NEEDS = (
-    "/state needs vx, vy, vz, /imu ax, ay, az, each with qx, qy, qz, qw or roll, pitch, yaw, "
-    "and /reference xref, yref, zref"
+    "/state needs vx, vy, vz, /imu ax, ay, az, each with qx, qy, qz, qw or roll_rad, "
+    "pitch_rad, yaw_rad, and /reference xref, yref, zref"
+)
+UNITLESS = (
+    "the unit of roll, pitch, yaw is not known: a column map (--columns) makes them the attitude, such as "
+    "roll_rad: {from: roll, scale: 0.0174533}; 1 for radians, 0.0174533 for degrees, -0.0174533 for the "
+    "firmware's pitch, which is nose up"
 )
 
 
@@ -33,6 +46,8 @@ def run(args: Namespace) -> int:
         print(f"  {topic}: {counted(count, 'message')}")
     if lone := [name for name in log_of(table).columns if name in CARRIED]:
         print(f"  in /log only: {', '.join(lone)}; {NEEDS}")
+    if set(ANGLES) <= set(lone):
+        print(f"  {UNITLESS}")
     print(f"  {counted(int(table.gap.sum()), 'sample')} in gaps of the source: not in /mocap")
     for note in filter(None, [*notes, y_up_reason(table.vectors(POS))]):
         print(f"  {note}")

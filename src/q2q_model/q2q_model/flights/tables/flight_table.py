@@ -9,14 +9,15 @@ Two layouts are supported, both in SI units with one row per tick:
 
 | columns | become |
 |---|---|
-| x y z, qx qy qz qw or roll pitch yaw | mocap; not where `gap` is set: those values are interpolated |
+| x y z, qx qy qz qw or roll_rad pitch_rad yaw_rad | mocap; not where `gap` is set: it is interpolated |
 | vx vy vz (with the above), wp wq wr | state, as estimated onboard; COASTING in a gap |
 | xref yref zref, vxref vyref vzref, yawref_deg | reference; acceleration by differences, unless held |
 | thrust_cmd | command; roll, pitch and yaw rate are not logged: NaN |
 | ax ay az (with an attitude), wp wq wr | imu: R(q)^T (a + g e_z), because az excludes gravity |
 | all others, and those of a row above in part | the log, under their own names |
 
-Angles are Z-Y-X [rad], pitch nose down, and count where no quaternion is. Rates that are absent are NaN.
+Angles are Z-Y-X, pitch nose down, and count where no quaternion is. Plain roll pitch yaw, which
+may be degrees, are no attitude; beside one they repeat it. Rates that are absent are NaN.
 """
 
 from collections.abc import Iterator, Mapping
@@ -46,8 +47,9 @@ from q2q_model.vehicle.constants import GRAVITY
 
 POS, QUAT, VEL, RATE = ("x", "y", "z"), ("qx", "qy", "qz", "qw"), ("vx", "vy", "vz"), ("wp", "wq", "wr")
 REF, REF_VEL, ACC = ("xref", "yref", "zref"), ("vxref", "vyref", "vzref"), ("ax", "ay", "az")
-EULER, YAW_REF, THRUST = ("roll", "pitch", "yaw"), ("yawref_deg",), ("thrust_cmd",)
-CARRIED = {*POS, *QUAT, *EULER, *VEL, *RATE, *REF, *REF_VEL, *YAW_REF, *ACC, *THRUST}
+EULER, ANGLES = ("roll_rad", "pitch_rad", "yaw_rad"), ("roll", "pitch", "yaw")
+YAW_REF, THRUST = ("yawref_deg",), ("thrust_cmd",)
+CARRIED = {*POS, *QUAT, *EULER, *ANGLES, *VEL, *RATE, *REF, *REF_VEL, *YAW_REF, *ACC, *THRUST}
 """Columns that signals contain, with those they need."""
 LONGEST_STEP = 0.5
 """Longest median time between rows of a flight [s]; steps of 30 Hz in milliseconds are 33."""
@@ -138,9 +140,8 @@ def _check_radians(table: FlightTable) -> None:
         tilt = float(np.nanmax(np.abs(table.vectors(EULER[:2])[used[:, k], k]), initial=0.0))
         if tilt > np.pi:
             raise ValueError(
-                f"roll and pitch of {name} reach {tilt:g} and are its attitude: they must be radians, pitch "
-                "nose down; a column map (bag_import --columns) scales degrees by 0.0174533, and the "
-                "firmware's pitch, which is nose up, by -0.0174533"
+                f"roll_rad and pitch_rad of {name} reach {tilt:g} and are its attitude: they must be "
+                "radians; a column map (bag_import --columns) scales degrees by 0.0174533"
             )
 
 
@@ -173,7 +174,7 @@ def log_of(table: FlightTable) -> FlightLog:
 
 def _carried(table: FlightTable) -> set[str]:
     """Return the columns that signals of this table contain; angles repeat a quaternion beside them."""
-    groups = [POS, QUAT, EULER, THRUST]
+    groups = [POS, QUAT, EULER, THRUST, *([ANGLES] if _has_attitude(table) else [])]
     moving = [group for group in (VEL, ACC) if table.has(group)] if _has_attitude(table) else []
     groups += [*moving, RATE] if moving else []
     groups += [REF, REF_VEL, YAW_REF] if table.has(REF) else []
