@@ -1,5 +1,6 @@
 """Records, gains, lag and dev come out as they were put in."""
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 
 import numpy as np
@@ -118,8 +119,9 @@ def random_walk(given: Array, dt: float = 0.01) -> AltitudeRecord:
     commanded += 0.01 * np.random.default_rng(3).standard_normal(commanded.shape)
     unknown, t = np.full_like(commanded, np.nan), dt * np.arange(given.size)
     return AltitudeRecord(
-        "walk", ("a",), dt, t, pos, vel, empty, ref, commanded, unknown, 0.0 * commanded, 0, t.size
-    )
+        "walk", ("a",), dt, t, pos, vel, empty, ref, commanded, unknown, 0.0 * commanded, 0, t.size,
+        acc_differentiated=True,
+    )  # fmt: skip
 
 
 def test_rows_in_which_the_velocity_setpoint_is_at_its_limit_do_not_move_the_gains():
@@ -132,6 +134,37 @@ def test_rows_in_which_the_velocity_setpoint_is_at_its_limit_do_not_move_the_gai
     assert fit.k_d.low <= LOOP.k_d <= fit.k_d.high
     assert fit.k_p.high - fit.k_p.low < 0.1 * LOOP.k_p
     assert gain_notes(fit, [], CRAZYFLIE_2_0)[0].startswith(f"{fit.limited:.0%} of the rows with commands")
+
+
+def oscillation(made: Flight, acc_of: Callable[[Array, Array], Array]) -> Flight:
+    """Return a flight that follows a vertical sine too, with z_ref'' of the record made of t and z_ref'."""
+    place, rate = 0.2 * np.sin(2.0 * made.t), 0.4 * np.cos(2.0 * made.t)
+    given, recorded = -0.8 * np.sin(2.0 * made.t), acc_of(made.t, rate)
+    moves = {
+        **dict.fromkeys(("pos", "mocap_pos", "ref_pos"), place),
+        **dict.fromkeys(("vel", "ref_vel"), rate),
+        "ref_acc": recorded,
+    }
+    up = np.array([0.0, 0.0, 1.0])
+    found = {name: getattr(made, name) + one[:, None, None] * up for name, one in moves.items()}
+    return replace(made, thrust=made.thrust + CRAZYFLIE_2_0.mass * given[:, None], **found)
+
+
+def test_rows_at_the_largest_velocity_count_where_accelerations_are_recorded() -> None:
+    calm = made_flight(CALM)
+    record = altitude_record(oscillation(calm, lambda t, _: -0.8 * np.sin(2.0 * t)), CRAZYFLIE_2_0)
+    moving = gains_from_commands([record])
+    assert moving.limited == 0.0
+    assert moving.k_p.value == pytest.approx(LOOP.k_p, rel=1e-4)
+    assert moving.k_d.value == pytest.approx(LOOP.k_d, rel=1e-4)
+
+
+@pytest.mark.parametrize("lost", [(), (slice(1000, 1002), slice(1500, 1501))])
+def test_accelerations_that_are_differences_of_velocities_are_found(lost: tuple[slice, ...]) -> None:
+    flight = oscillation(made_flight(CALM), lambda t, rate: np.gradient(rate, t))
+    record = altitude_record(without(flight, *lost), CRAZYFLIE_2_0)
+    # of a sine, arccos(0.98) on both sides of a top and of a bottom: 0.128; 3 rows more on each: 0.038
+    assert gains_from_commands([record]).limited == pytest.approx(0.166, abs=0.01)
 
 
 def test_vehicles_that_climb_at_a_constant_rate_have_the_gains_of_hovering_ones():

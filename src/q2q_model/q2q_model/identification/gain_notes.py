@@ -23,7 +23,7 @@ def _limit_note(fit: GainFit) -> list[str]:
     return [
         (
             f"{fit.limited:.0%} of the rows with commands are left out of the gains: their velocity setpoint "
-            "is at its limit, so its derivative is not the acceleration that the controller was given"
+            "is at its limit, and their acceleration is its derivative, not what the controller was given"
         )
     ]
 

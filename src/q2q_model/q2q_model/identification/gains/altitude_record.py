@@ -22,6 +22,7 @@ from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.flights.sampled_reference import SampledReference, reference_remarks, sampled_reference
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.geometry.rotations import rotate
+from q2q_model.identification.gains.velocity_limit import is_differentiated
 from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -71,6 +72,8 @@ class AltitudeRecord:
     samples: int
     rates_fitted: bool = False
     """Whether z_ref' and z_ref'' were not recorded: what of them the controller had is not known."""
+    acc_differentiated: bool = False
+    """Whether z_ref'' is the differences of z_ref': at a limit of it, the controller was given another."""
 
     @property
     def deviation(self) -> Array:
@@ -212,6 +215,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         outliers=int((bad & visible).sum()),
         samples=int(visible.sum()),
         rates_fitted=bool(given.fitted.any()),
+        acc_differentiated=is_differentiated(flight.t, given.vel[..., 2], given.acc[..., 2]),
     )
 
 

@@ -4,10 +4,10 @@
                                + c_v z_ref' + c_a z_ref''
 
 Each tick gives one row, linear in the gains; Huber weights suppress rows in which a limit of the thrust was
-active, and those at the limit of a velocity setpoint are left out (velocity_limit). The offset b is separate
-for each vehicle and flight (battery, mass). Terms beyond K_p and K_d are kept only if an F test finds them
-significant. Correlated rows reduce the effective number of rows to n (1 - rho) / (1 + rho), with rho the
-correlation of successive residuals.
+active, and those at the limit of a velocity setpoint are left out where its differences are z_ref''
+(velocity_limit). The offset b is separate for each vehicle and flight (battery, mass). Terms beyond K_p and
+K_d are kept only if an F test finds them significant. Correlated rows reduce the effective number of rows to
+n (1 - rho) / (1 + rho), with rho the correlation of successive residuals.
 
 U1 b_z is what the controller wants along z if it divides by the tilt. One that commands the size of its force
 (q2q_sim.experiments.validation.onboard_law) wants it along another tilt than that of the vehicle, b. On the
@@ -92,7 +92,7 @@ class _Equation:
     t: Array
     """[s], (rows,), ascending within a group."""
     limited: Mask
-    """Whether the velocity setpoint is at its limit, (rows,)."""
+    """Whether z_ref'' is the difference of a velocity setpoint at its limit, (rows,)."""
 
 
 def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
@@ -175,7 +175,7 @@ def _equation(record: AltitudeRecord, i: int, group: int, flight: int) -> _Equat
     columns = np.column_stack([error, rate, integral - integral.mean(), -feed_forward, rates])
     target = record.commanded_acc[:, i] - record.ref[:, i, 2]
     known = np.isfinite(target)
-    t, limited = record.t[known], at_velocity_limit(record.ref[:, i, 1])[known]
+    t, limited = record.t[known], at_velocity_limit(record.ref[:, i, 1])[known] & record.acc_differentiated
     groups, flights = np.full(t.size, group), np.full(t.size, flight)
     return _Equation(target[known], columns[known], groups, flights, t, limited)
 

@@ -1,7 +1,8 @@
 """Rows of a recording in which a velocity setpoint is at its limit.
 
 Differentiating a velocity setpoint at its limit gives no acceleration, although the controller is given one:
-in up to half of the rows of a random walk.
+in up to half of the rows of a random walk. An acceleration that was recorded is right there too, as at the
+top speed of a sine or in a climb.
 """
 
 import numpy as np
@@ -15,6 +16,26 @@ SLOWEST = 0.05
 """Smallest limit of a velocity setpoint [m/s]: a vehicle that is told to hover is not limited."""
 AROUND = 3
 """Rows beside a limited one that count as limited too: the differences over them are wrong."""
+
+EQUAL = 1e-7
+"""Share of the largest acceleration within which differences are equal to those that were taken before stamps
+were rounded to nanoseconds [-]; differences over 20 ms miss 6e-6 of an acceleration of 0.1 Hz."""
+LOST = 1.5
+"""Step from which a tick is missing, and differences over it are others [median steps]."""
+
+
+def is_differentiated(t: Array, vel: Array, acc: Array) -> bool:
+    """Return whether accelerations are the central differences of velocities, both (T, n), at ticks t (T,).
+
+    Only ticks whose neighbours are there are compared; without one, they are not.
+    """
+    steps = np.diff(t)
+    near = steps < LOST * np.median(steps)
+    inner = near[1:] & near[:-1]
+    missed = np.abs(np.gradient(vel, t, axis=0) - acc)[1:-1][inner]
+    known = np.isfinite(missed)
+    largest = np.nanmax(np.abs(acc), initial=0.0)
+    return bool(known.any() and (missed[known] <= EQUAL * largest).all())
 
 
 def at_velocity_limit(vel: Array) -> Mask:
