@@ -93,6 +93,19 @@ def test_what_no_signal_holds_is_in_the_log(without: tuple[str, ...], logged: tu
         np.testing.assert_array_equal(log.column(name)[:, 1], columns[f"cf2_{name}"])
 
 
+def test_what_a_vehicle_has_without_an_attitude_beside_one_with_one_is_in_the_log() -> None:
+    plain = {f"cf{k}_{name}": np.full(TICKS, 0.5) for k in (1, 2) for name in ANGLES}
+    columns = _columns() | plain
+    lacking = {f"cf2_{name}" for name in ATTITUDE}
+    table = flight_table({name: one for name, one in columns.items() if name not in lacking})
+    log = log_of(table)
+    assert log.columns == ("ax", "ay", "az", *ANGLES)
+    np.testing.assert_array_equal(log.column("az")[:, 1], columns["cf2_az"])
+    np.testing.assert_array_equal(_flight(table).vel[:, 1, 2], columns["cf2_vz"])
+    unseen = {f"cf1_{name}": np.full(TICKS, np.nan) for name in ATTITUDE}
+    assert {"ax", "ay", "az"} < set(log_of(flight_table(columns | unseen)).columns)
+
+
 def test_references_and_thrust_that_are_in_part_are_in_the_log() -> None:
     rest = ("xref", "vxref", "yawref_deg")
     columns = _columns() | {f"cf1_{name}": np.ones(TICKS) for name in rest}

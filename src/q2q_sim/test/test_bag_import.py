@@ -230,7 +230,10 @@ def test_what_is_in_the_log_for_lack_of_other_columns_is_named(
     _write_csv(columns, tmp_path / "flight.csv")
     assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
     named = "vx, vy, vz, ax, ay, az, roll, pitch, qx, qy, qz, wp, wq, wr"
-    assert f"  in /log only: {named}; /state needs vx, vy, vz, /imu ax" in capsys.readouterr().out
+    assert (
+        f"  in /log, for lack of other columns: {named}; /state needs vx, vy, vz, /imu ax"
+        in capsys.readouterr().out
+    )
     log = read_flight_log(tmp_path / "bag")
     assert np.array_equal(log.column("vz")[:, 1], columns["cf51_vz"])
     assert log.units[log.columns.index("vz")] == "m/s"

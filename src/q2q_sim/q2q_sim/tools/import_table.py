@@ -45,7 +45,7 @@ def run(args: Namespace) -> int:
     for topic, count in counts.items():
         print(f"  {topic}: {counted(count, 'message')}")
     if lone := [name for name in log_of(table).columns if name in CARRIED]:
-        print(f"  in /log only: {', '.join(lone)}; {NEEDS}")
+        print(f"  in /log, for lack of other columns: {', '.join(lone)}; {NEEDS}")
     if set(ANGLES) <= set(lone):
         print(f"  {UNITLESS}")
     print(f"  {counted(int(table.gap.sum()), 'sample')} in gaps of the source: not in /mocap")

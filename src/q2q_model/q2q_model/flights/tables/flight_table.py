@@ -173,12 +173,24 @@ def log_of(table: FlightTable) -> FlightLog:
 
 
 def _carried(table: FlightTable) -> set[str]:
-    """Return the columns that signals of this table contain; angles repeat a quaternion beside them."""
-    groups = [POS, QUAT, EULER, THRUST, *([ANGLES] if _has_attitude(table) else [])]
+    """Return the columns that signals of this table contain for all vehicles that have them.
+
+    Plain angles repeat an attitude beside them. A state holds a velocity without an attitude.
+    """
+    groups = [POS, QUAT, EULER, THRUST]
     moving = [group for group in (VEL, ACC) if table.has(group)] if _has_attitude(table) else []
-    groups += [*moving, RATE] if moving else []
+    groups += [group for group in (ANGLES, *moving) if group == VEL or _all_turned(table, group)]
+    groups += [RATE] if moving else []
     groups += [REF, REF_VEL, YAW_REF] if table.has(REF) else []
     return {name for group in groups if table.has(group) for name in group}
+
+
+def _all_turned(table: FlightTable, group: tuple[str, ...]) -> bool:
+    """Return whether every vehicle with values of a group has an attitude."""
+    if not table.has(group):
+        return False
+    known = np.isfinite(table.vectors(group)).any(axis=(0, 2))  # (n,)
+    return not (known & ~np.isfinite(_quat(table)).all(axis=2).any(axis=0)).any()
 
 
 def stamp(t: float) -> float:
