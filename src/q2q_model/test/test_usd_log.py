@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.flights.tables.column_map import SourceColumn
-from q2q_model.flights.tables.usd_flight import columns_of_logs
+from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
 from q2q_model.flights.tables.usd_log import UsdLogError, is_usd_log, usd_log
 from q2q_model.geometry.quaternion32 import compress_quat
 from q2q_model.geometry.rotations import normalised, quat_from_euler
@@ -113,10 +113,14 @@ def flight(*data: bytes, **given: tuple[SourceColumn, ...]) -> dict[str, Array]:
     return columns_of_logs({f"cf{k}": usd_log(one) for k, one in enumerate(data, 1)}, given)
 
 
-def test_clocks_from_the_start_of_logging_stay_as_they_are_where_first_rows_are_lost() -> None:
-    together = flight(old_format(), old_format(seed=1, first_us=209_000))
-    assert together["t"][0] == pytest.approx(0.21)  # the first row that both have
-    np.testing.assert_allclose(together["cf1_x"] - together["cf2_x"], 0.2, atol=1e-6)
+@pytest.mark.parametrize("first_s", [0.209, 0.709, 1.209])
+def test_clocks_from_the_start_of_logging_stay_as_they_are_where_first_rows_are_lost(first_s: float) -> None:
+    logs = old_format(), old_format(seed=1, first_us=round(1e6 * first_s))
+    together = flight(*logs)
+    assert together["t"][0] == pytest.approx(first_s + 0.001)  # the first row that both have
+    np.testing.assert_allclose(together["cf1_x"] - together["cf2_x"], first_s - 0.009, atol=1e-6)
+    told = f"clocks count from the start of logging: taken as common (cf1 0.009 s, cf2 {first_s:.3f} s)"
+    assert clock_note({f"cf{k}": usd_log(one) for k, one in enumerate(logs, 1)}) == told
 
 
 @pytest.mark.parametrize("first_s", [12.03, 12.6, 400.0])

@@ -22,7 +22,9 @@ HOLE_S = 0.025
 """A row more is missing: 2.5 periods of a log at 100 Hz [s]."""
 LOGGING_CLOCK_S = 0.5
 """First row up to which a clock counts from the start of logging [s]: 0.01 s in the logs of
-aerorobotics/neural-swarm, more by a block of rows that is damaged; a vehicle takes longer to switch on."""
+aerorobotics/neural-swarm."""
+LOST_S = 2.0
+"""First row up to which a clock does so beside one that does [s]: blocks of first rows may be damaged."""
 ROUNDING = 1e-6
 """Share of a period that times are rounded by."""
 QUAT = ("qx", "qy", "qz", "qw")
@@ -69,16 +71,17 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
 
 def share_clock(logs: Iterable[UsdLog]) -> bool:
     """Return whether the clocks of logs count from the start of logging, which is common."""
-    return all(log.t[0] <= LOGGING_CLOCK_S for log in logs)
+    starts = [float(log.t[0]) for log in logs]
+    return min(starts) <= LOGGING_CLOCK_S and max(starts) <= LOST_S
 
 
 def clock_note(logs: Mapping[str, UsdLog]) -> str:
     """Return in words how the clocks of logs are joined; empty for one log."""
     if len(logs) < 2:
         return ""
-    if share_clock(logs.values()):
-        return "clocks count from the start of logging: taken as common"
     starts = ", ".join(f"{name} {log.t[0]:.3f} s" for name, log in logs.items())
+    if share_clock(logs.values()):
+        return f"clocks count from the start of logging: taken as common ({starts})"
     return f"clocks count from switching on: all first rows are taken as one time ({starts})"
 
 
