@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, Mask, Names, Rows
 
 HOLD_S = 0.3
@@ -74,6 +75,14 @@ class Samples:
     uneven: bool
     goals: bool
     """Whether most of them stand: what moves between is not in them."""
+
+
+def flown_reference(flight: Flight) -> SampledReference:
+    """Return the reference of all vehicles at its samples: the controller's setpoint, else the plan."""
+    safe = (flight.safe_pos, flight.safe_vel, flight.safe_acc)
+    plan = (flight.ref_pos, flight.ref_vel, flight.ref_acc)
+    pairs = zip(safe, plan, strict=True)
+    return sampled_reference(flight.t, *(np.where(np.isfinite(one), one, other) for one, other in pairs))
 
 
 def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledReference:

@@ -19,7 +19,7 @@ import numpy as np
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
 from q2q_model.flights.outliers import find_outliers, repair
-from q2q_model.flights.sampled_reference import SampledReference, reference_remarks, sampled_reference
+from q2q_model.flights.sampled_reference import flown_reference, reference_remarks
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.gains.velocity_limit import is_differentiated
@@ -230,14 +230,6 @@ def check_upright(flight: Flight) -> None:
                 f"flight {flight.name}: body z of {name} points {median:.2f} upwards in the median, "
                 f"{LEAST_UP:g} or more is expected: are quaternions in the order x y z w, and is z up?"
             )
-
-
-def flown_reference(flight: Flight) -> SampledReference:
-    """Return the reference of all vehicles at its samples: the controller's setpoint, else the plan."""
-    safe = (flight.safe_pos, flight.safe_vel, flight.safe_acc)
-    plan = (flight.ref_pos, flight.ref_vel, flight.ref_acc)
-    pairs = zip(safe, plan, strict=True)
-    return sampled_reference(flight.t, *(np.where(np.isfinite(one), one, other) for one, other in pairs))
 
 
 def _referred(flight: Flight) -> Mask:
