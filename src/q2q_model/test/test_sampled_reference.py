@@ -9,7 +9,8 @@ from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
-from q2q_model.flights.sampled_reference import HOLD_S, reference_remarks, sampled_reference
+from q2q_model.flights.reference_remarks import reference_remarks
+from q2q_model.flights.sampled_reference import HOLD_S, sampled_reference
 from q2q_model.identification.gains.altitude_record import altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.signals.values import Array
@@ -99,7 +100,7 @@ def test_only_what_lacks_is_fitted_and_told() -> None:
     np.testing.assert_array_equal(found.vel, vel)
     np.testing.assert_allclose(found.acc[50:-50], acc[50:-50], atol=4e-2 * 0.2 * OMEGA**2)
     assert found.fitted.tolist() == [[False, True]]
-    assert reference_remarks("made", ("cf1",), found)[0].startswith(
+    assert reference_remarks("made", ("cf1",), [found])[0].startswith(
         "made: references of cf1 have no acceleration: that of a fit to their positions is used, also for"
     )
 
@@ -112,7 +113,7 @@ def test_a_single_rate_that_lacks_is_fitted_without_a_remark() -> None:
     np.testing.assert_array_equal(np.delete(found.acc, 1000, axis=0), np.delete(acc, 1000, axis=0))
     np.testing.assert_allclose(found.acc[1000], acc[1000], atol=4e-2 * 0.2 * OMEGA**2)
     assert found.sure.all()
-    assert reference_remarks("made", ("cf1",), found) == []
+    assert reference_remarks("made", ("cf1",), [found]) == []
 
 
 def test_a_step_has_no_rates_and_a_goal_stands() -> None:
@@ -188,3 +189,14 @@ def test_gains_from_full_states_at_20_hz_are_exact() -> None:
     assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-4)
     assert fit.k_d.value == pytest.approx(LOOP.k_d, rel=1e-4)
     assert remarks == []
+
+
+def test_references_of_pieces_that_are_left_out_are_not_told() -> None:
+    """Before a hole of half a second are 1.8 s without rates: too short a piece to be used."""
+    flight, lost = flown(), slice(180, 230)
+    vel, pos = flight.ref_vel.copy(), flight.pos.copy()
+    vel[: lost.start], pos[lost] = np.nan, np.nan
+    fit, remarks = gains(replace(flight, pos=pos, mocap_pos=pos, ref_vel=vel))
+    assert [remark.partition(":")[0] for remark in remarks] == ["pass"]
+    assert "hole of 0.5 s" in remarks[0]
+    assert fit.k_p.value == pytest.approx(LOOP.k_p, rel=1e-4)

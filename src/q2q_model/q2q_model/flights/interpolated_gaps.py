@@ -1,4 +1,4 @@
-"""Gaps of recorded values, interpolated."""
+"""Recorded values between their rows and over their gaps, interpolated."""
 
 import numpy as np
 
@@ -15,3 +15,13 @@ def interpolate_gaps(t: Array, values: Array) -> Array:
         else:
             column[:] = 0.0
     return columns.reshape(values.shape)
+
+
+def resample(t: Array, values: Array, at: Array) -> Array:
+    """Return `values` (T, ...) interpolated between finite rows at times `at`; NaN if none is finite."""
+    columns = values.reshape(t.size, -1)
+    out = np.empty((at.size, columns.shape[1]))
+    for k, column in enumerate(columns.T):
+        good = np.isfinite(column)
+        out[:, k] = np.interp(at, t[good], column[good]) if good.any() else np.nan
+    return out.reshape(at.size, *values.shape[1:])

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.signals.values import Array, Mask, Names, Rows
+from q2q_model.signals.values import Array, Mask, Rows
 
 HOLD_S = 0.3
 """Time without a change from which a reference stands [s]: no trajectory is sent as rarely."""
@@ -103,39 +103,6 @@ def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledRe
     uneven = np.array([found.uneven for found in each], dtype=np.bool_)
     goals = np.array([found.goals for found in each], dtype=np.bool_)
     return SampledReference(made[..., :3], made[..., 3:6], made[..., 6:], sure, fitted, uneven, goals)
-
-
-FITTED = (
-    "of a fit to their positions {} used, also for a controller that has none; map FullState or reference"
-)
-BOTH_FITTED = f"have no velocity and acceleration: those {FITTED.format('are')}"
-VEL_FITTED = f"have no velocity: that {FITTED.format('is')}"
-ACC_FITTED = f"have no acceleration: that {FITTED.format('is')}"
-OFF_TICKS = (
-    "do not come at ticks of the poses, or not evenly: the gains may lie outside of their intervals, by some "
-    "per cent"
-)
-GOALS = (
-    f"mostly stand for more than {HOLD_S:g} s: they are read as goals that are held; if they are of a "
-    "trajectory that moves, the gains are wrong"
-)
-
-
-def reference_remarks(flight: str, names: Names, given: SampledReference) -> list[str]:
-    """Return remarks on references that determine gains less well than the intervals of these say."""
-    vel, acc = given.fitted.T
-    told = (
-        (vel & acc, BOTH_FITTED),
-        (vel & ~acc, VEL_FITTED),
-        (acc & ~vel, ACC_FITTED),
-        (given.uneven, OFF_TICKS),
-        (given.goals, GOALS),
-    )
-    return [
-        f"{flight}: references of {', '.join(np.array(names)[which])} {words}"
-        for which, words in told
-        if which.any()
-    ]
 
 
 def is_rare(t: Array, given: Array) -> bool:

@@ -18,8 +18,10 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight, of_rows, of_vehicles
+from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.flights.outliers import find_outliers, repair
-from q2q_model.flights.sampled_reference import flown_reference, reference_remarks
+from q2q_model.flights.reference_remarks import reference_remarks
+from q2q_model.flights.sampled_reference import SampledReference, flown_reference
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.gains.velocity_limit import is_differentiated
@@ -131,10 +133,10 @@ def altitude_records(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRec
     if len(standing) == len(flight.names):
         standing = []
     flown = of_vehicles(flight, tuple(name for name in flight.names if name not in standing))
-    records, remarks = _between_holes(flown, vehicle)
+    pieces, holes = _between_holes(flown)
+    records, given = zip(*(_record_and_reference(piece, vehicle) for piece in pieces), strict=True)
     stood = [f"{flight.name}: {', '.join(standing)} never flew: left out of the gains"] if standing else []
-    told = reference_remarks(flown.name, flown.names, flown_reference(flown))
-    return records, [*stood, *remarks, *told]
+    return list(records), [*stood, *holes, *reference_remarks(flown.name, flown.names, given)]
 
 
 def _standing(flight: Flight) -> list[str]:
@@ -151,20 +153,21 @@ def _standing(flight: Flight) -> list[str]:
     return found
 
 
-def _between_holes(flight: Flight, vehicle: Vehicle) -> tuple[list[AltitudeRecord], list[str]]:
+def _between_holes(flight: Flight) -> tuple[list[Flight], list[str]]:
+    """Return the pieces of a flight from hole to hole that are long enough, and a remark on holes."""
     whole = _whole_rows(flight)
     t, steps = flight.t[whole], np.diff(flight.t[whole])
     usual = float(np.median(steps)) if steps.size else 0.0
     holes = np.flatnonzero(steps > max(HOLE_S, HOLE_PERIODS * usual))
     if not holes.size:
-        return [altitude_record(flight, vehicle)], []
+        return [flight], []
     ends = zip([0, *(holes + 1)], [*holes, t.size - 1], strict=True)
     parts = [slice(int(whole[first]), int(whole[last]) + 1) for first, last in ends]
     long = [part for part in parts if flight.t[part][-1] - flight.t[part][0] >= SHORTEST]
     if not long:
         raise _too_short(flight)
     remark = _holes_note(flight.name, t[holes], steps[holes], len(parts) - len(long))
-    return [altitude_record(of_rows(flight, part), vehicle) for part in long], [remark]
+    return [of_rows(flight, part) for part in long], [remark]
 
 
 def _holes_note(name: str, t: Array, seconds: Array, left_out: int) -> str:
@@ -185,6 +188,10 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         ValueError: no reference, positions not in metres, less than 2 s of both, or an attitude that is not
             upright.
     """
+    return _record_and_reference(flight, vehicle)[0]
+
+
+def _record_and_reference(flight: Flight, vehicle: Vehicle) -> tuple[AltitudeRecord, SampledReference]:
     check_upright(flight)
     check_flight_metres(flight)
     mocap = np.where(np.isfinite(flight.mocap_pos), flight.mocap_pos, np.nan)
@@ -200,7 +207,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
     axis, commanded_acc = _attitude(flight), _commanded_acc(flight, vehicle, placed & given.sure)
     pos, vel, axis, ref = (resample(flight.t, values, t) for values in (pos, vel, axis, ref))
     nearest = np.clip(np.searchsorted(flight.t, t - 0.5 * dt), 0, flight.t.size - 1)
-    return AltitudeRecord(
+    record = AltitudeRecord(
         name=flight.name,
         names=flight.names,
         dt=dt,
@@ -217,6 +224,7 @@ def altitude_record(flight: Flight, vehicle: Vehicle) -> AltitudeRecord:
         rates_fitted=bool(given.fitted.any()),
         acc_differentiated=is_differentiated(flight.t, given.vel[..., 2], given.acc[..., 2]),
     )
+    return record, given
 
 
 def check_upright(flight: Flight) -> None:
@@ -280,16 +288,6 @@ def _commanded_acc(flight: Flight, vehicle: Vehicle, known: Mask) -> Array:
     acc = flight.thrust / vehicle.mass * _attitude(flight)[..., 2] - GRAVITY
     flies = flight.thrust > STANDING * vehicle.hover_thrust
     return np.asarray(np.where(known & flies, acc, np.nan))
-
-
-def resample(t: Array, values: Array, at: Array) -> Array:
-    """Return `values` (T, ...) interpolated between finite rows at times `at`; NaN if none is finite."""
-    columns = values.reshape(t.size, -1)
-    out = np.empty((at.size, columns.shape[1]))
-    for k, column in enumerate(columns.T):
-        good = np.isfinite(column)
-        out[:, k] = np.interp(at, t[good], column[good]) if good.any() else np.nan
-    return out.reshape(at.size, *values.shape[1:])
 
 
 def _finite_rows(values: Array) -> Mask:

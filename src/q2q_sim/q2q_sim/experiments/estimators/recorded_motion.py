@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
+from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.geometry.rotations import (
     ang_vel_between,
     normalised,
@@ -25,7 +26,6 @@ from q2q_model.geometry.rotations import (
     quat_multiply,
     rotate_inverse,
 )
-from q2q_model.identification.gains.altitude_record import resample
 from q2q_model.identification.push.push_samples import FLOOR
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array, Mask

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.geometry.rotations import normalised, yaw_from_quat
-from q2q_model.identification.gains.altitude_record import resample
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle

@@ -10,9 +10,10 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.flights.sampled_reference import sampled_reference
 from q2q_model.geometry.rotations import normalised, rotate
-from q2q_model.identification.gains.altitude_record import UP, resample
+from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.recorded_flight import Recording
