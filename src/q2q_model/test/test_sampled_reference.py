@@ -61,6 +61,20 @@ def test_long_recordings_at_high_rates_are_fitted_in_little_memory() -> None:
     np.testing.assert_allclose(found.vel[inner], vel[inner], atol=2e-3 * 0.2 * OMEGA)
 
 
+def test_a_fit_takes_as_many_samples_at_1000_hz_as_at_200_hz() -> None:
+    """So that its time grows with the samples, not with the samples times their rate."""
+    t = np.arange(10_000) / 1000.0
+    pos = sine(t)[0] + 1e-3 * np.random.default_rng(4).standard_normal((len(t), 1, 3))
+    dense, sparse = (
+        sampled_reference(t[::every], pos[::every], unknown, unknown)
+        for every in (1, 5)
+        for unknown in [np.full_like(pos[::every], np.nan)]
+    )
+    np.testing.assert_allclose(dense.pos[::5], sparse.pos, atol=1e-12)
+    np.testing.assert_allclose(dense.vel[::5], sparse.vel, atol=1e-10)
+    np.testing.assert_allclose(dense.acc[::5], sparse.acc, atol=1e-8)
+
+
 def test_recorded_rates_are_kept_as_they_are() -> None:
     held = np.arange(len(T)) // 5 * 5
     given = sine(T[held])

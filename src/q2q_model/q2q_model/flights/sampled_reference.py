@@ -30,9 +30,14 @@ MISFIT = 0.1
 """Largest misfit of a fit [-]: of a step it is 0.16 and more, of stamps late by 3 ms 0.03."""
 RESOLUTION = 1e-4
 """Extent of the samples around from which there is a misfit [m]."""
+SPACING = 0.005
+"""Time that one sample stands for in the fits around [s]: a fit costs no more above 200 Hz."""
+ROUNDING = 1e-3
+"""Share of SPACING that stamps are rounded by."""
 DEGREE = 3
 BLOCK = 1024
-"""Samples that are fitted together: windows of 0.3 s at 300 Hz take 3 MB for each power."""
+"""Samples that are fitted together: windows of 0.3 s take 0.5 MB for each power."""
+NONE = -1
 EVERY_TICK = 1.5
 """Period below which a reference comes at every tick, and repeated ones are samples, too [ticks]."""
 FEWEST = 3
@@ -137,23 +142,24 @@ def _fits(t: Array, pos: Array, period: float, tick: float) -> tuple[Array, Mask
     NaN where there are too few samples around.
     """
     width = max(WIDTH, SAMPLES * period) + 0.5 * tick
-    side = int(width / tick) + 1  # ticks
+    side = int(width / max(tick, SPACING)) + 1
+    apart = np.flatnonzero(np.diff(np.floor((t - t[0]) / SPACING + ROUNDING), prepend=-1.0) > 0.0)
+    every = np.arange(len(t))
+    before = np.searchsorted(apart, every, side="right") - 1
+    padded = np.pad(apart, side, constant_values=NONE)  # before[k] begins the window around before[k]
     blocks = [
-        _fits_of(np.arange(first, min(first + BLOCK, len(t))), t, pos, width, side)
-        for first in range(0, len(t), BLOCK)
+        _fits_of(rows, padded[before[rows, None] + np.arange(2 * side + 1)], t, pos, width)
+        for rows in np.split(every, range(BLOCK, len(t), BLOCK))
     ]
     made, smooth = zip(*blocks, strict=True)
     return np.concatenate(made), np.concatenate(smooth)
 
 
-def _fits_of(rows: Rows, t: Array, pos: Array, width: float, side: int) -> tuple[Array, Mask]:
-    """Return the fits of some rows, with as many rows on each side of them, of those within the width."""
-    around = rows[:, None] + np.arange(-side, side + 1)  # (k, w)
-    inside = (around >= 0) & (around < len(t))
-    around = around.clip(0, len(t) - 1)
+def _fits_of(rows: Rows, around: Rows, t: Array, pos: Array, width: float) -> tuple[Array, Mask]:
+    """Return the fits of rows (k,) to the rows `around` each, (k, w) or NONE, that are within the width."""
     u = (t[around] - t[rows, None]) / width
-    weight = (inside & (np.abs(u) <= 1.0)).astype(np.float64)
-    powers = weight[..., None] * u[..., None] ** np.arange(DEGREE + 1)  # (k, w, DEGREE + 1)
+    weight = ((around != NONE) & (np.abs(u) <= 1.0)).astype(np.float64)
+    powers = np.stack([weight * u**k for k in range(DEGREE + 1)], axis=-1)  # (k, w, DEGREE + 1)
     normal = np.swapaxes(powers, 1, 2) @ powers
     places = np.nan_to_num(weight[..., None] * (pos[around] - pos[rows, None]))  # (k, w, 3)
     few = weight.sum(axis=1) <= DEGREE
