@@ -10,7 +10,8 @@ squares (Savitzky and Golay, Analytical Chemistry 1964), which late stamps distu
 
     r(t + u) = r + r' u + r'' u^2 / 2 + r''' u^3 / 6,    |u| <= max(WIDTH, SAMPLES periods of the reference)
 
-It follows no step: a sample is sure if the fit misses its neighbours by MISFIT of their extent at most.
+It follows no step: where a fit misses its neighbours by more than MISFIT of their extent, no sample is sure
+whose fit reaches there; its end may bend to a step without missing it.
 """
 
 from dataclasses import dataclass
@@ -151,8 +152,10 @@ def _fits(t: Array, pos: Array, period: float, tick: float) -> tuple[Array, Mask
         _fits_of(rows, padded[before[rows, None] + np.arange(2 * side + 1)], t, pos, width)
         for rows in np.split(every, range(BLOCK, len(t), BLOCK))
     ]
-    made, smooth = zip(*blocks, strict=True)
-    return np.concatenate(made), np.concatenate(smooth)
+    made, smooth = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+    missed = np.concatenate(([-np.inf], t[~smooth], [np.inf]))
+    later = np.searchsorted(missed, t)
+    return made, np.minimum(missed[later] - t, t - missed[later - 1]) > width
 
 
 def _fits_of(rows: Rows, around: Rows, t: Array, pos: Array, width: float) -> tuple[Array, Mask]:
