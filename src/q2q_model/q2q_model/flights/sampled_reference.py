@@ -85,10 +85,17 @@ class Samples:
 
 def flown_reference(flight: Flight) -> SampledReference:
     """Return the reference of all vehicles at its samples: the controller's setpoint, else the plan."""
-    safe = (flight.safe_pos, flight.safe_vel, flight.safe_acc)
-    plan = (flight.ref_pos, flight.ref_vel, flight.ref_acc)
-    pairs = zip(safe, plan, strict=True)
-    return sampled_reference(flight.t, *(np.where(np.isfinite(one), one, other) for one, other in pairs))
+    vel, acc = _known(flight.safe_vel, flight.ref_vel), _known(flight.safe_acc, flight.ref_acc)
+    return sampled_reference(flight.t, setpoint_positions(flight), vel, acc)
+
+
+def setpoint_positions(flight: Flight) -> Array:
+    """Return the positions that controllers were to hold, as recorded at every tick [m], (T, n, 3)."""
+    return _known(flight.safe_pos, flight.ref_pos)
+
+
+def _known(setpoint: Array, plan: Array) -> Array:
+    return np.where(np.isfinite(setpoint), setpoint, plan)
 
 
 def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledReference:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.flights.interpolated_gaps import resample
+from q2q_model.flights.sampled_reference import setpoint_positions
 from q2q_model.geometry.rotations import normalised, yaw_from_quat
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.signals.values import Array
@@ -64,7 +65,7 @@ class ComparedAlone:
 def is_alone(recording: Recording) -> bool:
     """Return whether a recording is of one vehicle that has setpoints, but no thrust commands."""
     flight = recording.flight
-    known = np.isfinite(flight.ref_pos).any() and not np.isfinite(flight.thrust).any()
+    known = np.isfinite(setpoint_positions(flight)).any() and not np.isfinite(flight.thrust).any()
     return len(flight.names) == 1 and bool(known)
 
 
@@ -77,7 +78,7 @@ def flight_alone(recording: Recording) -> FlightAlone:
     flight = recording.flight
     between = flying_grid(flight)
     grid = np.arange(between[0], between[-1], TICK)
-    pos, ref = (resample(flight.t, values[:, 0], grid) for values in (flight.pos, flight.ref_pos))
+    pos, ref = (resample(flight.t, values[:, 0], grid) for values in (flight.pos, setpoint_positions(flight)))
     away = float(np.linalg.norm(pos - ref, axis=1).max())
     if away > LOST:
         raise ValueError(

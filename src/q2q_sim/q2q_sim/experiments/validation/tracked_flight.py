@@ -11,7 +11,7 @@ import numpy as np
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.interpolated_gaps import resample
-from q2q_model.flights.sampled_reference import sampled_reference
+from q2q_model.flights.sampled_reference import flown_reference, setpoint_positions
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
@@ -43,7 +43,7 @@ class TrackedFlight:
     quat: Array
     """Body to world, (T, n, 4)."""
     ref_pos: Array
-    """[m], world, (T, n, 3)."""
+    """Setpoint of the controller, else the plan [m], world, (T, n, 3)."""
     ref_vel: Array
     """[m/s], world, (T, n, 3)."""
     ref_acc: Array
@@ -84,7 +84,8 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
     """
     flight = recording.flight
     pushes = push_record(recording, vehicle, vehicle.thrust_lag)
-    if pushes is None or not np.isfinite(flight.ref_pos).any() or not np.isfinite(flight.thrust).any():
+    known = (np.isfinite(one).any() for one in (setpoint_positions(flight), flight.thrust))
+    if pushes is None or not all(known):
         raise ValueError(
             f"flight {flight.name} cannot be flown again: references, states and thrust commands are needed"
         )
@@ -95,7 +96,7 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
     )
     grid = flying_grid(flight)
     nearest, there = _nearest_rows(flight.t, grid)
-    reference = sampled_reference(flight.t, flight.ref_pos, flight.ref_vel, flight.ref_acc)
+    reference = flown_reference(flight)
     return TrackedFlight(
         name=flight.name,
         names=flight.names,
@@ -151,7 +152,8 @@ def flying_grid(flight: Flight) -> Array:
         ValueError: fewer than 5 s.
     """
     height = flight.pos[..., 2]
-    flying = np.nonzero((height > FLOOR).all(axis=1) & np.isfinite(flight.ref_pos).all(axis=(1, 2)))[0]
+    referred = np.isfinite(setpoint_positions(flight)).all(axis=(1, 2))
+    flying = np.nonzero((height > FLOOR).all(axis=1) & referred)[0]
     if flying.size == 0 or flight.t[flying[-1]] - flight.t[flying[0]] < SHORTEST:
         raise ValueError(
             f"flight {flight.name} cannot be flown again: its vehicles are never all above {FLOOR} m "

@@ -1,0 +1,89 @@
+"""References that flew, and not those that were planned, are flown again, read at their own samples."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, of_vehicle
+from q2q_model.geometry.rotations import quat_from_euler
+from q2q_model.identification.gains.altitude_record import UP
+from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.trajectory.flatness import flat_state
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_sim.experiments.validation.flight_alone import flight_alone, is_alone
+from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
+from q2q_sim.experiments.validation.tracked_flight import tracked_flight
+
+DT = 0.01
+T = DT * np.arange(2000)[:, None, None]
+STEP_S = 8.0
+"""Time of a step [s]."""
+LATE = 11
+"""Rows by which the vehicles point late: those of test_onboard_law."""
+LAW = OnboardLaw(
+    k_p=np.array([40.0, 40.0, 20.0]),
+    k_d=np.array([20.0, 20.0, 10.0]),
+    k_i=np.full(3, 0.6),
+    offset=np.zeros((2, 3)),
+    rms=0.0,
+)
+
+
+def flown(every: int = 1, step: float = 0.0) -> Flight:
+    """Return a flight by LAW along references that its controllers hold for `every` ticks.
+
+    Those have the rates of a smooth motion, and none of a step [m] on it.
+    """
+    axis, vehicle = np.arange(3), np.arange(2)[:, None]
+    smooth = 0.3 * np.sin((2.0 + 0.7 * axis + 0.3 * vehicle) * T) + 2.0 * UP
+    away = 0.02 * np.sin((5.0 + 1.3 * axis - 0.9 * vehicle) * T + axis)
+    late = (T >= STEP_S) * (1.0 - np.exp(-3.0 * np.maximum(T - STEP_S, 0.0))) * step * UP
+    pos, rate = smooth - away + late, np.gradient(smooth, DT, axis=0)
+    vel, row = np.gradient(pos, DT, axis=0), np.arange(len(T)) // every * every
+    ref = smooth + (T >= STEP_S) * step * UP
+    ref_pos, ref_vel, ref_acc = (one[row] for one in (ref, rate, np.gradient(rate, DT, axis=0)))
+    error = ref_pos - pos
+    acc = ref_acc + feedback(LAW, error, ref_vel - vel, np.cumsum(error, axis=0) * DT)
+    pointed = flat_state(acc, np.zeros(acc.shape[:2]))
+    quat = quat_from_euler(*(np.roll(angle, LATE, axis=0) for angle in (pointed.roll, pointed.pitch)), 0.0)
+    thrust = CRAZYFLIE_2_0.mass * pointed.thrust
+    unknown = {name: np.full_like(pos, np.nan) for of in FLIGHT_FIELDS.values() for name in of.values()}
+    unknown |= {name: np.full_like(thrust, np.nan) for name in ("thrust", "roll", "pitch", "command_status")}
+    known = {
+        "pos": pos, "vel": vel, "quat": quat, "ref_pos": ref_pos, "ref_vel": ref_vel, "ref_acc": ref_acc,
+        "mocap_pos": pos, "mocap_quat": quat, "thrust": thrust,
+        "specific_force_body": pointed.thrust[..., None] * UP,
+    }  # fmt: skip
+    return Flight(name="flown", names=("cf1", "cf2"), t=T[:, 0, 0], **(unknown | known))
+
+
+def read(flight: Flight) -> ReadFlight:
+    """Return the flight with its law."""
+    return read_law(tracked_flight(Recording(flight), CRAZYFLIE_2_0), CRAZYFLIE_2_0)
+
+
+def replanned(flight: Flight) -> Flight:
+    """Return a flight whose references were planned 0.5 m higher, and led back by a replanner."""
+    return replace(
+        flight,
+        ref_pos=flight.ref_pos + 0.5 * UP,
+        safe_pos=flight.ref_pos,
+        safe_vel=flight.ref_vel,
+        safe_acc=flight.ref_acc,
+    )
+
+
+def test_what_a_replanner_made_of_the_plan_is_flown_again() -> None:
+    flight = flown()
+    found = tracked_flight(Recording(replanned(flight)), CRAZYFLIE_2_0)
+    whole = tracked_flight(Recording(flight), CRAZYFLIE_2_0)
+    np.testing.assert_array_equal(found.ref_pos, whole.ref_pos)
+    np.testing.assert_array_equal(found.error, whole.error)
+
+
+def test_a_vehicle_alone_is_flown_again_along_what_a_replanner_made_of_the_plan() -> None:
+    alone = of_vehicle(replace(flown(), thrust=np.full((len(T), 2), np.nan)), "cf1")
+    assert is_alone(Recording(replanned(alone)))
+    np.testing.assert_array_equal(
+        flight_alone(Recording(replanned(alone))).ref_pos, flight_alone(Recording(alone)).ref_pos
+    )
