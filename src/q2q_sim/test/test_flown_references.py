@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, of_vehicle
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.trajectory.flatness import flat_state
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.experiments.validation.flight_alone import flight_alone, is_alone
 from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
 from q2q_sim.experiments.validation.tracked_flight import tracked_flight
@@ -87,3 +88,25 @@ def test_a_vehicle_alone_is_flown_again_along_what_a_replanner_made_of_the_plan(
     np.testing.assert_array_equal(
         flight_alone(Recording(replanned(alone))).ref_pos, flight_alone(Recording(alone)).ref_pos
     )
+
+
+@pytest.mark.parametrize("every", [1, 5, 10])
+def test_gains_are_those_that_flew_where_controllers_hold_their_references(every: int) -> None:
+    """Between samples of a held reference the interpolated one is ahead by up to 3 cm."""
+    law = read(flown(every)).law
+    np.testing.assert_allclose(law.k_p, LAW.k_p, rtol=5e-3)
+    np.testing.assert_allclose(law.k_d, LAW.k_d, rtol=5e-3)
+
+
+def test_beside_a_step_without_rates_the_recorded_command_is_flown_again() -> None:
+    """The rates of a cubic over a step of 0.2 m would command up to 22 m/s^2 more."""
+    flight, unknown = flown(step=0.2), np.full((len(T), 2, 3), np.nan)
+    found = read(replace(flight, ref_vel=unknown, ref_acc=unknown))
+    again, law = found.flight, found.law
+    error = again.ref_pos - again.pos
+    integral = again.dt * np.cumsum(error, axis=0)
+    acc = again.ref_acc + law.offset + feedback(law, error, again.ref_vel - again.vel, integral)
+    size = np.linalg.norm(acc + GRAVITY * UP, axis=-1)
+    near = np.abs(again.t - STEP_S) < 0.3
+    assert law.k_p[2] == pytest.approx(20.0, rel=0.01)
+    np.testing.assert_allclose(size[near], again.thrust[near] / CRAZYFLIE_2_0.mass, atol=0.5)

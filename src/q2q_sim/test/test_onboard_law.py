@@ -63,6 +63,8 @@ def agile(seconds: float = 10.0) -> TrackedFlight:
         exposed=~everywhere,
         free=everywhere,
         scored=np.ones(2, dtype=bool),
+        sure=everywhere,
+        stepped=~everywhere,
     )
 
 

@@ -103,6 +103,8 @@ def passes(seconds: float, period: float = 8.0) -> TrackedFlight:
         exposed=none,
         free=none,
         scored=np.ones(2, dtype=bool),
+        sure=~none,
+        stepped=none,
     )
 
 

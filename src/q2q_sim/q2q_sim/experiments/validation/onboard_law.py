@@ -11,7 +11,9 @@ family. Lateral gains enter |f| by the tilt only, so typical ones stand in where
 The offset c contains errors of the thrust and what the integral had learned before the first row. It is the
 one that balances the recorded motion in clear air: the mean of r'' minus all other terms.
 
-Where a velocity setpoint is at its limit (velocity_limit), a_ref is read from the command and the attitude.
+The rows of the regression are at samples of the reference, as those of `identify`: between them controllers
+may hold it. Where a velocity setpoint is at its limit (velocity_limit), and beside a step without recorded
+rates, a_ref is read from the command and the attitude.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -89,7 +91,7 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     Raises:
         ValueError: fewer than 2 s of commands, or an unstable law.
     """
-    limited = at_velocity_limit(flight.ref_vel)  # (T, n, 3)
+    limited = at_velocity_limit(flight.ref_vel) | flight.stepped[..., None]  # (T, n, 3)
     law = _regression(flight, limited, vehicle.mass)
     known = _known(flight, law)  # (T, n, 3)
     attitude = _attitude(flight, known, _steady(flight, limited), vehicle.thrust_lag)
@@ -144,11 +146,11 @@ def _known(flight: TrackedFlight, law: OnboardLaw) -> Array:
 
 def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> OnboardLaw:
     """Return the gains, with offsets of zero."""
-    rows = flight.usable & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
-    if rows.sum() < FEWEST:
+    rows = flight.usable & flight.sure & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
+    if rows.sum() < FEWEST or limited.any(axis=-1).all(axis=0).any():
         raise ValueError(
             f"flight {flight.name} cannot be flown again: {rows.sum()} rows with thrust commands, "
-            f"{FEWEST} needed to read the gains of its controllers"
+            f"{FEWEST} needed to read the gains of its controllers, at references with rates of each vehicle"
         )
     errors = np.stack([error[rows] for error in _errors(flight)])  # (3, k, 3)
     plain = (flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows]  # (k, 3)

@@ -11,7 +11,7 @@ import numpy as np
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.flights.interpolated_gaps import resample
-from q2q_model.flights.sampled_reference import flown_reference, setpoint_positions
+from q2q_model.flights.sampled_reference import SampledReference, flown_reference, setpoint_positions
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
@@ -62,6 +62,10 @@ class TrackedFlight:
     """Rows in clear air, (T, n)."""
     scored: Mask
     """Vehicles with enough rows in clear air to be compared, (n,)."""
+    sure: Mask
+    """Rows at samples of the reference whose rates were recorded or are those of a smooth motion, (T, n)."""
+    stepped: Mask
+    """Rows whose nearest sample of the reference has no such rates, as at a step, (T, n)."""
     headroom: Array | None = None
     """Largest thrust of each rotor over that at hover, at the start, (n, 4); None without a motor log."""
 
@@ -114,6 +118,8 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
         exposed=exposed[nearest] & there[:, None],
         free=free[nearest] & there[:, None],
         scored=np.asarray(free.sum(axis=0) >= FEWEST_FREE),
+        sure=reference.sure[nearest] & there[:, None],
+        stepped=_stepped(reference, flight.t, grid),
         headroom=recorded_headroom(recording, vehicle),
     )
 
@@ -123,6 +129,13 @@ def _nearest_rows(t: Array, grid: Array) -> tuple[Rows, Mask]:
     after = np.searchsorted(t, grid).clip(1, t.size - 1)
     nearest = np.where(grid - t[after - 1] <= t[after] - grid, after - 1, after)
     return nearest, np.asarray(np.abs(t[nearest] - grid) < NEAR * (grid[1] - grid[0]))
+
+
+def _stepped(reference: SampledReference, t: Array, grid: Array) -> Mask:
+    """Return the times whose nearest sample of each vehicle's reference is not sure, (T, n)."""
+    sampled = [np.flatnonzero(np.isfinite(pos).all(axis=-1)) for pos in reference.pos.swapaxes(0, 1)]
+    near = [rows[_nearest_rows(t[rows], grid)[0]] for rows in sampled]
+    return np.stack([~reference.sure[rows, i] for i, rows in enumerate(near)], axis=1)
 
 
 def recorded_headroom(recording: Recording, vehicle: Vehicle) -> Array | None:
