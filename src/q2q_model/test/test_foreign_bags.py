@@ -350,6 +350,17 @@ def test_the_last_goal_holds_to_the_end_of_the_poses(goals: list[float]):
     assert remarks == [f"{ends}: the last is held"]
 
 
+@pytest.mark.parametrize("seconds", [0.4, 1.2])
+def test_a_short_stream_that_moves_is_no_goal(seconds: float):
+    """It may follow a pause in which a hover is held."""
+    ticks = 5.0 + np.arange(2000) / 100.0
+    stream = 12.0 + np.arange(round(seconds * 20) + 1) / 20.0
+    flight, remarks = _flown(ticks, np.concatenate([[5.0, 5.01], stream]))
+    known = np.isfinite(flight.ref_pos[:, 0]).all(axis=1)
+    assert ticks[known][-1] == pytest.approx(12.0 + seconds + 0.15, abs=1e-6)
+    assert remarks[-1].endswith(f"none after {12.15 + seconds:.3f} s")
+
+
 def test_references_that_end_shortly_before_the_poses_are_not_told():
     assert _flown(5.0 + np.arange(1000) / 100.0, np.array([3.0, 7.0, 12.5]))[1][1:] == []
 

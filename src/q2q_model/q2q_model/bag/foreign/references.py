@@ -18,7 +18,7 @@ from q2q_model.signals.values import Array
 
 HELD_S = 3.0
 """Age of a reference from which it is reported as held [s], and the time before the last one that tells a
-stream from goals."""
+stream from goals, unless it moves for longer than HOLD_S."""
 HELD_PERIODS = 3.0
 """Age of the last reference of a stream from which there is none [periods]."""
 
@@ -55,7 +55,7 @@ def with_references(flight: Flight, given: Mapping[str, References]) -> tuple[Fl
             raise ValueError(f"references of {vehicle}; vehicles are {', '.join(flight.names)}")
         if misfit := clock_mismatch(f"references of {vehicle}", track.t, flight.t, HELD_S):
             raise ValueError(misfit)
-        row, end = np.searchsorted(track.t, flight.t, side="right") - 1, _end(track.t)
+        row, end = np.searchsorted(track.t, flight.t, side="right") - 1, _end(track)
         known = (row >= 0) & (flight.t <= end)
         for held, values in (
             (made.ref_pos, track.pos),
@@ -71,14 +71,18 @@ def with_references(flight: Flight, given: Mapping[str, References]) -> tuple[Fl
     return made, remarks
 
 
-def _end(t: Array) -> float:
+def _end(track: References) -> float:
     """Return the time until which the last reference counts [s], infinite for a goal.
 
-    Half of the HELD_S before it is in steps of a period or less, in which bursts weigh little.
+    Half of the HELD_S before it, or of the time in which it moved, is in steps of a period or less, in which
+    bursts weigh little.
     """
-    start = t[-1] - HELD_S
+    t = track.t
+    moves = (np.diff(track.pos, axis=0) != 0.0).any(axis=1) & (np.diff(t) <= HOLD_S)
+    began = float(t[np.flatnonzero(np.append(True, ~moves))[-1]])
+    start = max(began, t[-1] - HELD_S) if t[-1] - began > HOLD_S else t[-1] - HELD_S
     steps = np.sort(np.diff(t[t > start], prepend=start))
-    period = float(steps[np.searchsorted(np.cumsum(steps), 0.5 * HELD_S)])
+    period = float(steps[np.searchsorted(np.cumsum(steps), 0.5 * (t[-1] - start))])
     return float(t[-1]) + HELD_PERIODS * period if period <= HOLD_S else inf
 
 
