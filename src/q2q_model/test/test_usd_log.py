@@ -123,6 +123,12 @@ def test_clocks_from_the_start_of_logging_stay_as_they_are_where_first_rows_are_
     assert clock_note({f"cf{k}": usd_log(one) for k, one in enumerate(logs, 1)}) == told
 
 
+def test_clocks_from_the_start_of_logging_stay_as_they_are_where_all_logs_lost_their_first_rows() -> None:
+    lost = flight(old_format(first_us=609_000), old_format(seed=1, first_us=1_209_000))
+    assert lost["t"][0] == pytest.approx(1.21)
+    np.testing.assert_allclose(lost["cf1_x"] - lost["cf2_x"], 0.6, atol=1e-6)
+
+
 @pytest.mark.parametrize("first_s", [12.03, 12.6, 400.0])
 def test_vehicles_switched_on_at_their_own_times_begin_together(first_s: float) -> None:
     apart = flight(new_format(2), new_format(2, seed=1, first_s=first_s))

@@ -20,11 +20,10 @@ STEP_S = 0.01
 """Period of a flight's ticks [s]."""
 HOLE_S = 0.025
 """A row more is missing: 2.5 periods of a log at 100 Hz [s]."""
-LOGGING_CLOCK_S = 0.5
+LOGGING_CLOCK_S = 2.0
 """First row up to which a clock counts from the start of logging [s]: 0.01 s in the logs of
-aerorobotics/neural-swarm."""
-LOST_S = 2.0
-"""First row up to which a clock does so beside one that does [s]: blocks of first rows may be damaged."""
+aerorobotics/neural-swarm, more where blocks of first rows are damaged; nobody starts logging as soon after
+switching a vehicle on."""
 ROUNDING = 1e-6
 """Share of a period that times are rounded by."""
 QUAT = ("qx", "qy", "qz", "qw")
@@ -71,8 +70,7 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
 
 def share_clock(logs: Iterable[UsdLog]) -> bool:
     """Return whether the clocks of logs count from the start of logging, which is common."""
-    starts = [float(log.t[0]) for log in logs]
-    return min(starts) <= LOGGING_CLOCK_S and max(starts) <= LOST_S
+    return all(log.t[0] <= LOGGING_CLOCK_S for log in logs)
 
 
 def clock_note(logs: Mapping[str, UsdLog]) -> str:
