@@ -440,6 +440,8 @@ def test_a_topic_map_is_read_and_its_mistakes_are_named(tmp_path: Path):
             "references: {a: /b}\nsignals: {reference: /r}",
             "references and signals: reference are both mapped",
         ),
+        ("vehicles: {a: /a}\nsignals: {mocap: /m}", "vehicles and signals: mocap are both mapped; keep one"),
+        ("poses: /p\nsignals: {mocap: /m}", "poses and signals: mocap are both mapped; keep one of them"),
         ("signals: {comand: /c}", "map.yaml: signals: q2q has no topic 'comand'; did you mean command"),
         ("signals: {/mocap: /m}", "q2q has no topic '/mocap'; did you mean mocap"),
         ("signals: {plan: /p}", "no topic 'plan'; known are mocap, truth, .*, command"),

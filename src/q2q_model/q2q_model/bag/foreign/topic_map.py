@@ -7,8 +7,8 @@ poses: /poses             # also or instead: NamedPoseArray, all vehicles in one
 rename: {cf231: cf1}      # name in `poses`: name of the vehicle
 references:               # as `vehicles`, or Position or FullState of Crazyswarm2
   cf1: /cf1/cmd_position
-signals:                  # also or instead: topics of q2q_msgs under other names
-  mocap: /room/frames
+signals:                  # also or instead: topics of q2q_msgs under other names (`mocap`: only instead)
+  command: /room/command
 stamps: header            # of poses and references; or receive, if their headers have no stamps
 tolerance_s: 0.005        # poses captured within this time form one frame
 """
@@ -53,6 +53,12 @@ class TopicMap:
         for topic in self.signals:
             if topic not in TICK_TOPICS:
                 raise ValueError(f"signals: q2q has no topic {topic!r}; {name_hint(topic, TICK_TOPICS)}")
+        given = "vehicles" if self.vehicles else "poses" if self.poses else ""
+        if given and "mocap" in self.signals:
+            raise ValueError(
+                f"{given} and signals: mocap are both mapped; keep one of them: each gives the poses of all "
+                "vehicles and the ticks"
+            )
         if self.references and "reference" in self.signals:
             raise ValueError(
                 "references and signals: reference are both mapped; keep one of them: positions would be "
