@@ -52,7 +52,7 @@ class _Flight:
 
 
 @dataclass(frozen=True, slots=True)
-class _Misses:
+class _Residuals:
     """What predictions leave of y over the exposed rows of one vehicle [m/s^2], (k,) each."""
 
     flight: str
@@ -77,11 +77,11 @@ def run() -> list[Row]:
     rows = []
     for family, flights in flown.items():
         stranger = next(jet for other, jet in jets.items() if other != family)
-        missed = [part for k in range(OUTER_FOLDS) for part in _fold(flights, k, stranger)]
+        residuals = [part for k in range(OUTER_FOLDS) for part in _fold(flights, k, stranger)]
         for one in flights:
-            rows += _rows(one.name, [part for part in missed if part.flight == one.name])
+            rows += _rows(one.name, [part for part in residuals if part.flight == one.name])
         for kind, mark in (("pairs", PAIRS), ("triples", TRIPLES)):
-            rows += _rows(f"{family}, all {kind}", [part for part in missed if mark in part.flight])
+            rows += _rows(f"{family}, all {kind}", [part for part in residuals if mark in part.flight])
     return rows
 
 
@@ -106,8 +106,8 @@ def _samples(flights: Sequence[_Flight]) -> list[PushSamples]:
     return [sample for one in flights for sample in one.samples]
 
 
-def _fold(flights: Sequence[_Flight], fold: int, stranger: Jet) -> list[_Misses]:
-    """Return the misses on every OUTER_FOLDS-th flight with exposed rows of a jet fitted to the others."""
+def _fold(flights: Sequence[_Flight], fold: int, stranger: Jet) -> list[_Residuals]:
+    """Return the residuals on every OUTER_FOLDS-th flight with exposed rows of a jet fitted to the others."""
     under = [one for one in flights if any(sample.exposed.any() for sample in one.samples)]
     left_out = under[fold::OUTER_FOLDS]
     if not left_out:
@@ -115,7 +115,7 @@ def _fold(flights: Sequence[_Flight], fold: int, stranger: Jet) -> list[_Misses]
     taught = [one for one in flights if one not in left_out]
     form = _chosen(taught)
     jet = with_held_out_deviation(fit_to_pushes(_samples(taught), form).jet, _samples(taught), form)
-    return [part for one in left_out for part in _missed(one, jet, stranger)]
+    return [part for one in left_out for part in _residuals(one, jet, stranger)]
 
 
 def _chosen(taught: Sequence[_Flight]) -> JetForm:
@@ -125,42 +125,44 @@ def _chosen(taught: Sequence[_Flight]) -> JetForm:
         return FORMS[0]
     left = []
     for form in FORMS:
-        missed = 0.0
+        squared_residuals = 0.0
         for k in range(INNER_FOLDS):
             rest = [one for index, one in enumerate(under) if index % INNER_FOLDS != k]
             jet = fit_to_pushes(_samples(rest), form).jet
             for sample in _samples(under[k::INNER_FOLDS]):
-                missed += float(np.sum(residual_of(jet, sample)[sample.exposed] ** 2))
-        left.append(missed)
+                squared_residuals += float(np.sum(residual_of(jet, sample)[sample.exposed] ** 2))
+        left.append(squared_residuals)
     return FORMS[1] if left[1] < (1.0 - MARGIN) * left[0] else FORMS[0]
 
 
-def _missed(flight: _Flight, jet: Jet, stranger: Jet) -> list[_Misses]:
-    """Return the misses of jets on each vehicle under another."""
+def _residuals(flight: _Flight, jet: Jet, stranger: Jet) -> list[_Residuals]:
+    """Return the residuals of jets on each vehicle under another."""
     found = []
     for sample, network in zip(flight.samples, flight.network, strict=True):
         rows, residual = sample.exposed, residual_of(jet, sample)
         ahead = residual - predicted_residual(sample.motion.t, residual, sample.usable)
         y, strange = sample.y[rows], residual_of(stranger, sample)[rows]
-        missed = residual[rows]
-        std = jet.std_floor + jet.relative_std * np.abs(y - missed)
-        within = (np.abs(missed) <= Z95 * std).astype(np.float64)
-        found.append(_Misses(flight.name, y, missed, ahead[rows], strange, y - network[rows], within))
+        jet_residual = residual[rows]
+        std = jet.std_floor + jet.relative_std * np.abs(y - jet_residual)
+        within = (np.abs(jet_residual) <= Z95 * std).astype(np.float64)
+        found.append(
+            _Residuals(flight.name, y, jet_residual, ahead[rows], strange, y - network[rows], within)
+        )
     return found
 
 
-def _rows(name: str, missed: Sequence[_Misses]) -> list[Row]:
+def _rows(name: str, residuals: Sequence[_Residuals]) -> list[Row]:
     """Return R2 now, beside the network's where it was on, and ahead; none without exposed rows."""
-    y = np.concatenate([np.empty(0), *(one.y for one in missed)])
+    y = np.concatenate([np.empty(0), *(one.y for one in residuals)])
     if not y.size:
         return []
     kinds = ("jet", "ahead", "stranger", "network")
-    left = {kind: np.concatenate([getattr(one, kind) for one in missed]) for kind in kinds}
+    left = {kind: np.concatenate([getattr(one, kind) for one in residuals]) for kind in kinds}
     r2 = {kind: 1.0 - float(values @ values) / float(y @ y) for kind, values in left.items()}
     on = bool((left["network"] != y).any())
     beside = f"{REFERENCE}: {r2['network']:.3f}" if on else None
     ratio = (1.0 - r2["network"]) / (1.0 - r2["jet"]) if on else None
-    label, within = f"{name}, {y.size} samples", np.concatenate([one.within for one in missed])
+    label, within = f"{name}, {y.size} samples", np.concatenate([one.within for one in residuals])
     return [
         Row(label, r2["jet"], "R2", beside, ratio),
         Row(f"{label}, 20 ms ahead", r2["ahead"], "R2"),

@@ -11,7 +11,7 @@ from q2q_model.signals.values import Rows
 from q2q_sim.air.learning.jet.other_flights import LeftOut
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.residual.residual_term import residual_term
-from q2q_sim.air.learning.residual.wake_misses import LAGS, wake_misses
+from q2q_sim.air.learning.residual.wake_residuals import LAGS, wake_residuals
 from q2q_sim.air.learning.statistics.autocovariance import flight_lags, lagged_pairs
 from q2q_sim.air.learning.wind_term import wind_term
 from q2q_sim.air.room_air import ResidualTerm
@@ -81,7 +81,7 @@ def _at(term: ResidualTerm, eta: float) -> float:
 
 def test_a_flight_without_clear_air_takes_that_of_others_at_its_own_lags(pairs: list[AirRecord]) -> None:
     dark = replace(every(pairs[1], 5), clear=np.zeros_like(every(pairs[1], 5).clear))
-    known, taken = wake_misses([pairs[0], dark], wide_jet(), None)
+    known, taken = wake_residuals([pairs[0], dark], wide_jet(), None)
     at = {round(lag, 3): value for lag, value in zip(known.lags.times, known.clear, strict=True)}
     assert taken.clear[[0, 1, 4]] == pytest.approx([at[0.0], at[0.05], at[0.2]], abs=0.0)
     between = np.interp(0.1, [0.08, 0.12], [at[0.08], at[0.12]])
@@ -115,5 +115,5 @@ def test_lags_are_times_where_rows_are_lost(pairs: list[AirRecord]) -> None:
     assert whole is not None
     assert found is not None
     assert found.term.time_s == pytest.approx(whole.term.time_s, rel=0.1)
-    clear = [wake_misses(one, wide_jet(), None)[0].clear for one in (pairs, thin)]
+    clear = [wake_residuals(one, wide_jet(), None)[0].clear for one in (pairs, thin)]
     np.testing.assert_allclose(clear[1], clear[0], atol=2e-3)  # noise 0.01 / sqrt(pairs)

@@ -64,8 +64,8 @@ def replay_recorded_flight(name: str, model: str, json_file: Path | None) -> int
 def score_prediction(samples: Sequence[PushSamples], eta_z: Array) -> PushScore:
     """Score predicted vertical downwash [m/s^2], (T, n), as published by the node."""
     y = [one.y[one.exposed] for one in samples]
-    misses = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
-    return pooled_score(y, misses, samples)
+    residuals = [one.y[one.exposed] - eta_z[one.exposed, one.vehicle] for one in samples]
+    return pooled_score(y, residuals, samples)
 
 
 def print_score(name: str, model: str, found: PushScore) -> None:

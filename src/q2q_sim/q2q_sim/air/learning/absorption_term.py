@@ -41,14 +41,14 @@ def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[A
     y = np.concatenate([part.y for part in parts])
     felt = push_in_table(jet, place[0], place[1])
     grid = [(share, width) for width in WIDTHS for share in SHARES]
-    missed = np.stack(
+    squared_residuals = np.stack(
         [
             (y + near + (1.0 - absorption_factor(place[1], felt, AbsorptionTerm(*one))) * far) ** 2
             for one in grid
         ],
         axis=1,
     )
-    sums = block_sums(missed, wake_rows.row_blocks(parts))
+    sums = block_sums(squared_residuals, wake_rows.row_blocks(parts))
     found = estimate_spread(lambda weight: np.array(grid[int(np.argmin(weight @ sums))]), len(sums))
     values = tuple(
         fitted_value(found, k, path, y.size, SOURCE)

@@ -22,7 +22,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, AirError, air_path, recorded_paths
 from q2q_sim.air.learning.records.air_record import AirRecord, air_records
-from q2q_sim.air.learning.residual.wake_misses import WakeMisses, wake_misses
+from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, wake_residuals
 from q2q_sim.air.room_air import INSIDE, SHORTEST, ResidualTerm, RoomAir
 from q2q_sim.air.unit_processes import FADE_S, RECORDED_HZ, cross_fade
 
@@ -60,7 +60,7 @@ def recorded_residual(records: Sequence[AirRecord], room: RoomAir) -> Array:
     process = _process(room)
     pieces = [
         piece
-        for wake in wake_misses(records, room.jet, room.absorption)
+        for wake in wake_residuals(records, room.jet, room.absorption)
         for piece in _pieces(wake, process)
         if len(piece) >= 2 * FADE
     ]
@@ -79,10 +79,10 @@ def _process(room: RoomAir) -> ResidualTerm:
     return room.residual
 
 
-def _pieces(wake: WakeMisses, process: ResidualTerm) -> list[Array]:
+def _pieces(wake: WakeResiduals, process: ResidualTerm) -> list[Array]:
     """Return n on every stretch of exposed rows without a hole of FADE_S, sampled at RECORDED_HZ."""
     size = process.floor_mps2 + process.slope * wake.eta
-    n = wake.missed / np.sqrt(size**2 + wake.clear[0])
+    n = wake.residual / np.sqrt(size**2 + wake.clear[0])
     rows, t = np.flatnonzero(wake.one.exposed & (wake.eta > INSIDE)), wake.record.motion.t
     ends = (np.diff(rows) > 1) | (np.diff(t[rows]) > FADE_S)
     stretches = np.split(rows, np.flatnonzero(ends) + 1)

@@ -67,7 +67,7 @@ def _fit(sums: Array, lags: Array) -> Array:
     weight = np.sqrt(sums[:, 0])
     mean = sums[:, 1] / np.maximum(sums[:, 0], 1.0)
 
-    def missed(x: Array) -> Array:
+    def residuals(x: Array) -> Array:
         return np.asarray(weight * (mean - x[0] ** 2 * np.exp(-lags / x[1])))
 
-    return np.asarray(least_squares(missed, START, bounds=(LOWEST, LARGEST), x_scale=SCALE).x)
+    return np.asarray(least_squares(residuals, START, bounds=(LOWEST, LARGEST), x_scale=SCALE).x)

@@ -30,8 +30,8 @@ PENALTIES = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 """Values of lambda to choose from [-]."""
 DEFAULT_PENALTY = 3.0
 RIDGE = 0.1
-"""mu [-]: misses of 0.3 m/s^2, 16 rows of which count as one (0.08 s at 100 Hz), over pushes of 3 m/s^2 give
-0.16. Recorded flights left out are predicted best from 0.1 to 0.3 (docs/airs.md)."""
+"""mu [-]: residuals of 0.3 m/s^2, 16 rows of which count as one (0.08 s at 100 Hz), over pushes of 3 m/s^2
+give 0.16. Recorded flights left out are predicted best from 0.1 to 0.3 (docs/airs.md)."""
 FOLDS = 10
 DEGREE = 3
 
@@ -133,8 +133,8 @@ def chosen_penalty(normal: Normal) -> float:
     if count < 2:
         return DEFAULT_PENALTY
 
-    def missed(penalty: float) -> float:
+    def held_out_error(penalty: float) -> float:
         out = [(fold == k).astype(np.float64) for k in range(fold.max() + 1)]
         return sum(squared_error(normal, one, solve_signed(normal, 1.0 - one, penalty)) for one in out)
 
-    return min(PENALTIES, key=missed)
+    return min(PENALTIES, key=held_out_error)

@@ -2,7 +2,7 @@
 
 Slowness, carried and slope (jet_coordinates) are profiled: the best table (jet_splines) is solved for each,
 and the simplex of Nelder and Mead minimises what is left. The bootstrap is linearised at the estimate: with
-the Jacobian J = (X, Z) of coefficients above zero and travel, and the misses e,
+the Jacobian J = (X, Z) of coefficients above zero and travel, and the residuals e,
 
     (beta, travel)* - (beta, travel) = (sum w_g J_g' J_g + R)^-1 (sum w_g J_g' e_g - R beta)
 
@@ -126,10 +126,10 @@ class _Fit:
 
     def _shown(self) -> Mask:
         """Return which items of the travel the rows show, (3,)."""
-        missed, found = self._y + self._push(self.travel), []
+        residual, found = self._y + self._push(self.travel), []
         for k, (low, high) in enumerate(BOUNDS):
             along = self._derivative(k)
-            wide = Z95 * float(np.linalg.norm(block_sums(along * missed, self._blocks)))
+            wide = Z95 * float(np.linalg.norm(block_sums(along * residual, self._blocks)))
             found.append(wide < 0.5 * (high - low) * float(along @ along))
         return np.array(found)
 
@@ -163,13 +163,13 @@ class _Fit:
             travel[free] = x
             return Travel(*map(float, travel))
 
-        def missed(x: Array) -> float:
+        def squared_residuals(x: Array) -> float:
             place = wake_rows.jet_places(self._parts, moved(x))
             normal = normal_equations(place, self._y, together)
             return squared_error(normal, one, solve_signed(normal, one, DEFAULT_PENALTY))
 
         found = minimize(
-            missed,
+            squared_residuals,
             np.array(START)[free],
             method="Nelder-Mead",
             bounds=np.array(BOUNDS)[free],
@@ -188,11 +188,11 @@ class _Fit:
         along = -place.thrust_ratio[:, None] * spline_values(place.gap, place.radius)[:, active]
         moved = [self._derivative(int(k)) for k in np.flatnonzero(self.shown)]
         jacobian = np.column_stack([along, *moved])
-        missed = self._y + self._push(self.travel)
+        residual = self._y + self._push(self.travel)
         rough = RIDGE * np.eye(jacobian.shape[1])
         rough[: active.size, : active.size] = penalties(self._penalty)[np.ix_(active, active)]
         smoothed = rough[:, : active.size] @ self.beta[active]
-        score = block_sums(jacobian * missed[:, None], self._blocks)
+        score = block_sums(jacobian * residual[:, None], self._blocks)
         count = int(self._blocks.max()) + 1
         squares = np.stack([_square(jacobian[self._blocks == k]) for k in range(count)])
         least, most = np.array(BOUNDS).T

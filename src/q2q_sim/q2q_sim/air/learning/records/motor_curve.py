@@ -41,7 +41,7 @@ USUAL_POWER = 1.9
 class MotorCurve:
     """Motor curve of one vehicle of a flight."""
 
-    misses: Array
+    squared_residuals: Array
     """Squared error of T / m g at each of POWERS, sum over rows."""
     hover_volts: float
     """At the vehicle's own best power."""
@@ -70,7 +70,7 @@ def usual_power(curves: Sequence[MotorCurve]) -> float:
     """Return the k of all vehicles together."""
     if not curves:
         return USUAL_POWER
-    return float(POWERS[np.argmin(np.sum([one.misses for one in curves], axis=0))])
+    return float(POWERS[np.argmin(np.sum([one.squared_residuals for one in curves], axis=0))])
 
 
 def _curves(record: AirRecord, motors: Motors) -> list[MotorCurve]:
@@ -91,14 +91,16 @@ def _curve(record: AirRecord, motors: Motors, i: int, rows: Rows) -> MotorCurve:
     powers = np.stack([(each**power).mean(axis=1) for power in POWERS], axis=1)
     felt = first_order_lag(powers, t, record.lag)[rows]  # (k, K)
     scale = (thrust_ratio @ felt) / (felt**2).sum(axis=0)
-    misses = ((thrust_ratio[:, None] - scale * felt) ** 2).sum(axis=0)
-    best = int(np.argmin(misses))
+    squared_residuals = ((thrust_ratio[:, None] - scale * felt) ** 2).sum(axis=0)
+    best = int(np.argmin(squared_residuals))
     mean = np.stack([motors.duty[:, i].mean(axis=1), motors.volts[:, i]], axis=1)
     duty, volts = first_order_lag(mean, t, record.lag)[rows].T
     columns = np.stack([np.ones(rows.size), t[rows] - t[rows[0]], duty - duty.mean()], axis=1)
     start, fall, by_duty = map(float, np.linalg.lstsq(columns, volts)[0])
     hover_volts = float(scale[best] ** (-1.0 / POWERS[best]))
-    return MotorCurve(misses, hover_volts, start, -fall, -by_duty, _work(each, record.clear[:, i], rows))
+    return MotorCurve(
+        squared_residuals, hover_volts, start, -fall, -by_duty, _work(each, record.clear[:, i], rows)
+    )
 
 
 def _work(each: Array, clear: Mask, rows: Rows) -> Array:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.residual.wake_misses import WakeMisses, vehicle_gain
+from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, vehicle_gain
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 
@@ -16,7 +16,7 @@ FEWEST_STRETCHES = 3
 PATH = "residual.gain_std"
 
 
-def gain_spread(wakes: Sequence[WakeMisses]) -> Fitted:
+def gain_spread(wakes: Sequence[WakeResiduals]) -> Fitted:
     """Return the standard deviation of the gain on the mean downwash between vehicles and flights.
 
     It is what the gains differ by beyond their own errors (DerSimonian and Laird, Controlled Clinical
@@ -29,9 +29,9 @@ def gain_spread(wakes: Sequence[WakeMisses]) -> Fitted:
         sums = block_sums(pair, block_of_rows([Row(one.record.name, one.record.motion.t[rows])]))
         if rows.size >= FEWEST and len(sums) >= FEWEST_STRETCHES:
             gain = vehicle_gain(one)
-            miss = sums[:, 0] - gain * sums[:, 1]
+            residual = sums[:, 0] - gain * sums[:, 1]
             gains.append(gain)
-            errors.append(float(miss @ miss) / sums[:, 1].sum() ** 2)
+            errors.append(float(residual @ residual) / sums[:, 1].sum() ** 2)
     each, own = np.array(gains), np.array(errors)
 
     def estimate(weight: Array) -> Array:

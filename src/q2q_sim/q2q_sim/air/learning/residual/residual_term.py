@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.other_flights import LeftOut
 from q2q_sim.air.learning.residual.gain_spread import gain_spread
-from q2q_sim.air.learning.residual.wake_misses import WakeMisses, wake_misses, with_vehicle_gain
+from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, wake_residuals, with_vehicle_gain
 from q2q_sim.air.learning.statistics.autocovariance import lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, cell_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
@@ -37,7 +37,7 @@ def residual_term(
     groups: Sequence[LeftOut], absorption: AbsorptionTerm | None
 ) -> LearnedTerm[ResidualTerm] | None:
     """Return the residual of flights beside jets of others; None with fewer than FEWEST exposed rows."""
-    wakes = [wake for one in groups for wake in wake_misses(one.records, one.jet, absorption)]
+    wakes = [wake for one in groups for wake in wake_residuals(one.records, one.jet, absorption)]
     rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
     if rows < FEWEST:
         return None
@@ -50,7 +50,7 @@ def residual_term(
     return LearnedTerm(ResidualTerm(floor, slope, time, gain.value), (*values, gain))
 
 
-def _sums(wakes: Sequence[WakeMisses], lags: Array) -> Array:
+def _sums(wakes: Sequence[WakeResiduals], lags: Array) -> Array:
     """Return the sums over blocks, levels of |eta| and `lags` [s] of 1, e e' - C, a a', a b' + a' b, b b'.
 
     a = min(|eta| / e_0, 1), b = |eta|; (B, K, L, 5).
@@ -62,7 +62,7 @@ def _sums(wakes: Sequence[WakeMisses], lags: Array) -> Array:
         column = np.searchsorted(lags, one.lags.times)
         for k, (first, second) in enumerate(lagged_pairs(one.one.exposed, one.lags)):
             a, b, a2, b2 = inside[first], one.eta[first], inside[second], one.eta[second]
-            product = one.missed[first] * one.missed[second] - one.clear[k]
+            product = one.residual[first] * one.residual[second] - one.clear[k]
             columns.append(np.stack([np.ones(first.size), product, a * a2, a * b2 + a2 * b, b * b2], axis=1))
             level.append(np.searchsorted(LEVELS, 0.5 * (b + b2), side="right") - 1)
             lag.append(np.full(first.size, column[k]))
@@ -80,9 +80,9 @@ def _fit(sums: Array, lags: Array) -> Array:
     level = np.maximum(mean[:, :1, 0], 0.01)  # variance of each level; the least is that of 0.1 m/s^2
     weight = np.where(seen, np.sqrt(count) / level, 0.0)
 
-    def missed(x: Array) -> Array:
+    def residuals(x: Array) -> Array:
         floor, slope, time = x
         size = floor**2 * mean[..., 1] + floor * slope * mean[..., 2] + slope**2 * mean[..., 3]
         return np.asarray((weight * (mean[..., 0] - size * np.exp(-lags / time))).ravel())
 
-    return np.asarray(least_squares(missed, START, bounds=(LOWEST, LARGEST), x_scale=START).x)
+    return np.asarray(least_squares(residuals, START, bounds=(LOWEST, LARGEST), x_scale=START).x)

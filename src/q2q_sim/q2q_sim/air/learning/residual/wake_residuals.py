@@ -19,14 +19,14 @@ FEWEST_CLEAR = 200
 
 
 @dataclass(frozen=True, slots=True)
-class WakeMisses:
-    """Misses of one vehicle of a flight on its exposed rows."""
+class WakeResiduals:
+    """Residuals of one vehicle of a flight on its exposed rows."""
 
     record: AirRecord
     one: PushSamples
     eta: Array
     """|eta| [m/s^2], (T,); 0 where not exposed."""
-    missed: Array
+    residual: Array
     """[m/s^2], (T,)"""
     lags: Lags
     """Those of its flight, (L,)."""
@@ -34,9 +34,9 @@ class WakeMisses:
     """Its autocovariance in clear air at each lag, (L,)."""
 
 
-def wake_misses(
+def wake_residuals(
     records: Sequence[AirRecord], jet: JetTerm, absorption: AbsorptionTerm | None
-) -> list[WakeMisses]:
+) -> list[WakeResiduals]:
     """Return what jet and absorption leave of each vehicle that has exposed rows."""
     wakes = [
         _wake(record, one, jet, absorption)
@@ -47,7 +47,9 @@ def wake_misses(
     return _with_clear_air(wakes)
 
 
-def _wake(record: AirRecord, one: PushSamples, jet: JetTerm, absorption: AbsorptionTerm | None) -> WakeMisses:
+def _wake(
+    record: AirRecord, one: PushSamples, jet: JetTerm, absorption: AbsorptionTerm | None
+) -> WakeResiduals:
     rows = np.flatnonzero(one.exposed)
     eta = np.zeros(one.y.size)
     eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
@@ -56,10 +58,10 @@ def _wake(record: AirRecord, one: PushSamples, jet: JetTerm, absorption: Absorpt
     own = np.zeros(lags.ticks.size)
     if clear.sum() >= FEWEST_CLEAR:
         own = autocovariance(one.y - one.y[clear].mean(), clear, lags)
-    return WakeMisses(record, one, eta, one.y + eta, lags, own)
+    return WakeResiduals(record, one, eta, one.y + eta, lags, own)
 
 
-def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
+def _with_clear_air(wakes: Sequence[WakeResiduals]) -> list[WakeResiduals]:
     """Return the wakes with the mean autocovariance of clear air where a flight has none."""
     known = [one for one in wakes if one.clear.any()]
     if not known:
@@ -67,17 +69,17 @@ def _with_clear_air(wakes: Sequence[WakeMisses]) -> list[WakeMisses]:
     return [one if one.clear.any() else replace(one, clear=_usual(known, one.lags.times)) for one in wakes]
 
 
-def _usual(known: Sequence[WakeMisses], lags: Array) -> Array:
+def _usual(known: Sequence[WakeResiduals], lags: Array) -> Array:
     """Return the mean autocovariance of clear air at lags [s], (L,)."""
     return np.asarray(np.mean([np.interp(lags, one.lags.times, one.clear) for one in known], axis=0))
 
 
-def vehicle_gain(wake: WakeMisses) -> float:
+def vehicle_gain(wake: WakeResiduals) -> float:
     """Return the vehicle's gain on the mean downwash [-]; 1 where there is none."""
     square = float(wake.eta @ wake.eta)
     return -float(wake.one.y @ wake.eta) / square if square > 0.0 else 1.0
 
 
-def with_vehicle_gain(wake: WakeMisses) -> WakeMisses:
+def with_vehicle_gain(wake: WakeResiduals) -> WakeResiduals:
     """Return what is left with the vehicle's own gain."""
-    return replace(wake, missed=wake.one.y + vehicle_gain(wake) * wake.eta)
+    return replace(wake, residual=wake.one.y + vehicle_gain(wake) * wake.eta)
