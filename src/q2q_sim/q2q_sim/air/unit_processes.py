@@ -1,4 +1,4 @@
-"""Random processes of unit variance in a room's air: the residual of each vehicle, the wander of each jet.
+"""Random processes of unit variance in a room's air: the residual of each vehicle, the meander of each jet.
 
 A process is drawn in blocks of one second, ahead of the physics. Each has a random stream of its own, so that
 switching one off leaves the others unchanged. Ornstein-Uhlenbeck processes are those of
@@ -19,7 +19,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.ornstein_uhlenbeck import ExactStep, advance_processes, exact_step
 from q2q_sim.random_streams import stream
 
-RESIDUAL, WANDER_X, WANDER_Y = 0, 1, 2
+RESIDUAL, MEANDER_X, MEANDER_Y = 0, 1, 2
 """Kinds of processes in a block."""
 KINDS = 3
 BLOCK_S = 1.0
@@ -95,7 +95,7 @@ class UnitProcesses:
     def __init__(self, air: RoomAir, count: int, step: float, seed: int) -> None:
         """Prepare the processes of `count` vehicles; `step` is in [s]."""
         self._residual: OrnsteinUhlenbeck | PlayedBack | None = None
-        self._wander: OrnsteinUhlenbeck | None = None
+        self._meander: OrnsteinUhlenbeck | None = None
         if air.residual is not None:
             rng = stream(seed, "air residual")
             if air.residual.recording is None:
@@ -104,12 +104,12 @@ class UnitProcesses:
                 self._residual = PlayedBack(rng, count, step, air.residual.recording)
         if air.meander is not None:
             rng = stream(seed, "air meander")
-            self._wander = OrnsteinUhlenbeck(rng, 2 * count, step, air.meander.time_s)
+            self._meander = OrnsteinUhlenbeck(rng, 2 * count, step, air.meander.time_s)
 
     def fill(self, block: Array) -> None:
         """Write the next block (KINDS, steps, n)."""
         steps, count = block.shape[1:]
         if self._residual is not None:
             block[RESIDUAL] = self._residual.block(steps)
-        if self._wander is not None:
-            block[WANDER_X:] = np.moveaxis(self._wander.block(steps).reshape(steps, count, 2), 2, 0)
+        if self._meander is not None:
+            block[MEANDER_X:] = np.moveaxis(self._meander.block(steps).reshape(steps, count, 2), 2, 0)

@@ -73,7 +73,7 @@ class RoomNumbers(NamedTuple):
     slope: float
     bend_x: float
     bend_y: float
-    wander: float
+    meander: float
     absorbed: float
     absorbing_width: float
     floor: float
@@ -183,7 +183,7 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
         slope=jet.slope,
         bend_x=jet.bend[0],
         bend_y=jet.bend[1],
-        wander=air.meander.std if air.meander else 0.0,
+        meander=air.meander.std if air.meander else 0.0,
         absorbed=absorption.share if absorption else 0.0,
         absorbing_width=absorption.width_m if absorption else 1.0,
         floor=residual.floor_mps2 if residual else 0.0,

@@ -12,7 +12,7 @@ from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import INSIDE
-from q2q_sim.air.unit_processes import RESIDUAL, WANDER_X, WANDER_Y
+from q2q_sim.air.unit_processes import MEANDER_X, MEANDER_Y, RESIDUAL
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
 from q2q_sim.plant.body.rotors import rotor_torque
 from q2q_sim.plant.body.state_row import (
@@ -84,9 +84,9 @@ def beside_axis(room: RoomLaw, k: int, tick: int) -> Three:
     """Return the way from the jet's axis to the vehicle of the k-th pair along x and y, and its fall [m]."""
     one, jet_rows, places, i, j = room.numbers, room.jet_rows, room.places, room.receiver[k], room.source[k]
     kept, slope_x, slope_y = one.carried * jet_rows[k, TAU], one.bend_x, one.bend_y
-    if one.wander != 0.0:
-        slope_x += one.wander * room.unit[WANDER_X, tick, j]
-        slope_y += one.wander * room.unit[WANDER_Y, tick, j]
+    if one.meander != 0.0:
+        slope_x += one.meander * room.unit[MEANDER_X, tick, j]
+        slope_y += one.meander * room.unit[MEANDER_Y, tick, j]
     slope_x -= one.slope * jet_rows[k, PAST + SLOPE_X]
     slope_y -= one.slope * jet_rows[k, PAST + SLOPE_Y]
     dz = jet_rows[k, PAST + Z] - places[Z, i]
