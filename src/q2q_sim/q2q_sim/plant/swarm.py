@@ -1,9 +1,9 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
 Each physics step finds the push of the air on every vehicle, then steps every vehicle
-(body/block_step.py). The air is a wake law (push/law_push.py), that of a room (push/room_push.py), or a class
-outside the loop (push/uncompiled_wake.py), asked between single steps. Both loops over pairs sort the
-vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash;
+(body/block_step.py). The air is a wake law (push/wake_law_push.py), that of a room (push/room_air_push.py),
+or a class outside the loop (push/uncompiled_wake.py), asked between single steps. Both loops over pairs sort
+the vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash;
 between slots they are interpolated. A test compares the kernel with a plain numpy implementation.
 """
 
@@ -38,12 +38,12 @@ from q2q_sim.plant.body.state_row import (
     X,
     state_at_rest,
 )
-from q2q_sim.plant.push.law_push import law_push
+from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, compiled_room_air
 from q2q_sim.plant.push.order_by_x import Rows
 from q2q_sim.plant.push.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
-from q2q_sim.plant.push.room_law import RoomLaw, room_law
-from q2q_sim.plant.push.room_push import room_push
+from q2q_sim.plant.push.room_air_push import room_air_push
 from q2q_sim.plant.push.uncompiled_wake import UncompiledWake
+from q2q_sim.plant.push.wake_law_push import wake_law_push
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
@@ -62,7 +62,7 @@ class Air(NamedTuple):
     rows: Rows
     """Rows by rising x at the last step, then the number of steps taken, (n + 1,); the present is slot
     steps % slots."""
-    room: RoomLaw
+    room: CompiledRoomAir
     """Empty if the kind is not ROOM."""
 
 
@@ -77,9 +77,9 @@ def air_push(state: Array, air: Air, body: Body) -> None:
     """Write push and torque of the air on every vehicle."""
     kind, ring, rows, room = air
     if kind == ROOM:
-        room_push(state, ring, rows, room, body.mass)
+        room_air_push(state, ring, rows, room, body.mass)
     elif kind != UNCOMPILED:
-        law_push(state, ring, rows, kind, body.step)
+        wake_law_push(state, ring, rows, kind, body.step)
 
 
 @compiled(nogil=True)
@@ -99,16 +99,16 @@ def run_in_law(state: Array, air: LawAir, commands: Array, drive: Array, body: P
     (kind, ring, rows), (gains, frame, mass, decay, step) = air, body
     whole = Body(AttitudeGains(*gains), frame, mass, decay, step)
     for k in range(commands.shape[0]):
-        law_push(state, ring, rows, kind, step)
+        wake_law_push(state, ring, rows, kind, step)
         advance_rows(state, commands[k], drive, whole, work)
         remember(state, ring, rows, mass * GRAVITY)
 
 
 @compiled(**BORROWING)
-def write_law_push(state: Array, air: LawAir, step: float, push: Array) -> None:
+def write_wake_law_push(state: Array, air: LawAir, step: float, push: Array) -> None:
     """Write the push of a wake law on every vehicle [m/s^2], (n, 3), into `push`; `step` is physics' [s]."""
     kind, ring, rows = air
-    law_push(state, ring, rows, kind, step)
+    wake_law_push(state, ring, rows, kind, step)
     for i in range(state.shape[0]):
         push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA_Z]
 
@@ -125,9 +125,9 @@ def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:
     """Return the air around vehicles that have always hovered at their present positions."""
     order = np.append(np.argsort(state[:, X], kind="stable"), 0).astype(np.int64)
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
-    kind, delay, room = UNCOMPILED, 0.0, room_law(RoomAir(), 0, body, seed)
+    kind, delay, room = UNCOMPILED, 0.0, compiled_room_air(RoomAir(), 0, body, seed)
     if isinstance(air, RoomAir):
-        kind, delay, room = ROOM, MAX_DELAY, room_law(air, len(state), body, seed)
+        kind, delay, room = ROOM, MAX_DELAY, compiled_room_air(air, len(state), body, seed)
         now = np.column_stack([now, np.zeros((len(state), ROOM_WIDTH - LAW_WIDTH))])
     elif isinstance(air, WakeLaw):
         kind, delay = int(air), max_delay(air)
@@ -214,7 +214,7 @@ class Swarm:
         """Return the push of the air on every vehicle now [m/s^2], world, (n, 3)."""
         push = np.empty((len(self.names), 3))
         if self._law is not None:
-            write_law_push(self.state, self._law, self.body.step, push)
+            write_wake_law_push(self.state, self._law, self.body.step, push)
             return push
         self.prepare()
         write_push(self.state, self.air, self.body, push)

@@ -24,9 +24,9 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
+from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir
 from q2q_sim.plant.push.neighbour_list import NeighbourList
 from q2q_sim.plant.push.past_states import empty_ring, remember
-from q2q_sim.plant.push.room_law import RoomLaw
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
 
 AT_ONCE = 64
@@ -57,20 +57,20 @@ def neighbours_of_swarm(near: NeighbourList, s: int) -> NeighbourList:
 @compiled(**HOT)
 def air_of_swarm(airs: Air, s: int, work: int) -> Air:
     """Return the air of swarm s in `stacked` airs, with the workspace of the swarm `work`."""
-    kind, ring, rows, law = airs
-    room = RoomLaw(
-        law.table,
-        law.numbers,
-        law.bound,
-        law.unit[s],
-        law.extremes[s],
-        law.rotor_max[s],
-        law.gains[s],
-        neighbours_of_swarm(law.near, s),
-        law.places[work],
-        law.jet_rows[work],
-        law.receiver[work],
-        law.source[work],
+    kind, ring, rows, rooms = airs
+    room = CompiledRoomAir(
+        rooms.table,
+        rooms.numbers,
+        rooms.bound,
+        rooms.unit[s],
+        rooms.extremes[s],
+        rooms.rotor_max[s],
+        rooms.gains[s],
+        neighbours_of_swarm(roomss.near, s),
+        rooms.places[work],
+        rooms.jet_rows[work],
+        rooms.receiver[work],
+        rooms.source[work],
     )
     return Air(kind, ring[s], rows[s], room)
 
@@ -198,20 +198,20 @@ class SwarmBatch:
 
 def stack_airs(airs: Sequence[Air]) -> Air:
     """Return the airs of many swarms in one: all arrays but the table with a leading axis of swarms."""
-    first, laws = airs[0], [air.room for air in airs]
-    law = RoomLaw(
+    first, rooms = airs[0], [air.room for air in airs]
+    room = CompiledRoomAir(
         table=first.room.table,
         numbers=first.room.numbers,
         bound=first.room.bound,
-        unit=np.stack([one.unit for one in laws]),
-        extremes=np.stack([one.extremes for one in laws]),
-        rotor_max=np.stack([one.rotor_max for one in laws]),
-        gains=np.stack([one.gains for one in laws]),
-        near=NeighbourList(*map(np.stack, zip(*(one.near for one in laws), strict=True))),
-        places=np.stack([one.places for one in laws]),
-        jet_rows=np.stack([one.jet_rows for one in laws]),
-        receiver=np.stack([one.receiver for one in laws]),
-        source=np.stack([one.source for one in laws]),
+        unit=np.stack([one.unit for one in rooms]),
+        extremes=np.stack([one.extremes for one in rooms]),
+        rotor_max=np.stack([one.rotor_max for one in rooms]),
+        gains=np.stack([one.gains for one in rooms]),
+        near=NeighbourList(*map(np.stack, zip(*(one.near for one in rooms), strict=True))),
+        places=np.stack([one.places for one in rooms]),
+        jet_rows=np.stack([one.jet_rows for one in rooms]),
+        receiver=np.stack([one.receiver for one in rooms]),
+        source=np.stack([one.source for one in rooms]),
     )
     ring = np.stack([air.ring for air in airs], out=empty_ring((len(airs), *first.ring.shape)))
-    return Air(first.kind, ring, np.stack([air.rows for air in airs]), law)
+    return Air(first.kind, ring, np.stack([air.rows for air in airs]), room)

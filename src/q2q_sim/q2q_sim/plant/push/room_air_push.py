@@ -44,11 +44,7 @@ from q2q_sim.plant.body.state_row import (
     Y,
     Z,
 )
-from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
-from q2q_sim.plant.push.neighbour_list import update
-from q2q_sim.plant.push.order_by_x import Rows
-from q2q_sim.plant.push.past_states import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
-from q2q_sim.plant.push.room_law import (
+from q2q_sim.plant.push.compiled_room_air import (
     AT_ONCE,
     AWAY_X,
     AWAY_Y,
@@ -60,11 +56,15 @@ from q2q_sim.plant.push.room_law import (
     TAU,
     TRANSMITTED,
     WEIGHT,
-    RoomLaw,
+    CompiledRoomAir,
     RoomNumbers,
     cell,
     table_push,
 )
+from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
+from q2q_sim.plant.push.neighbour_list import update
+from q2q_sim.plant.push.order_by_x import Rows
+from q2q_sim.plant.push.past_states import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
 
 TOUCHING = 1e-9
 """Distance from the axis below which its direction is taken as zero [m]."""
@@ -80,7 +80,7 @@ class Now(NamedTuple):
 
 
 @compiled(**HOT)
-def beside_axis(room: RoomLaw, k: int, tick: int) -> Three:
+def beside_axis(room: CompiledRoomAir, k: int, tick: int) -> Three:
     """Return the way from the jet's axis to the vehicle of the k-th pair along x and y, and its fall [m]."""
     one, jet_rows, places, i, j = room.numbers, room.jet_rows, room.places, room.receiver[k], room.source[k]
     kept, slope_x, slope_y = one.carried * jet_rows[k, TAU], one.bend_x, one.bend_y
@@ -97,7 +97,7 @@ def beside_axis(room: RoomLaw, k: int, tick: int) -> Three:
 
 
 @compiled(**HOT)
-def write_jet_row(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
+def write_jet_row(room: CompiledRoomAir, k: int, kept: int, tick: int) -> bool:
     """Write what the k-th vehicle is for the jet into row `kept`; return whether it is in the jet."""
     one, table, jet_rows = room.numbers, room.table, room.jet_rows
     away_x, away_y, dz = beside_axis(room, k, tick)
@@ -121,7 +121,7 @@ def write_jet_row(room: RoomLaw, k: int, kept: int, tick: int) -> bool:
 
 
 @compiled(**HOT)
-def add_pairs_in_reach(found: Rows, room: RoomLaw, j: int, count: int, to: JetReach) -> int:
+def add_pairs_in_reach(found: Rows, room: CompiledRoomAir, j: int, count: int, to: JetReach) -> int:
     """Add the vehicles in reach of vehicle j to the pairs; return their number."""
     places, near = room.places, room.near
     x, y, z = places[X, j], places[Y, j], places[Z, j]
@@ -136,7 +136,7 @@ def add_pairs_in_reach(found: Rows, room: RoomLaw, j: int, count: int, to: JetRe
 
 
 @compiled(**HOT)
-def keep_pairs_in_jet(ring: Array, room: RoomLaw, count: int, now: Now) -> int:
+def keep_pairs_in_jet(ring: Array, room: CompiledRoomAir, count: int, now: Now) -> int:
     """Keep of the pairs those with a vehicle in the jet; return their number."""
     for k in range(count):  # all pasts are read before a branch depends on one
         late = room.jet_rows[k, TAU] / room.numbers.step
@@ -174,7 +174,7 @@ def add_torque(state: Array, i: int, tx: float, ty: float) -> None:
 
 
 @compiled(**HOT)
-def add_source_jet(state: Array, room: RoomLaw, first: int, end: int) -> None:
+def add_source_jet(state: Array, room: CompiledRoomAir, first: int, end: int) -> None:
     """Add the jet of a source to the vehicles in it, those of the pairs `first` to `end`."""
     one, jet_rows, receiver, j = room.numbers, room.jet_rows, room.receiver, room.source[first]
     absorbing = end > first + 1 and one.absorbed > 0.0
@@ -248,7 +248,7 @@ def clear_push(state: Array, rotor_max: Array, faded: float) -> None:
 
 
 @compiled(**HOT)
-def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
+def add_jets(state: Array, ring: Array, rows: Rows, room: CompiledRoomAir) -> None:
     """Add the jets of all vehicles."""
     n, places = state.shape[0], room.places
     past = update_extremes(state, ring, rows, room.extremes)
@@ -271,7 +271,7 @@ def add_jets(state: Array, ring: Array, rows: Rows, room: RoomLaw) -> None:
 
 
 @compiled(**HOT)
-def room_push(state: Array, ring: Array, rows: Rows, room: RoomLaw, mass: float) -> None:
+def room_air_push(state: Array, ring: Array, rows: Rows, room: CompiledRoomAir, mass: float) -> None:
     """Write push, torque and largest rotor thrust of every vehicle; `mass` in [kg]."""
     n, one, unit = state.shape[0], room.numbers, room.unit
     clear_push(state, room.rotor_max, one.fading * one.step * float(rows[n]))

@@ -40,7 +40,7 @@ def _late_downwash(state: Array, ring: Array, steps: int, pair: tuple[int, int],
 
 
 @compiled(**BORROWING)
-def law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
+def wake_law_push(state: Array, ring: Array, rows: Rows, kind: int, step: float) -> None:
     """Write eta_z of every vehicle into its state."""
     n = state.shape[0]
     lowest, highest = state[0, Z], state[0, Z]

@@ -97,7 +97,7 @@ class RoomNumbers(NamedTuple):
     """Of the rotors [m]."""
 
 
-class RoomLaw(NamedTuple):
+class CompiledRoomAir(NamedTuple):
     """Air of a room in compiled code."""
 
     table: PushTable
@@ -124,12 +124,12 @@ class RoomLaw(NamedTuple):
     """Workspace for the sources' rows, (n + AT_ONCE,)."""
 
 
-def room_law(air: RoomAir, count: int, body: Body, seed: int) -> RoomLaw:
+def compiled_room_air(air: RoomAir, count: int, body: Body, seed: int) -> CompiledRoomAir:
     """Return the compiled form of an air for `count` vehicles of a flight of a seed."""
     jet = air.jet or NO_JET
     ends = ends_of_jet(air.jet, air.absorption) if air.jet else np.zeros(1)
     lean = FARTHEST * air.meander.std if air.meander else 0.0
-    return RoomLaw(
+    return CompiledRoomAir(
         table=PushTable(
             gaps=knots_of(jet.gaps_m),
             radii=knots_of(jet.radii_m),
