@@ -18,9 +18,9 @@ from time import perf_counter
 import numpy as np
 
 from q2q_sim.air.find_air import find_air
-from q2q_sim.plant.body.block_step import COMMAND_WIDTH, DRIVE_WIDTH
 from q2q_sim.plant.body.quadcopter import advance
 from q2q_sim.plant.body.state_row import STATE_WIDTH
+from q2q_sim.plant.body.vectorised_step import COMMAND_WIDTH, DRIVE_WIDTH
 from q2q_sim.plant.push.compiled_room_air import PushTable
 from q2q_sim.plant.push.past_states import ROOM_WIDTH, remember
 from q2q_sim.plant.swarm import Swarm, air_push

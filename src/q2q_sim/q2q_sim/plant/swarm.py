@@ -1,7 +1,7 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
 Each physics step finds the push of the air on every vehicle, then steps every vehicle
-(body/block_step.py). The air is a wake law (push/wake_law_push.py), that of a room (push/room_air_push.py),
+(body/vectorised_step.py). The air is a wake law (push/wake_law_push.py), that of a room (push/room_air_push.py),
 or a class outside the loop (push/uncompiled_wake.py), asked between single steps. Both loops over pairs sort
 the vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash;
 between slots they are interpolated. A test compares the kernel with a plain numpy implementation.
@@ -23,7 +23,6 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake import AirSetup
 from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
-from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.body.quadcopter import Body, body_of
 from q2q_sim.plant.body.state_row import (
     ETA_X,
@@ -38,6 +37,7 @@ from q2q_sim.plant.body.state_row import (
     X,
     state_at_rest,
 )
+from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, compiled_room_air
 from q2q_sim.plant.push.order_by_x import Rows
 from q2q_sim.plant.push.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember

@@ -1,7 +1,7 @@
 """Many swarms in one call, of one kind, each in air of its own, stepped together.
 
 A batch of small swarms costs as little per vehicle as one large swarm: the call is made once, and the
-vehicles of neighbouring swarms share the blocks of plant.body.block_step. Each moves as a Swarm of the same
+vehicles of neighbouring swarms share the blocks of plant.body.vectorised_step. Each moves as a Swarm of the same
 start and seed does, to the last bit. Swarms do not meet, so threads share them; by default there is one
 thread, the caller's.
 """
@@ -21,9 +21,9 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import RESIDUAL, UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
+from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir
 from q2q_sim.plant.push.neighbour_list import NeighbourList
 from q2q_sim.plant.push.past_states import empty_ring, remember

@@ -5,10 +5,10 @@ import pytest
 
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
-from q2q_sim.plant.body.block_step import BLOCK_WIDTH, LANES, VALID, advance_rows
 from q2q_sim.plant.body.quadcopter import advance, body_of
 from q2q_sim.plant.body.rigid_body import SMALL_SQUARE, half_turn_squared
 from q2q_sim.plant.body.state_row import ETA_Z, QUAT, RATE, ROTOR_MAX1, ROTORS, VEL, Z, state_at_rest
+from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, VALID, advance_rows
 
 STEP = 0.002
 
