@@ -1,10 +1,11 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
 Each physics step finds the push of the air on every vehicle, then steps every vehicle
-(body/vectorised_step.py). The air is a wake law (push/wake_law_push.py), that of a room (push/room_air_push.py),
-or a class outside the loop (push/uncompiled_wake.py), asked between single steps. Both loops over pairs sort
-the vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a step, for delayed downwash;
-between slots they are interpolated. A test compares the kernel with a plain numpy implementation.
+(body/vectorised_step.py). The air is a wake law (push/wake_law_push.py), that of a room
+(push/room_air_push.py), or a class outside the loop (push/uncompiled_wake.py), asked between single steps.
+Both loops over pairs sort the vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a
+step, for delayed downwash; between slots they are interpolated. A test compares the kernel with a plain numpy
+implementation.
 """
 
 import math

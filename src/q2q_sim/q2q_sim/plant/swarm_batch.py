@@ -1,8 +1,8 @@
 """Many swarms in one call, of one kind, each in air of its own, stepped together.
 
 A batch of small swarms costs as little per vehicle as one large swarm: the call is made once, and the
-vehicles of neighbouring swarms share the blocks of plant.body.vectorised_step. Each moves as a Swarm of the same
-start and seed does, to the last bit. Swarms do not meet, so threads share them; by default there is one
+vehicles of neighbouring swarms share the blocks of plant.body.vectorised_step. Each moves as a Swarm of the
+same start and seed does, to the last bit. Swarms do not meet, so threads share them; by default there is one
 thread, the caller's.
 """
 
@@ -66,7 +66,7 @@ def air_of_swarm(airs: Air, s: int, work: int) -> Air:
         rooms.extremes[s],
         rooms.rotor_max[s],
         rooms.gains[s],
-        neighbours_of_swarm(roomss.near, s),
+        neighbours_of_swarm(rooms.near, s),
         rooms.places[work],
         rooms.jet_rows[work],
         rooms.receiver[work],
