@@ -17,7 +17,7 @@ from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in
 from q2q_sim.experiments.validation.error_figures import error_figure
 from q2q_sim.experiments.validation.estimate_noise import estimate_noise
-from q2q_sim.experiments.validation.onboard_law import LOOP, OnboardLaw, ReadFlight, check_stable, read_law
+from q2q_sim.experiments.validation.recorded_law import LOOP, ReadFlight, RecordedLaw, check_stable, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
@@ -38,7 +38,7 @@ from q2q_sim.plant.swarm import Swarm
 
 DT = 0.01
 NAMES = ("cf1", "cf2")
-LAW = OnboardLaw(
+LAW = RecordedLaw(
     k_p=np.array([20.0, 20.0, 10.0]),
     k_d=np.array([10.0, 10.0, 5.0]),
     k_i=np.array([0.6, 0.6, 0.6]),
@@ -215,7 +215,7 @@ def test_gains_that_stabilise_no_vehicle_are_not_flown_again(
         )
 
 
-def growth(law: OnboardLaw) -> float:
+def growth(law: RecordedLaw) -> float:
     """Return how much larger horizontal errors are in the last third of 24 s without downwash than before."""
     plan = passes(24.0)
     flown = redraw_flight(ReadFlight(plan, law), CRAZYFLIE_2_0.mass, air(0.0), [0])

@@ -10,7 +10,7 @@ K_d are kept only if an F test finds them significant. Correlated rows reduce th
 n (1 - rho) / (1 + rho), with rho the correlation of successive residuals.
 
 U1 b_z is what the controller wants along z if it divides by the tilt. One that commands the size of its force
-(q2q_sim.experiments.validation.onboard_law) wants it along another tilt than that of the vehicle, b. On the
+(q2q_sim.experiments.validation.recorded_law) wants it along another tilt than that of the vehicle, b. On the
 recorded flights this moves K_p by up to 2 % and K_d by 1 %, more than the ends of their intervals.
 
 c_v and c_a are tried where the rates of references are those of a fit to their positions: a controller may

@@ -3,7 +3,7 @@
 | module | content |
 |---|---|
 | tracked_flight | references, states and commands of a recorded flight on an even grid, with its rows |
-| onboard_law | the vehicles' own control law, read from their commands |
+| recorded_law | the recorded vehicles' own control law, read from their commands |
 | rotor_drag | drag of the rotors, read from accelerometers |
 | estimate_noise | noise of the recorded estimate, by its spectrum |
 | redrawn_flight | the flight flown again under that law, many draws of the air at once |

@@ -2,7 +2,7 @@
 
 Downwash, residual, edge torque, ground effect, headroom and lag act as in any flight, and gusts.
 What differs from flight to flight is that of the recording: the offset of each vehicle, with steady wind in
-it (onboard_law), because the recorded commands contain what the integral had learned of it, the headroom
+it (recorded_law), because the recorded commands contain what the integral had learned of it, the headroom
 of each vehicle's motors at the flight's voltage, and the drag of the rotors (redrawn_flight).
 """
 

@@ -18,7 +18,7 @@ from q2q_sim.experiments.validation.comparison import (
 from q2q_sim.experiments.validation.drawn_air import MakeDraw
 from q2q_sim.experiments.validation.error_spectrum import CLEAR_SHARE, EXPOSED_SHARE
 from q2q_sim.experiments.validation.flight_alone import ComparedAlone
-from q2q_sim.experiments.validation.onboard_law import OnboardLaw, read_law
+from q2q_sim.experiments.validation.recorded_law import RecordedLaw, read_law
 from q2q_sim.experiments.validation.redrawn_flight import Draws, redraw_flight
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
@@ -37,7 +37,7 @@ class ValidatedFlight:
     """Recorded flight, its law and its draws."""
 
     flight: TrackedFlight
-    law: OnboardLaw
+    law: RecordedLaw
     drag: float
     """k of rotor_drag [1/s]."""
     drawn: Array

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from onboard_rows import MELLINGER, PID, STILL, parameters
+from firmware_rows import MELLINGER, PID, STILL, parameters
 
 from q2q_model.geometry.rotations import euler_from_quat
 from q2q_model.signals.values import Array

@@ -14,7 +14,7 @@ from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.drawn_air import Draw
-from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
+from q2q_sim.experiments.validation.recorded_law import ReadFlight, RecordedLaw, feedback, read_law
 from q2q_sim.experiments.validation.redrawn_flight import redraw_flight
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight, flying_grid, tracked_flight
 from q2q_sim.plant.disturbance import Disturbance, DisturbanceParams
@@ -26,7 +26,7 @@ DT = 0.01
 NAMES = ("cf1", "cf2")
 LATE = 11
 """Rows by which the vehicles point late: 0.15 of the thrust lag of 0.07 s, and 2 zeta / w of 60 rad/s."""
-LAW = OnboardLaw(
+LAW = RecordedLaw(
     k_p=np.array([40.0, 40.0, 20.0]),
     k_d=np.array([20.0, 20.0, 10.0]),
     k_i=np.array([0.6, 0.6, 0.6]),

@@ -58,7 +58,7 @@ FREQUENCIES = (15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0)
 
 
 @dataclass(frozen=True, slots=True)
-class OnboardLaw:
+class RecordedLaw:
     """Law of the vehicles of one flight."""
 
     k_p: Array
@@ -80,7 +80,7 @@ class ReadFlight:
     """Flight with the acceleration reference of its controllers, their law and the drag of the vehicles."""
 
     flight: TrackedFlight
-    law: OnboardLaw
+    law: RecordedLaw
     drag: float = 0.0
     """k of rotor_drag [1/s]."""
 
@@ -109,12 +109,12 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     return ReadFlight(whole, replace(law, offset=offset, attitude=attitude), drag)
 
 
-def feedback(law: OnboardLaw, error: Array, rate: Array, integral: Array) -> Array:
+def feedback(law: RecordedLaw, error: Array, rate: Array, integral: Array) -> Array:
     """Return K_p e + K_d e' + K_i xi [m/s^2], (..., 3)."""
     return np.asarray(law.k_p * error + law.k_d * rate + law.k_i * integral)
 
 
-def check_stable(name: str, law: OnboardLaw, lag: float, seconds: float) -> None:
+def check_stable(name: str, law: RecordedLaw, lag: float, seconds: float) -> None:
     """Raise ValueError if errors grow e-fold within a flight [s] by its law and rotors of a lag [s].
 
     They grow as the fastest root of D(s) s^3 + K_d s^2 + K_p s + K_i, D: delay of the tilt or the thrust. The
@@ -139,12 +139,12 @@ def _steady(flight: TrackedFlight, limited: Mask) -> Mask:
     return np.asarray(clear if clear.sum() >= FEWEST else unlimited)
 
 
-def _known(flight: TrackedFlight, law: OnboardLaw) -> Array:
+def _known(flight: TrackedFlight, law: RecordedLaw) -> Array:
     """Return the terms of f - g e_z that a recording determines, but a_ref and c, (T, n, 3)."""
     return np.asarray(feedback(law, *_errors(flight)) - flight.compensated[..., None] * UP)
 
 
-def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> OnboardLaw:
+def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> RecordedLaw:
     """Return the gains, with offsets of zero."""
     rows = flight.usable & flight.sure & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
     if rows.sum() < FEWEST or limited.any(axis=-1).all(axis=0).any():
@@ -177,7 +177,7 @@ def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> OnboardLaw
     found = least_squares(missed, start, jac=slopes, loss="soft_l1", f_scale=ROW_ERROR).x
     k_p, k_d, k_i = (np.array([xy, xy, z]) for xy, z in zip(found[3:6], found[:3], strict=True))
     rms = 1.4826 * float(np.median(np.abs(missed(found)[:-3])))
-    return OnboardLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), rms)
+    return RecordedLaw(k_p, k_d, k_i, np.zeros((len(flight.names), 3)), rms)
 
 
 def _errors(flight: TrackedFlight) -> tuple[Array, Array, Array]:

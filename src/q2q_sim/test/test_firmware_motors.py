@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from onboard_rows import parameters, row_at, torque_for
+from firmware_rows import parameters, row_at, torque_for
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint

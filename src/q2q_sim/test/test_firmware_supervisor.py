@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from onboard_hover import HOVER, hovering
+from firmware_hover import HOVER, hovering
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.crtp.pilot import Pilot

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from firmware_rows import MELLINGER, NO_DRIFT, PID, Numbers, parameters, row_at, torque_for
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from onboard_rows import MELLINGER, NO_DRIFT, PID, Numbers, parameters, row_at, torque_for
 
 from q2q_model.geometry.rotations import matrix_from_quat
 from q2q_model.signals.values import Array
