@@ -20,19 +20,19 @@ def headline(flight: Flight) -> str:
     return replay_run(flight, CRAZYFLIE_2_0).verdict.split(";")[0]
 
 
-def passed(sag: Array) -> Flight:
-    """Return a flight whose lower vehicle sags by (T,) [m], the upper one above it at first."""
+def passed(loss: Array) -> Flight:
+    """Return a flight whose lower vehicle loses height, (T,) [m], the upper one above it at first."""
     ref = np.zeros((len(T), 2, 3))
     ref[..., 2] = 1.0, 1.5
     ref[:, 1, 0] = np.where(T <= PASSES, 0.0, 1.0)
     pos = ref.copy()
-    pos[:, 0, 2] -= sag
+    pos[:, 0, 2] -= loss
     return replace(FlightRecording(("cf1", "cf2"), len(T)).flight("made"), t=T, true_pos=pos, ref_pos=ref)
 
 
 def test_a_sag_that_grows_after_the_pass_is_reported_at_its_deepest() -> None:
-    sag = 0.09 * np.exp(-0.5 * ((T - 5.5) / 1.0) ** 2)  # deepest 1.5 s after the pass
-    assert headline(passed(sag)) == "cf1 pushed 9 cm down at 5.5 s"
+    loss = 0.09 * np.exp(-0.5 * ((T - 5.5) / 1.0) ** 2)  # deepest 1.5 s after the pass
+    assert headline(passed(loss)) == "cf1 pushed 9 cm down at 5.5 s"
 
 
 def test_what_a_vehicle_does_once_it_is_back_on_its_reference_is_no_sag() -> None:
@@ -50,7 +50,7 @@ def test_a_sag_long_after_the_pass_is_of_another_cause() -> None:
 def test_without_a_reference_no_depth_of_a_vehicle_under_another_is_claimed() -> None:
     flight = passed(np.full(len(T), 0.2))
     bare = replace(flight, ref_pos=np.full_like(flight.ref_pos, np.nan))
-    assert headline(bare) == "1 vehicle flew under another, without a reference for the sag"
+    assert headline(bare) == "1 vehicle flew under another, without a reference for the height loss"
 
 
 @pytest.mark.parametrize("aside", [1.0, 0.2])

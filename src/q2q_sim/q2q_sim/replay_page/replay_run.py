@@ -14,10 +14,10 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
 from q2q_sim.monitors.metrics import best_position
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances
-from q2q_sim.replay_page.sag_under_another import SAG_SHOWN, sag_text, sag_under_another
+from q2q_sim.replay_page.height_loss import LOSS_SHOWN, height_loss, height_loss_text
 
-MOST_SAGS = 4
-"""Vehicles whose deepest sag is marked."""
+MOST_LOSSES = 4
+"""Vehicles whose largest height loss is marked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ def replay_run(
     if not np.isfinite(pos).any():
         raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
     verdict = verdict or verdict_of(flight, Circumstances(vehicle=vehicle))
-    sag = sag_text(flight, pos, _reference(flight), since)
+    loss = height_loss_text(flight, pos, _reference(flight), since)
     return ReplayRun(
         name=name or flight.name,
         names=flight.names,
@@ -114,7 +114,7 @@ def replay_run(
         downwash=_first_known(flight.true_eta, flight.eta),
         thrust=flight.thrust / vehicle.hover_thrust,
         arm=vehicle.arm,
-        verdict=f"{sag}; {'flown to the end' if verdict.ok else verdict}",
+        verdict=f"{loss}; {'flown to the end' if verdict.ok else verdict}",
         events=tuple(_events(flight, pos, verdict)),
         since=since,
     )
@@ -130,12 +130,12 @@ def _reference(flight: Flight) -> Array:
 
 
 def _events(flight: Flight, pos: Array, verdict: FlightVerdict) -> Iterator[ReplayEvent]:
-    """Yield the deepest sags of vehicles under another, and the verdict's findings."""
-    sag = np.nan_to_num(sag_under_another(flight, pos, _reference(flight)))
-    deepest = np.argmax(sag, axis=0)
-    depths = sag[deepest, np.arange(len(flight.names))]
-    for row in np.argsort(-depths)[:MOST_SAGS]:
-        if depths[row] >= SAG_SHOWN:
+    """Yield the largest height losses of vehicles under another, and the verdict's findings."""
+    loss = np.nan_to_num(height_loss(flight, pos, _reference(flight)))
+    deepest = np.argmax(loss, axis=0)
+    depths = loss[deepest, np.arange(len(flight.names))]
+    for row in np.argsort(-depths)[:MOST_LOSSES]:
+        if depths[row] >= LOSS_SHOWN:
             words = f"{flight.names[row]} {100.0 * depths[row]:.0f} cm low"
             yield ReplayEvent(float(flight.t[deepest[row]]), words)
     for one in verdict.findings:

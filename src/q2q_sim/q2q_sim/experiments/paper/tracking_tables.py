@@ -90,7 +90,7 @@ def _numbers(scenario: Scenario, flight: Flight, group: str, suffix: str) -> dic
 
 
 def _dip(flight: Flight) -> float:
-    """Return the largest sag of Q1 below its reference [m]."""
+    """Return the largest height loss of Q1 below its reference [m]."""
     row = flight.names.index(VEHICLES["q1"])
     return float(np.nanmax(flight.ref_pos[:, row, 2] - best_position(flight)[:, row, 2]))
 
