@@ -15,7 +15,8 @@ import numpy as np
 from q2q_model.geometry.rotations import quat_multiply
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import Array, Mask, MocapFrame, Names
-from q2q_sim.faults.faults import KINDS, Fault
+from q2q_sim.faults.affected_vehicles import affected_vehicles
+from q2q_sim.faults.faults import Fault
 from q2q_sim.random_streams import stream
 from q2q_sim.sensors.vicon import Flags, Injected
 
@@ -59,7 +60,7 @@ class FaultInjection:
         self._rng = stream(seed, "fault outlier")
         self._loss = stream(seed, "fault radio loss")
         self._no_loss = np.zeros(len(names), dtype=np.bool_)  # ticks share it
-        self._rows = {fault: _struck(fault, names) for fault in faults}
+        self._rows = {fault: affected_vehicles(fault, names) for fault in faults}
         self._now: tuple[int, list[Fault]] = -1, []  # stamp of a tick [ns], and the faults that act on it
         longest = max((fault.size for fault in faults if fault.kind == "late"), default=0.0)
         self._past: deque[Delivery] = deque(maxlen=round(longest * 1e9 / tick_ns) + 3)
@@ -114,9 +115,7 @@ class FaultInjection:
         return min(max(since / max(fault.duration, time_from_stamp(self._tick_ns)), 0.0), 1.0)
 
     def _with_rows(self, frame: MocapFrame, fault: Fault) -> MocapFrame:
-        rows = np.array(
-            [not fault.vehicles or name in fault.vehicles for name in frame.names], dtype=np.bool_
-        )
+        rows = affected_vehicles(fault, frame.names)
         pos, quat = frame.pos.copy(), frame.quat.copy()
         if fault.kind == "outlier":
             away = self._rng.standard_normal((len(self._names), 3))[: len(rows)]
@@ -159,10 +158,3 @@ class FaultInjection:
 def _renames(fault: Fault) -> bool:
     """Return whether a fault exchanges names, which it does after the others have displaced bodies."""
     return fault.kind == "swap"
-
-
-def _struck(fault: Fault, names: Names) -> Mask:
-    """Return which vehicles a fault strikes, (n,)."""
-    if KINDS[fault.kind].whole_frame or not fault.vehicles:
-        return np.ones(len(names), dtype=np.bool_)
-    return np.isin(names, fault.vehicles)

@@ -168,13 +168,13 @@ def _with_fault(
         kind=kind,
         start=float(rng.uniform(*STRUCK)),
         duration=float(rng.uniform(*lasts)),
-        vehicles=_struck(kind, case.scenario.names),
+        vehicles=_named_vehicles(kind, case.scenario.names),
         size=float(rng.uniform(*size)),
     )
     return _with(case, replace(case.scenario, faults=(fault,)))
 
 
-def _struck(kind: str, names: Names) -> Names:
+def _named_vehicles(kind: str, names: Names) -> Names:
     """Return the vehicles that a fault names: cf1; both that are swapped; none for a whole frame."""
     return {"swap": names[:2], "late": (), "stale": ()}.get(kind, names[:1])
 

@@ -36,16 +36,16 @@ def first_cause(
         left: returns the loss without some causes [m].
     """
     taken = [cause for cause in shares if left({cause}) <= SPARED * loss.size]
-    struck = _struck(case, loss)
+    faulty = _causes_with_faults(case, loss)
     usual = {WIND} if _gusts(case) <= ORDINARY_GUSTS else set()
     return max(
         taken or shares,
-        key=lambda cause: (cause in struck, cause not in usual, shares[cause]) if taken else shares[cause],
+        key=lambda cause: (cause in faulty, cause not in usual, shares[cause]) if taken else shares[cause],
         default=None,
     )
 
 
-def _struck(case: FlightCase, loss: Loss) -> set[str]:
+def _causes_with_faults(case: FlightCase, loss: Loss) -> set[str]:
     """Return the causes with faults that began after the start and before the loss."""
     kinds = {fault.kind for fault in case.scenario.faults if 0.0 < fault.start <= loss.t}
     return {cause for cause, own in FAULTS.items() if kinds & {*own}}

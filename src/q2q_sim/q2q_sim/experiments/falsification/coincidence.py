@@ -108,11 +108,11 @@ class CoincidingFaults:
             kind=kind,
             start=float(np.clip(start, earliest_start(kind), self._last)),
             duration=duration,
-            vehicles=self._struck(kind, vehicle),
+            vehicles=self._named_vehicles(kind, vehicle),
             size=self._between(SIZES[kind]) if kind in SIZES else 0.0,
         )
 
-    def _struck(self, kind: str, vehicle: str) -> Names:
+    def _named_vehicles(self, kind: str, vehicle: str) -> Names:
         if KINDS[kind].whole_frame:
             return ()
         if kind != "swap":

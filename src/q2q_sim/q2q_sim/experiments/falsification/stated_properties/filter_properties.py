@@ -14,7 +14,10 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome, struck_by_kinds
+from q2q_sim.experiments.falsification.stated_properties.stated_outcome import (
+    StatedOutcome,
+    affected_by_kinds,
+)
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import filter_params
 from q2q_sim.monitors.policies import Limits, Violation
@@ -70,11 +73,11 @@ def _ambiguous(swap: Fault, faults: tuple[Fault, ...], ticks: RunTicks) -> bool:
     """
     end = swap.start + swap.duration
     now = tuple(one for one in faults if one.start <= end and one.start + one.duration >= swap.start)
-    displaced = struck_by_kinds(swap.vehicles, now, ("jump",))
-    struck = struck_by_kinds(swap.vehicles, now, ("dropout", "nan"))
+    displaced = affected_by_kinds(swap.vehicles, now, ("jump",))
+    missed = affected_by_kinds(swap.vehicles, now, ("dropout", "nan"))
     before = ticks.states[max(int(np.searchsorted(ticks.t, swap.start)) - 1, 0)]
     unseen = before.age[[before.names.index(name) for name in swap.vehicles]] > 0.0
-    missing = np.array(struck) | unseen
+    missing = missed | unseen
     return any(one and other for one, other in zip(displaced, reversed(missing), strict=True))
 
 

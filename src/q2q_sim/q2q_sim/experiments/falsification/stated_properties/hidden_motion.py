@@ -25,7 +25,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import struck_by_kinds
+from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.exemptions.sensor_errors import RECOVERY_S
 from q2q_sim.monitors.policies.exemptions.unforeseen import PUSH
@@ -60,7 +60,7 @@ def misleading_measurement(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
             until = seen if fault.kind in OF_SENSORS else t
             shift = jumps if fault.kind == "clock_jump" else 0.0
             begin, end = fault.start - shift - TICK_S, fault.start + fault.duration + shift
-            mask |= _rows(ticks, fault) & (until >= begin) & (seen <= end + RECOVERY_S)
+            mask |= affected_vehicles(fault, ticks.names) & (until >= begin) & (seen <= end + RECOVERY_S)
     return mask
 
 
@@ -82,7 +82,7 @@ def after_rotor_change(ticks: RunTicks, faults: tuple[Fault, ...]) -> Mask:
     for fault in faults:
         if fault.kind == "weak_rotor":
             for change in (fault.start, fault.start + fault.duration):
-                mask |= _rows(ticks, fault) & (t >= change) & (seen < change + LEARNT_S)
+                mask |= affected_vehicles(fault, ticks.names) & (t >= change) & (seen < change + LEARNT_S)
     return mask
 
 
@@ -124,8 +124,3 @@ def _below_another(pos: Array) -> Mask:
 def _last(when: Mask, otherwise: int) -> NDArray[np.intp]:
     """Return the last tick, up to each, at which a mask (T, n) is true, `otherwise` before the first."""
     return np.maximum.accumulate(np.where(when, np.arange(len(when))[:, None], otherwise), axis=0)
-
-
-def _rows(ticks: RunTicks, fault: Fault) -> Mask:
-    """Return which vehicles a fault strikes, (n,)."""
-    return np.array(struck_by_kinds(ticks.names, (fault,), (fault.kind,)))

@@ -1,9 +1,12 @@
-"""Outcome of one property of a run, and the vehicles that faults strike."""
+"""Outcome of one property of a run, and the vehicles that faults of some kinds affect."""
 
 import math
 from typing import NamedTuple
 
-from q2q_model.signals.values import Names
+import numpy as np
+
+from q2q_model.signals.values import Mask, Names
+from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Violation
 
@@ -16,7 +19,10 @@ class StatedOutcome(NamedTuple):
     """Least distance from the limit, as a part of it; infinite where nothing was judged [-]."""
 
 
-def struck_by_kinds(names: Names, faults: tuple[Fault, ...], kinds: tuple[str, ...]) -> list[bool]:
-    """Return which vehicles a fault of these kinds strikes at some time."""
-    some = [fault for fault in faults if fault.kind in kinds]
-    return [any(not fault.vehicles or name in fault.vehicles for fault in some) for name in names]
+def affected_by_kinds(names: Names, faults: tuple[Fault, ...], kinds: tuple[str, ...]) -> Mask:
+    """Return which vehicles a fault of these kinds affects at some time, (n,)."""
+    affected = np.zeros(len(names), dtype=np.bool_)
+    for fault in faults:
+        if fault.kind in kinds:
+            affected |= affected_vehicles(fault, names)
+    return affected

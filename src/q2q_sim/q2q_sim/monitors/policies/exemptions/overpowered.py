@@ -13,9 +13,9 @@ import numpy as np
 from q2q_control.failsafe.blind_flight.braking_law import TOUCHDOWN_MAX
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.exemptions.sensor_errors import struck_vehicles
 from q2q_sim.monitors.policies.violations import Circumstances
 
 ROTORS = 4
@@ -34,7 +34,7 @@ def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
     """Return the share of the thrust that battery sags and weak rotors leave, from 0 to 1, (T, n)."""
     left: Array = np.ones((len(evidence.t), len(evidence.names)))
     for fault in faults:
-        left *= 1.0 - _lost(fault, evidence.t[:, None]) * struck_vehicles(evidence, fault)
+        left *= 1.0 - _lost(fault, evidence.t[:, None]) * affected_vehicles(fault, evidence.names)
     return left
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.faults.faults import KINDS, Fault
+from q2q_sim.faults.affected_vehicles import affected_vehicles
+from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.evidence import Evidence
 
 UNDETECTABLE = ("jump", "swap", "clock_jump")
@@ -28,7 +29,8 @@ def with_sensor_error(evidence: Evidence, faults: tuple[Fault, ...], after: floa
             end = fault.start + fault.duration
             ends = _believed_until(evidence, end) if fault.kind == "jump" else end + shift
             begun = evidence.t > fault.start - shift - EARLY_S
-            mask |= begun[:, None] & (evidence.t[:, None] <= ends + after) & struck_vehicles(evidence, fault)
+            lasting = begun[:, None] & (evidence.t[:, None] <= ends + after)
+            mask |= lasting & affected_vehicles(fault, evidence.names)
     return mask
 
 
@@ -56,10 +58,3 @@ def with_doubtful_stamps(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
 def after_label_swap(evidence: Evidence, faults: tuple[Fault, ...]) -> Mask:
     """Return which vehicles may be mistaken for each other after a recent swap, (T, n)."""
     return with_sensor_error(evidence, tuple(fault for fault in faults if fault.kind == "swap"), RECOVERY_S)
-
-
-def struck_vehicles(evidence: Evidence, fault: Fault) -> Mask:
-    """Return which vehicles a fault strikes, (n,)."""
-    if KINDS[fault.kind].whole_frame or not fault.vehicles:
-        return np.ones(len(evidence.names), dtype=np.bool_)
-    return np.isin(evidence.names, fault.vehicles)
