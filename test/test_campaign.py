@@ -26,12 +26,12 @@ from q2q_sim.experiments.falsification import attack_record, bug_score, guided_c
 from q2q_sim.experiments.falsification.attack_case import read_case
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
-from q2q_sim.monitors.policies import POLICIES, Evidence, Violation, evidence_in_lockstep
+from q2q_sim.monitors.policies import POLICIES, FlightTrace, Violation, trace_in_lockstep
 from q2q_sim.node_flights.resident import ResidentNodes
 from q2q_sim.node_flights.scenario_flight import FlightRequest, node_specs
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_document import scenario_from_document
-from q2q_sim.tools.judge_bags import evidence_in
+from q2q_sim.tools.judge_bags import trace_in
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
 ONCE_BROKEN = (
@@ -217,7 +217,7 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
     campaign_flight.write_scenario(short, scenario)
     with ResidentNodes(tmp_path / "nodes.log") as nodes:
 
-        def flown(name: str, seed: int) -> Evidence:
+        def flown(name: str, seed: int) -> FlightTrace:
             request = FlightRequest(
                 str(scenario), run.options.mode, run.options.controller, seed=seed, stack=True, record=JUDGED
             )
@@ -225,13 +225,13 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
             folder.mkdir()
             specs = node_specs(short.scenario, request, folder, folder / "bag")
             assert nodes.fly(specs, folder).ticks == 50
-            return evidence_in(folder / "bag")
+            return trace_in(folder / "bag")
 
         first, second = flown("first", run.seed), flown("second", run.seed + 1)
         with pytest.raises(ValueError, match="parameter seed: allowed is 0 or more"):
             flown("third", -1)
         again = flown("fourth", run.seed)
-    pure = evidence_in_lockstep(campaign_flight.fly_pure(short).topics)
+    pure = trace_in_lockstep(campaign_flight.fly_pure(short).topics)
     assert twin_violation(first, pure) == twin_violation(again, pure) == ()
     assert [one.policy for one in twin_violation(second, pure)] == [TWIN]
 

@@ -17,7 +17,7 @@ from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.node_flights.scenario_flight import FlightRequest, node_specs
 from q2q_sim.processes.processes import find_executable
 from q2q_sim.scenarios import library
-from q2q_sim.tools.judge_bags import evidence_in
+from q2q_sim.tools.judge_bags import trace_in
 
 SHORT = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 SEED = 3
@@ -109,7 +109,7 @@ def _assert_numbers_of_one(request: FlightRequest, folder: Path) -> None:
         mode=request.options.mode, seed=request.seed, model=find_model(scenario.model).interaction
     )
     pure = fly_pure(scenario, options)
-    found = evidence_in(folder / "room" / "bag")
+    found = trace_in(folder / "room" / "bag")
     # sums in another order round otherwise: the bound of test_lockstep_flight
     np.testing.assert_allclose(found.true_pos, pure.true_pos, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(found.thrust, pure.thrust, rtol=0.0, atol=1e-9)

@@ -13,8 +13,8 @@ from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.policies import (
     Circumstances,
     RecordedSignal,
-    evidence_of,
     judge,
+    trace_of,
 )
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import ViconParams
@@ -40,7 +40,7 @@ def received() -> tuple[RecordedSignal, ...]:
 
 def broken(change: Change, around: Circumstances = AROUND) -> set[str]:
     """Return the policies that the flight breaks with a change of its signals."""
-    return {one.policy for one in judge(evidence_of(map(change, received())), around)}
+    return {one.policy for one in judge(trace_of(map(change, received())), around)}
 
 
 def changed(kind: type, since: float, until: float, **columns: Callable[[np.ndarray], np.ndarray]) -> Change:

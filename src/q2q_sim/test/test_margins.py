@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.signals.values import CommandStatus, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.monitors.policies import POLICIES, Circumstances, Evidence, judge
+from q2q_sim.monitors.policies import POLICIES, Circumstances, FlightTrace, judge
 from q2q_sim.monitors.policies.margins import MOST, margins
 
 TICKS = 100
@@ -16,12 +16,12 @@ AROUND = Circumstances()
 LIMITS = AROUND.limits
 
 
-def evidence() -> Evidence:
+def trace() -> FlightTrace:
     """Return a flight of two vehicles that hover 1 m apart, both exactly at their setpoints."""
     pos = np.zeros((TICKS, 2, 3))
     pos[:, 1, 0], pos[..., 2] = 1.0, 1.0
     zero = np.zeros(SHAPE)
-    return Evidence(
+    return FlightTrace(
         t=0.01 * np.arange(TICKS),
         names=("a", "b"),
         true_pos=pos,
@@ -42,7 +42,7 @@ def evidence() -> Evidence:
 
 
 def test_a_hover_has_the_margins_of_its_distance_alone():
-    found = margins(evidence(), AROUND)
+    found = margins(trace(), AROUND)
     assert set(found) == {*MOST, "separation", "zone"} <= set(POLICIES)
     assert found["separation"] == pytest.approx(1.0 / LIMITS.separation - 1.0)
     assert found["zone"] == pytest.approx((1.0 - 0.1) / LIMITS.stray)
@@ -53,7 +53,7 @@ def test_a_hover_has_the_margins_of_its_distance_alone():
 @pytest.mark.parametrize("known", [True, False])
 def test_only_a_push_beyond_the_thrust_excuses_a_vehicle_that_is_away(share: float, known: bool):
     """Off its path from 0.2 s on; pushed at 0.5 s; it has `settle` 0.3 s from there."""
-    vehicle, flight = AROUND.vehicle, evidence()
+    vehicle, flight = AROUND.vehicle, trace()
     flight.true_pos[20:, 0, 2] -= 2.0 * LIMITS.back
     push = np.zeros((TICKS, 2, 3))
     push[50, 0, 2] = -share * (vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY)
@@ -69,7 +69,7 @@ def test_only_a_push_beyond_the_thrust_excuses_a_vehicle_that_is_away(share: flo
 
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.01, 3.0])
 def test_a_margin_is_linear_in_the_worst_value_and_negative_where_the_policy_is_violated(share: float):
-    flight = evidence()
+    flight = trace()
     flight.true_pos[50, 0, 1] = -share * LIMITS.belief
     flight.roll[20, 1] = share * LIMITS.tilt_max
     flight.state_age[30, 0] = share * LIMITS.fresh
@@ -82,7 +82,7 @@ def test_a_margin_is_linear_in_the_worst_value_and_negative_where_the_policy_is_
 
 
 def test_vehicles_in_contact_and_in_the_zone_have_negative_margins():
-    flight = evidence()
+    flight = trace()
     flight.true_pos[40, 0] = flight.true_pos[40, 1] + np.array([0.05, 0.0, 0.0])
     found = margins(flight, AROUND)
     assert found["separation"] == pytest.approx(0.05 / LIMITS.separation - 1.0)
@@ -90,7 +90,7 @@ def test_vehicles_in_contact_and_in_the_zone_have_negative_margins():
 
 
 def test_what_is_not_judged_has_an_infinite_margin():
-    flight = replace(evidence(), state_status=np.full(SHAPE, float(TrackStatus.LOST)))
+    flight = replace(trace(), state_status=np.full(SHAPE, float(TrackStatus.LOST)))
     assert margins(flight, AROUND)["belief"] == np.inf
     alone = replace(flight, names=("a",), true_pos=flight.true_pos[:, :1], sent_pos=flight.sent_pos[:, :1])
     columns = ("seen", "state_pos", "state_age", "state_status", "thrust", "roll", "pitch", "command_status")

@@ -26,9 +26,9 @@ from q2q_sim.monitors.policies import (
     POLICIES,
     Circumstances,
     Violation,
-    evidence_in_lockstep,
-    evidence_of,
     judge,
+    trace_in_lockstep,
+    trace_of,
 )
 from q2q_sim.tools.judge_bags import judge_bag
 
@@ -130,7 +130,7 @@ def test_a_command_out_of_bounds_breaks_its_policy(column: str, value: float, po
 def test_commands_in_one_message_for_each_vehicle_are_judged_as_those_in_one_for_all() -> None:
     bad = changed(SwarmCommand, 3.0, 4.0, thrust=with_row(0, -0.5), roll=with_row(0, 1.5))
     recorded = [bad(one) for one in received()]
-    whole, parts = evidence_of(recorded), evidence_of(one_each(recorded))
+    whole, parts = trace_of(recorded), trace_of(one_each(recorded))
     np.testing.assert_array_equal(parts.thrust, whole.thrust)
     assert judge(parts, AROUND) == judge(whole, AROUND)
     assert {(one.policy, one.who) for one in judge(parts, AROUND)} == {("thrust", "cf1"), ("tilt", "cf1")}
@@ -141,10 +141,10 @@ def test_of_two_messages_with_a_vehicle_and_a_stamp_the_later_recorded_counts() 
     parts = one_each(whole)
     double = changed(SwarmCommand, 0.0, 8.0, thrust=lambda thrust: 2.0 * thrust)
     doubled = [double(one) for one in parts if "cf2" in one.signal.names]
-    once = evidence_of(whole).thrust
-    np.testing.assert_array_equal(evidence_of([*whole, *doubled]).thrust, once * [1.0, 2.0, 1.0])
-    np.testing.assert_array_equal(evidence_of([*doubled, *whole]).thrust, once)
-    np.testing.assert_array_equal(evidence_of([parts[0], *doubled, *whole]).thrust, once)
+    once = trace_of(whole).thrust
+    np.testing.assert_array_equal(trace_of([*whole, *doubled]).thrust, once * [1.0, 2.0, 1.0])
+    np.testing.assert_array_equal(trace_of([*doubled, *whole]).thrust, once)
+    np.testing.assert_array_equal(trace_of([parts[0], *doubled, *whole]).thrust, once)
 
 
 def test_tilt_counts_roll_and_pitch_together() -> None:
@@ -174,7 +174,7 @@ def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_s
     flown = campaign_flight.fly_pure(run)
     assert flown.violations == ()
     blind = {topic: found for topic, found in flown.topics.items() if topic != "truth_interference"}
-    unaware = evidence_in_lockstep(blind)
+    unaware = trace_in_lockstep(blind)
     assert {one.policy for one in judge(unaware, campaign_flight.circumstances_of(run))} == {"return"}
     light = {**run.document, "vehicle": "crazyflie_2_1"}  # 27 g with the same motors
     assert campaign_flight.fly_pure(replace(run, document=light)).violations == ()
@@ -197,7 +197,7 @@ def test_batteries_that_leave_too_little_thrust_to_come_back_excuse(
 
 def test_a_violation_reports_who_when_and_how_much() -> None:
     change = changed(SwarmCommand, 3.0, 3.01, roll=with_row(2, 0.5))
-    (found,) = judge(evidence_of(map(change, received())), AROUND)
+    (found,) = judge(trace_of(map(change, received())), AROUND)
     assert (found.policy, found.who, found.limit) == ("tilt", "cf3", 0.36)
     assert found.t == pytest.approx(3.0)
     assert found.value == pytest.approx(0.5, abs=0.1)
@@ -209,7 +209,7 @@ def test_a_violation_reports_who_when_and_how_much() -> None:
 
 def test_no_ticks_are_no_flight() -> None:
     with pytest.raises(ValueError, match="no ticks: a flight needs one of truth"):
-        evidence_of([])
+        trace_of([])
 
 
 def test_a_bag_is_judged_as_its_signals_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -271,7 +271,7 @@ def test_without_truth_a_vehicle_that_is_lost_is_nowhere() -> None:
         at_origin = changed(
             SwarmState, 0.0, 0.3, pos=np.zeros_like, status=lambda was: np.full_like(was, status)
         )
-        return {one.policy for one in judge_bag(evidence_of(map(at_origin, kept)), AROUND).violations}
+        return {one.policy for one in judge_bag(trace_of(map(at_origin, kept)), AROUND).violations}
 
     assert {"separation", "room", "floor"} <= without_truth(TrackStatus.COASTING)
     assert without_truth(TrackStatus.LOST) == set()

@@ -18,8 +18,8 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import (
     POLICIES,
     RecordedSignal,
-    evidence_of,
     judge,
+    trace_of,
 )
 
 
@@ -76,14 +76,14 @@ def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
     blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in received()]
     ahead = [one for one in received() if one.topic == "mocap" and 3.0 <= one.signal.t < 3.195]
     unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-    assert "action" in {one.policy for one in judge(evidence_of(map(unmarked, blind)), AROUND)}
-    assert "action" not in {one.policy for one in judge(evidence_of(map(unmarked, [*ahead, *blind])), AROUND)}
+    assert "action" in {one.policy for one in judge(trace_of(map(unmarked, blind)), AROUND)}
+    assert "action" not in {one.policy for one in judge(trace_of(map(unmarked, [*ahead, *blind])), AROUND)}
 
 
 def silent_in(recorded: Iterable[RecordedSignal]) -> dict[str, float]:
     """Return for how long which vehicles are silent [s] in a live recording."""
     live = (replace(one, at=one.at + 100.0) for one in recorded)
-    found = judge(evidence_of(live), AROUND, {"silence": POLICIES["silence"]})
+    found = judge(trace_of(live), AROUND, {"silence": POLICIES["silence"]})
     return {one.who: round(one.value, 6) for one in found}
 
 
@@ -93,7 +93,7 @@ def without_commands(recorded: Iterable[RecordedSignal], since: float, until: fl
 
 def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
     silent = without_commands(received(), 3.0, 3.065)
-    assert {one.policy for one in judge(evidence_of(silent), AROUND)} == set()
+    assert {one.policy for one in judge(trace_of(silent), AROUND)} == set()
     assert silent_in(received()) == {}
     assert silent_in(silent) == dict.fromkeys(SCENARIO.names, 0.08)
 
@@ -154,12 +154,12 @@ def test_setpoints_lost_for_less_than_half_a_second_do_not_hide_who_does_not_com
 
     away = only("truth", changed(SwarmState, 6.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
     recorded = [away(one) for one in received() if not lost(one)]
-    assert ("return" in {one.policy for one in judge(evidence_of(recorded), AROUND)}) == judged
+    assert ("return" in {one.policy for one in judge(trace_of(recorded), AROUND)}) == judged
 
 
 def test_a_vehicle_seen_for_less_than_half_a_second_is_not_told_to_stay_away_from_its_setpoint() -> None:
     away = only("truth", changed(SwarmState, 0.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
     for duration, judged in ((0.49, False), (0.51, True)):
         unseen = only("truth", changed(SwarmState, 0.0, 8.0 - duration - 0.005, pos=with_row(0, np.nan)))
-        found = judge(evidence_of(unseen(away(one)) for one in received()), AROUND)
+        found = judge(trace_of(unseen(away(one)) for one in received()), AROUND)
         assert (("return", "cf1") in {(one.policy, one.who) for one in found}) == judged

@@ -17,7 +17,7 @@ from q2q_sim.node_flights.scenario_flight import MEASURED, FlightRequest, Flight
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.scenarios import library
 from q2q_sim.tools.fly_scenario import print_verdict
-from q2q_sim.tools.judge_bags import evidence_in
+from q2q_sim.tools.judge_bags import trace_in
 from q2q_sim.tools.report_bags import report_bag, verdicts
 
 DURATION = 4.0
@@ -128,7 +128,7 @@ def test_who_reads_a_cut_bag_later_learns_that_its_end_is_unknown(
     assert found.startswith("verdict: the recording was cut off at ")
     assert verdicts([report_bag(tmp_path / "whole", flown)]) == "verdict: ok: 4.0 s flown to the end"
     with pytest.warns(BagRepairWarning) as warned:
-        evidence_in(bag)
+        trace_in(bag)
     assert "no metadata" in str(warned[0].message)
     words = [str(bag), "--vehicle", "crazyflie_2_0", "--out", str(tmp_path / "replay.html")]
     for part, known in (([], False), (["--end", "100"], False), (["--end", "0.5"], True)):

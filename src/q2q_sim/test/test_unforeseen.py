@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.signals.values import CommandStatus
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies import Circumstances, Evidence, judge
+from q2q_sim.monitors.policies import Circumstances, FlightTrace, judge
 from q2q_sim.monitors.policies.exemptions.unforeseen import (
     PUSH,
     helpless_lately,
@@ -21,7 +21,7 @@ LOST = slice(300, 400)
 IGNORING = Circumstances(aware=False)
 
 
-def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5)) -> Evidence:
+def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5)) -> FlightTrace:
     """Return a flight of two vehicles at rest, cf1 blind for a second under a downwash of `push` [m/s^2]."""
     n, shape = len(TICKS), (len(TICKS), 2)
     pos = np.tile([(0.0, 0.0, 1.0), cf2], (n, 1, 1))
@@ -30,7 +30,7 @@ def flight(push: float = 1.0, cf2: tuple[float, float, float] = (0.3, 0.0, 1.5))
     downwash = np.zeros((n, 2, 3))
     downwash[:, 0, 2] = -push
     zero = np.zeros(shape)
-    return Evidence(
+    return FlightTrace(
         t=TICKS, names=("cf1", "cf2"), true_pos=pos, sent_pos=pos.copy(), seen=status == 0.0,
         state_pos=pos.copy(), state_age=zero, state_status=zero, thrust=zero, roll=zero, pitch=zero,
         command_status=status, recorded_at=TICKS, commanded_at={}, live=False, not_finite=(),
@@ -72,12 +72,12 @@ def test_it_is_unforeseen_below_another_if_the_marker_of_either_is_displaced(
 
 
 def test_a_fall_or_a_contact_by_it_is_excused_until_it_had_its_time_and_no_other() -> None:
-    evidence = flight()
+    trace = flight()
     for tick, excused in ((390, True), (700, True), (800, False)):
-        fallen, touching = evidence.true_pos.copy(), evidence.true_pos.copy()
+        fallen, touching = trace.true_pos.copy(), trace.true_pos.copy()
         fallen[tick, 0, 2], touching[tick, 1] = 0.0, touching[tick, 0] + [0.0, 0.0, 0.1]
         for pos, policy in ((fallen, "floor"), (touching, "separation")):
-            flown = replace(evidence, true_pos=pos)
+            flown = replace(trace, true_pos=pos)
             broken = {one.policy for one in judge(flown, IGNORING)}
             assert (policy not in broken) == excused
             assert policy in {one.policy for one in judge(flown, Circumstances())}

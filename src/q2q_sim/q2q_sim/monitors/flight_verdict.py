@@ -23,10 +23,10 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus, Mask
 from q2q_sim.monitors.metrics import tick_period
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
-from q2q_sim.monitors.policies.evidence import Evidence
-from q2q_sim.monitors.policies.evidence_from_arrays import evidence_from_arrays
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.floor import floor, touches_floor
 from q2q_sim.monitors.policies.separation import separation
+from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
 from q2q_sim.monitors.policies.tracking import room
 
 MISSED_SHARE = 0.01
@@ -86,16 +86,16 @@ def verdict_of(
     """
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
-    evidence = evidence_from_arrays(flight)
-    broken = judge(evidence, circumstances, IN_FLIGHT)
+    trace = trace_from_arrays(flight)
+    broken = judge(trace, circumstances, IN_FLIGHT)
     found = [
         *(Finding(one.t, _words(one)) for one in broken),
-        *_sent_down(evidence, circumstances),
-        *_commands_ended(evidence),
-        *_missed(evidence, missed_ticks),
+        *_sent_down(trace, circumstances),
+        *_commands_ended(trace),
+        *_missed(trace, missed_ticks),
     ]
     found.sort(key=lambda one: one.t)
-    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(evidence)))
+    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(trace)))
 
 
 def with_lost_ticks(verdict: FlightVerdict, flight: Flight, flown: int) -> FlightVerdict:
@@ -154,46 +154,46 @@ def _words(broken: Violation) -> str:
     return f"{text}, {broken.value:.2f} m {measure}"
 
 
-def _sent_down(evidence: Evidence, circumstances: Circumstances) -> Iterator[Finding]:
+def _sent_down(trace: FlightTrace, circumstances: Circumstances) -> Iterator[Finding]:
     """Yield the vehicles that their controller brought to the floor, away from their plan."""
-    status = evidence.command_status
-    landed = touches_floor(evidence, circumstances.limits)
-    for row, name in enumerate(evidence.names):
+    status = trace.command_status
+    landed = touches_floor(trace, circumstances.limits)
+    for row, name in enumerate(trace.names):
         ends = {
             "motors were cut": status[:, row] == CommandStatus.CUT,
             "landed blind": (status[:, row] == CommandStatus.LAND) & landed[:, row],
         }
-        first = {words: evidence.t[mask][0] for words, mask in ends.items() if mask.any()}
+        first = {words: trace.t[mask][0] for words, mask in ends.items() if mask.any()}
         for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
             owner = f"{name}'s" if words.startswith("motors") else name
             yield Finding(float(t), f"{owner} {words} at {t:.1f} s")
 
 
-def _commands_ended(evidence: Evidence) -> Iterator[Finding]:
+def _commands_ended(trace: FlightTrace) -> Iterator[Finding]:
     """Yield the vehicles whose commands ended before the flight; all at once, if theirs ended together."""
-    t = evidence.t
-    last = {name: float(t[given][-1]) for name, given in _commanded(evidence).items()}
+    t = trace.t
+    last = {name: float(t[given][-1]) for name, given in _commanded(trace).items()}
     for name, at in _once_if_of_all(last).items():
         if t[-1] - at > COMMANDS_END_S:
             whose = f"{name}'s commands" if name else "commands"
             yield Finding(at, f"{whose} ended at {at - t[0]:.1f} s of {t[-1] - t[0]:.1f} s")
 
 
-def _missed(evidence: Evidence, counted: int | None) -> Iterator[Finding]:
+def _missed(trace: FlightTrace, counted: int | None) -> Iterator[Finding]:
     """Yield a finding if too many ticks were missed, of all vehicles or by vehicle."""
-    ticks = len(evidence.t)
-    lacking = {name: float(ticks - given.sum()) for name, given in _commanded(evidence).items()}
+    ticks = len(trace.t)
+    lacking = {name: float(ticks - given.sum()) for name, given in _commanded(trace).items()}
     missed = _once_if_of_all(lacking) if counted is None else {"": float(counted)}
     for name, count in missed.items():
         if count > MISSED_SHARE * ticks:
             which = f"ticks of {name}" if name else "ticks"
-            yield Finding(float(evidence.t[-1]), f"{count:.0f} of {ticks} {which} were missed")
+            yield Finding(float(trace.t[-1]), f"{count:.0f} of {ticks} {which} were missed")
 
 
-def _commanded(evidence: Evidence) -> Mapping[str, Mask]:
+def _commanded(trace: FlightTrace) -> Mapping[str, Mask]:
     """Return the ticks with a command, (T,), of each vehicle that ever has one."""
-    given = np.isfinite(evidence.command_status)
-    return {name: given[:, row] for row, name in enumerate(evidence.names) if given[:, row].any()}
+    given = np.isfinite(trace.command_status)
+    return {name: given[:, row] for row, name in enumerate(trace.names) if given[:, row].any()}
 
 
 def _once_if_of_all(values: Mapping[str, float]) -> Mapping[str, float]:
@@ -202,22 +202,22 @@ def _once_if_of_all(values: Mapping[str, float]) -> Mapping[str, float]:
     return {"": distinct.pop()} if len(distinct) == 1 else values
 
 
-def _unjudged(evidence: Evidence) -> Iterator[str]:
-    if not np.isfinite(evidence.true_pos).any():
+def _unjudged(trace: FlightTrace) -> Iterator[str]:
+    if not np.isfinite(trace.true_pos).any():
         yield "floor, room and distances (no state or truth recorded)"
-    elif not np.isfinite(evidence.sent_pos).any():
+    elif not np.isfinite(trace.sent_pos).any():
         yield "floor and room (no reference recorded)"
-    if not np.isfinite(evidence.command_status).any():
+    if not np.isfinite(trace.command_status).any():
         yield "missed ticks (no command recorded)"
-    if np.isfinite(evidence.true_pos).any():
-        yield from _unseen(evidence)
+    if np.isfinite(trace.true_pos).any():
+        yield from _unseen(trace)
 
 
-def _unseen(evidence: Evidence) -> Iterator[str]:
+def _unseen(trace: FlightTrace) -> Iterator[str]:
     """Yield the longest time without a position of each vehicle that has a long one."""
-    t = evidence.t
-    for row, name in enumerate(evidence.names):
-        seen = t[np.isfinite(evidence.true_pos[:, row]).all(axis=1)]
+    t = trace.t
+    for row, name in enumerate(trace.names):
+        seen = t[np.isfinite(trace.true_pos[:, row]).all(axis=1)]
         ends = np.concatenate((t[:1], seen, t[-1:]))
         longest = int(np.argmax(np.diff(ends)))
         begin, end = ends[longest : longest + 2].tolist()

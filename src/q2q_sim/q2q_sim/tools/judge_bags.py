@@ -19,12 +19,12 @@ from q2q_sim.monitors.policies import (
     NEEDS,
     POLICIES,
     Circumstances,
-    Evidence,
+    FlightTrace,
     RecordedSignal,
     Violation,
-    evidence_of,
     judge,
     policies_without_evidence,
+    trace_of,
 )
 from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.scenarios import library
@@ -56,7 +56,7 @@ class JudgedBag:
 def run(args: Namespace) -> int:
     """Check the named bags; return 1 if a policy is violated, else 2 if a bag has nothing to judge."""
     found = {
-        str(bag): judge_bag(evidence_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
+        str(bag): judge_bag(trace_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
         for bag in args.bags
     }
     if args.json:
@@ -73,15 +73,15 @@ def run(args: Namespace) -> int:
     return NOT_JUDGED if any(one.is_empty for one in found.values()) else 0
 
 
-def judge_bag(evidence: Evidence, circumstances: Circumstances) -> JudgedBag:
+def judge_bag(trace: FlightTrace, circumstances: Circumstances) -> JudgedBag:
     """Return how a flight keeps the policies; without true positions by the filtered ones.
 
     The filtered position of a lost vehicle does not count: it is where it was last seen, or the origin.
     """
-    if np.isfinite(evidence.true_pos).any():
-        return JudgedBag(judge(evidence, circumstances), policies_without_evidence(evidence))
-    lost = (evidence.state_status == TrackStatus.LOST)[..., None]
-    filtered = replace(evidence, true_pos=np.where(lost, np.nan, evidence.state_pos))
+    if np.isfinite(trace.true_pos).any():
+        return JudgedBag(judge(trace, circumstances), policies_without_evidence(trace))
+    lost = (trace.state_status == TrackStatus.LOST)[..., None]
+    filtered = replace(trace, true_pos=np.where(lost, np.nan, trace.state_pos))
     policies = {name: policy for name, policy in POLICIES.items() if name != "belief"}
     lacking = {*policies_without_evidence(filtered), "belief"}
     return JudgedBag(
@@ -107,8 +107,8 @@ def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:
     return Circumstances(vehicle=known.vehicle, faults=() if flown is None else flown.faults)
 
 
-def evidence_in(bag: Path) -> Evidence:
-    """Return the evidence in a bag, with a BagRepairWarning if messages may be missing.
+def trace_in(bag: Path) -> FlightTrace:
+    """Return the trace in a bag, with a BagRepairWarning if messages may be missing.
 
     Raises:
         ValueError: the bag cannot be read or has no flight.
@@ -117,7 +117,7 @@ def evidence_in(bag: Path) -> Evidence:
     for repair in reader.repairs:
         warnings.warn(repair, BagRepairWarning, stacklevel=2)
     names = topics_by_name(reader)
-    return evidence_of(
+    return trace_of(
         RecordedSignal(names[one.topic], time_from_stamp(one.stamp_ns), one.signal)
         for one in reader.signals(names)
     )

@@ -22,11 +22,11 @@ from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
 from q2q_sim.loop.flight_blocks import MODES
 from q2q_sim.monitors.policies import (
     Circumstances,
-    Evidence,
+    FlightTrace,
     RecordedSignal,
     Violation,
-    evidence_in_lockstep,
     judge,
+    trace_in_lockstep,
 )
 
 NS = 1_000_000_000
@@ -41,7 +41,7 @@ class JudgedFlight:
     topics: Mapping[str, Sequence[Signal]]
     """Signals of every tick, by topic: JUDGED."""
     violations: tuple[Violation, ...]
-    evidence: Evidence | None = None
+    trace: FlightTrace | None = None
     """None where the flight ended with an error."""
 
     @property
@@ -72,19 +72,19 @@ def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
 def fly_pure(run: Run) -> JudgedFlight:
     """Return the run's flight by closed_loop; an error counts as a violation."""
     topics: dict[str, list[Signal]] = {topic: [] for topic in JUDGED}
-    evidence = None
+    trace = None
     try:
         for tick, answer in answered_ticks(run.scenario, flight_options(run)):
             seen: tuple[Signal, ...] = (tick.truth, tick.truth_interference, tick.frame)
             heard = (*seen, answer.state, answer.reference_safe, answer.command)
             for signals, one in zip(topics.values(), heard, strict=True):
                 signals.append(one)
-        evidence = evidence_in_lockstep(topics)
-        violations = judge(evidence, circumstances_of(run))
+        trace = trace_in_lockstep(topics)
+        violations = judge(trace, circumstances_of(run))
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         violations = (crash_violation(error),)
-        evidence = None
-    return JudgedFlight(topics, violations, evidence)
+        trace = None
+    return JudgedFlight(topics, violations, trace)
 
 
 def flight_options(run: Run) -> FlightOptions:

@@ -24,11 +24,11 @@ from q2q_sim.experiments.campaign.campaign_flight import (
 )
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
-from q2q_sim.monitors.policies import Evidence, Violation, evidence_in_lockstep, judge
+from q2q_sim.monitors.policies import FlightTrace, Violation, judge, trace_in_lockstep
 from q2q_sim.node_flights.resident import ResidentNodes
 from q2q_sim.node_flights.scenario_flight import FlightRequest, fly, load_scenario, node_specs
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
-from q2q_sim.tools.judge_bags import evidence_in
+from q2q_sim.tools.judge_bags import trace_in
 
 TWIN_M = 1e-9
 """Largest deviation of a flight through the nodes from closed_loop [m]: rounding of reordered sums."""
@@ -88,11 +88,11 @@ class NodeFlights:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # injected clock jumps are corrected with a warning
                 self._through(request, bag)
-            evidence = evidence_in(bag)
+            trace = trace_in(bag)
         except Exception as error:  # noqa: BLE001 - a campaign looks for any error
             return (crash_violation(error),)
-        found = judge(evidence, circumstances_of(run))
-        return (*found, *twin_violation(evidence, evidence_in_lockstep(fly_pure(run).topics)))
+        found = judge(trace, circumstances_of(run))
+        return (*found, *twin_violation(trace, trace_in_lockstep(fly_pure(run).topics)))
 
     def _through(self, request: FlightRequest, bag: Path) -> None:
         folder = self._folder / "nodes"
@@ -111,7 +111,7 @@ class NodeFlights:
         shutil.copytree(self._folder, place)
 
 
-def twin_violation(through_nodes: Evidence, pure: Evidence) -> tuple[Violation, ...]:
+def twin_violation(through_nodes: FlightTrace, pure: FlightTrace) -> tuple[Violation, ...]:
     """Return the violation if a flight through the nodes deviates from closed_loop."""
     if through_nodes.true_pos.shape != pure.true_pos.shape:
         ticks = float(len(through_nodes.t) - len(pure.t))

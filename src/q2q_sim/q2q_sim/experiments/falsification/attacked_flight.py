@@ -79,13 +79,13 @@ class AttackedFlight:
 def fly_attacked(run: Run) -> AttackedFlight:
     """Return the outcome of a run by closed_loop; an error counts as a violation."""
     flown = fly_pure(run)
-    if flown.evidence is None:
+    if flown.trace is None:
         return AttackedFlight(flown.violations)
     ticks = run_ticks(flown.topics)
     stated = {name: judged(run, ticks) for name, judged in PROPERTIES.items()}
     found = [one for outcome in stated.values() for one in outcome.violations]
     circumstances = circumstances_of(run)
-    known = dict(margins(flown.evidence, circumstances))
+    known = dict(margins(flown.trace, circumstances))
     known |= {name: outcome.margin for name, outcome in stated.items()}
     try:
         found += _record(flown.topics)
@@ -94,8 +94,8 @@ def fly_attacked(run: Run) -> AttackedFlight:
     return AttackedFlight(
         violations=(*flown.violations, *found),
         margins={name: bounded_margin(one) for name, one in known.items()},
-        overpowered=bool(overpowered(flown.evidence, circumstances).any()),
-        unforeseen=bool(unforeseen(flown.evidence, circumstances).any()),
+        overpowered=bool(overpowered(flown.trace, circumstances).any()),
+        unforeseen=bool(unforeseen(flown.trace, circumstances).any()),
     )
 
 

@@ -1,6 +1,6 @@
 """Safety policies: properties that every flight must keep, checked on any flight or bag.
 
-    signals (of a bag, or of closed_loop) -> Evidence -> judge(evidence, circumstances) -> violations
+    signals (of a bag, or of closed_loop) -> FlightTrace -> judge(trace, circumstances) -> violations
 
 | policy | property | on |
 |---|---|---|
@@ -22,7 +22,7 @@ room, floor and return until `settle` after it, in the second case, in which it 
 separation.
 """
 
-from q2q_sim.monitors.policies.evidence import Evidence, RecordedSignal, evidence_in_lockstep, evidence_of
+from q2q_sim.monitors.policies.flight_trace import FlightTrace, RecordedSignal, trace_in_lockstep, trace_of
 from q2q_sim.monitors.policies.judgement import NEEDS, POLICIES, judge, policies_without_evidence
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
@@ -30,12 +30,12 @@ __all__ = [
     "NEEDS",
     "POLICIES",
     "Circumstances",
-    "Evidence",
+    "FlightTrace",
     "Limits",
     "RecordedSignal",
     "Violation",
-    "evidence_in_lockstep",
-    "evidence_of",
     "judge",
     "policies_without_evidence",
+    "trace_in_lockstep",
+    "trace_of",
 ]

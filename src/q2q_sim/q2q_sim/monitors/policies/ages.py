@@ -8,22 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, CommandStatus
-from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.exemptions.sensor_errors import after_label_swap, with_doubtful_stamps
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation, worst_violations
 
 ROUNDING = 1e-6
 """Ages are differences of stamps [s]."""
 
 
-def age(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def age(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally on too old a state."""
     limit = circumstances.limits.fresh
-    excess = np.where(_as_usual(evidence), evidence.state_age - limit - ROUNDING, np.nan)
-    return worst_violations("age", evidence, excess, (evidence.state_age, limit))
+    excess = np.where(_as_usual(trace), trace.state_age - limit - ROUNDING, np.nan)
+    return worst_violations("age", trace, excess, (trace.state_age, limit))
 
 
-def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def action(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally though not in any frame for longer than a fallback may take.
 
     Stamps are the only clock: frames with jumping stamps cannot be dated, so the time without observation
@@ -31,29 +31,29 @@ def action(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     them is missing is unknown then.
     """
     limit = circumstances.limits.action
-    if not evidence.seen.any():
+    if not trace.seen.any():
         return []  # no motion capture in this recording
-    t = evidence.t[:, None]
-    seen = evidence.seen | with_doubtful_stamps(evidence, circumstances.faults)[:, None]
+    t = trace.t[:, None]
+    seen = trace.seen | with_doubtful_stamps(trace, circumstances.faults)[:, None]
     last = np.maximum.accumulate(np.where(seen, t, t[:1]), axis=0)
     unseen = t - last
-    reported = _as_usual(evidence) & ~after_label_swap(evidence, circumstances.faults)
+    reported = _as_usual(trace) & ~after_label_swap(trace, circumstances.faults)
     excess = np.where(reported, unseen - limit - ROUNDING, np.nan)
-    return worst_violations("action", evidence, excess, (unseen, limit))
+    return worst_violations("action", trace, excess, (unseen, limit))
 
 
-def silence(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def silence(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the longest silence of each vehicle of a live flight, if longer than a fallback may take.
 
     What ends it is a command with a new stamp. From the last one on, it lasts until the vehicle's last
     position. A vehicle on the ground needs no commands, nor does one that comes down without: it has landed,
     its own commander lands it, or the policy on the floor shows that it falls.
     """
-    if not evidence.live:
+    if not trace.live:
         return []
     found = []
-    for row, name in enumerate(evidence.names):
-        begin, silent = _silences(evidence, row, circumstances.limits)
+    for row, name in enumerate(trace.names):
+        begin, silent = _silences(trace, row, circumstances.limits)
         limit = np.full(len(begin), circumstances.limits.action)
         limit[-1:] = circumstances.limits.ended
         if len(begin):
@@ -63,10 +63,10 @@ def silence(evidence: Evidence, circumstances: Circumstances) -> list[Violation]
     return found
 
 
-def _silences(evidence: Evidence, row: int, limits: Limits) -> tuple[Array, Array]:
+def _silences(trace: FlightTrace, row: int, limits: Limits) -> tuple[Array, Array]:
     """Return when each new command of a vehicle came [s], (K,), and for how long none followed in the air."""
-    begin = evidence.commanded_at.get(evidence.names[row], np.zeros(0))
-    height, at = evidence.true_pos[:, row, 2], evidence.recorded_at
+    begin = trace.commanded_at.get(trace.names[row], np.zeros(0))
+    height, at = trace.true_pos[:, row, 2], trace.recorded_at
     last = max((*begin[-1:], *at[np.isfinite(height)]), default=0.0)
     end = np.append(begin[1:], last)[: len(begin)]
     down = np.sort(at[height <= limits.take_off])
@@ -74,5 +74,5 @@ def _silences(evidence: Evidence, row: int, limits: Limits) -> tuple[Array, Arra
     return begin, np.where(landed, 0.0, end - begin)
 
 
-def _as_usual(evidence: Evidence) -> NDArray[np.bool_]:
-    return np.asarray(evidence.command_status <= CommandStatus.SATURATED)
+def _as_usual(trace: FlightTrace) -> NDArray[np.bool_]:
+    return np.asarray(trace.command_status <= CommandStatus.SATURATED)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from q2q_sim.monitors.policies import ages, command_bounds, floor, separation, tracking
-from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Policy, Violation
 
 POLICIES: Mapping[str, Policy] = {
@@ -35,26 +35,26 @@ NEEDS: Mapping[str, tuple[str, ...]] = {
     "belief": ("true_pos", "state_pos", "state_status"),
     "return": ("true_pos", "sent_pos", "command_status"),
 }
-"""Arrays of the evidence without which a policy judges nothing; the others need none."""
+"""Arrays of the trace without which a policy judges nothing; the others need none."""
 
 
 def judge(
-    evidence: Evidence, circumstances: Circumstances, policies: Mapping[str, Policy] = POLICIES
+    trace: FlightTrace, circumstances: Circumstances, policies: Mapping[str, Policy] = POLICIES
 ) -> tuple[Violation, ...]:
     """Return all violations of a flight, policy by policy."""
-    return tuple(found for policy in policies.values() for found in policy(evidence, circumstances))
+    return tuple(found for policy in policies.values() for found in policy(trace, circumstances))
 
 
-def policies_without_evidence(evidence: Evidence) -> tuple[str, ...]:
+def policies_without_evidence(trace: FlightTrace) -> tuple[str, ...]:
     """Return the policies of which a flight has no evidence, in which nothing can be violated."""
     return tuple(
         policy
         for policy in POLICIES
-        if any(not _has(evidence, name) for name in NEEDS.get(policy, ()))
-        or (policy == "silence" and not any(len(at) > 1 for at in evidence.commanded_at.values()))
+        if any(not _has(trace, name) for name in NEEDS.get(policy, ()))
+        or (policy == "silence" and not any(len(at) > 1 for at in trace.commanded_at.values()))
     )
 
 
-def _has(evidence: Evidence, name: str) -> bool:
-    values = getattr(evidence, name)
+def _has(trace: FlightTrace, name: str) -> bool:
+    values = getattr(trace, name)
     return bool(values.any()) if values.dtype == np.bool_ else bool(np.isfinite(values).any())

@@ -19,7 +19,7 @@ from itertools import combinations
 
 import numpy as np
 
-from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.judgement import POLICIES
 from q2q_sim.monitors.policies.separation import clearances
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
@@ -37,15 +37,15 @@ FAR = 1e3
 """Distance that every pair is nearer than [m]."""
 
 
-def margins(evidence: Evidence, circumstances: Circumstances) -> Mapping[str, float]:
+def margins(trace: FlightTrace, circumstances: Circumstances) -> Mapping[str, float]:
     """Return the margin of every policy that has one."""
     limits = circumstances.limits
     strict = replace(circumstances, limits=_kept_by_none(limits))
-    found = {name: _below(POLICIES[name](evidence, strict), _limit(limits, name)) for name in MOST}
-    nearest = min((one.value for one in POLICIES["separation"](evidence, strict)), default=np.inf)
+    found = {name: _below(POLICIES[name](trace, strict), _limit(limits, name)) for name in MOST}
+    nearest = min((one.value for one in POLICIES["separation"](trace, strict)), default=np.inf)
     found["separation"] = nearest / limits.separation - 1.0
-    pairs = list(combinations(range(len(evidence.names)), 2))
-    known = [inside[np.isfinite(inside)] for _, inside in clearances(evidence, circumstances, pairs)]
+    pairs = list(combinations(range(len(trace.names)), 2))
+    known = [inside[np.isfinite(inside)] for _, inside in clearances(trace, circumstances, pairs)]
     found["zone"] = min((float(one.min()) for one in known if len(one)), default=np.inf) / limits.stray
     return found
 

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.exemptions.feedback_loss import evading_lately, without_feedback_lately
 from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement, with_sensor_error
 from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately, unforeseen_lately
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 from q2q_sim.monitors.proximity import in_zone_once, least_distances
 
@@ -22,57 +22,55 @@ class _Worst(NamedTuple):
     limit: float
 
 
-def separation(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def separation(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the pairs closer than allowed, by more than their markers are displaced.
 
     Pairs of a vehicle in a downwash that nothing could predict are exempt until `settle` later.
     """
-    limit, pos = circumstances.limits.separation, evidence.true_pos
-    moved = marker_displacement(evidence, circumstances.faults)
-    moved[unforeseen_lately(evidence, circumstances)] = np.inf
+    limit, pos = circumstances.limits.separation, trace.true_pos
+    moved = marker_displacement(trace, circumstances.faults)
+    moved[unforeseen_lately(trace, circumstances)] = np.inf
     found = []
     for i, j in np.argwhere(least_distances(pos) < limit).tolist():
         apart = np.linalg.norm(pos[:, i] - pos[:, j], axis=1) + moved[:, i] + moved[:, j]
         tick = int(np.nanargmin(apart))
         if apart[tick] < limit:
             worst = _Worst(tick, float(apart[tick]), limit)
-            found.append(_violation("separation", evidence, (i, j), worst))
+            found.append(_violation("separation", trace, (i, j), worst))
     return found
 
 
-def zone(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def zone(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
     Vehicles flown blind drift, vehicles near them evade, vehicles with displaced markers follow them, and
     vehicles that no command carries, or none is known to, sink: their pairs are exempt until `settle` later.
     """
     found = []
-    entered = in_zone_once(evidence.true_pos, circumstances.zone)
-    for (one, other), inside in clearances(evidence, circumstances, entered):
+    entered = in_zone_once(trace.true_pos, circumstances.zone)
+    for (one, other), inside in clearances(trace, circumstances, entered):
         deepest = _lowest(inside)
         if deepest is not None and inside[deepest] < 0.0:
             found.append(
-                _violation("zone", evidence, (one, other), _Worst(deepest, float(inside[deepest]), 0.0))
+                _violation("zone", trace, (one, other), _Worst(deepest, float(inside[deepest]), 0.0))
             )
     return found
 
 
 def clearances(
-    evidence: Evidence, circumstances: Circumstances, pairs: Sequence[tuple[int, int]]
+    trace: FlightTrace, circumstances: Circumstances, pairs: Sequence[tuple[int, int]]
 ) -> Iterator[tuple[tuple[int, int], Array]]:
     """Yield each ordered pair and its distance from the zone [m], (T,); NaN at ticks that are not judged.
 
     Each of `pairs` is yielded in both orders.
     """
     settle = circumstances.limits.settle
-    lost = without_feedback_lately(evidence, settle) | evading_lately(evidence, settle)
-    lost |= with_sensor_error(evidence, circumstances.faults, settle) | helpless_lately(
-        evidence, circumstances
-    )
+    lost = without_feedback_lately(trace, settle) | evading_lately(trace, settle)
+    lost |= with_sensor_error(trace, circumstances.faults, settle) | helpless_lately(trace, circumstances)
     for i, j in pairs:
         for one, other in ((i, j), (j, i)):
-            real = circumstances.zone.signed_distance(_between(evidence.true_pos, one, other))
-            meant = circumstances.zone.signed_distance(_between(evidence.sent_pos, one, other))
+            real = circumstances.zone.signed_distance(_between(trace.true_pos, one, other))
+            meant = circumstances.zone.signed_distance(_between(trace.sent_pos, one, other))
             sighted = ~(lost[:, one] | lost[:, other])
             yield (one, other), np.where(sighted & (meant > circumstances.limits.stray), real, np.nan)
 
@@ -88,6 +86,6 @@ def _lowest(values: Array) -> int | None:
     return int(known.argmin()) if len(known) and np.isfinite(known.min()) else None
 
 
-def _violation(policy: str, evidence: Evidence, pair: tuple[int, int], worst: _Worst) -> Violation:
-    who = f"{evidence.names[pair[0]]} and {evidence.names[pair[1]]}"
-    return Violation(policy, who, float(evidence.t[worst.tick]), worst.value, worst.limit)
+def _violation(policy: str, trace: FlightTrace, pair: tuple[int, int], worst: _Worst) -> Violation:
+    who = f"{trace.names[pair[0]]} and {trace.names[pair[1]]}"
+    return Violation(policy, who, float(trace.t[worst.tick]), worst.value, worst.limit)

@@ -4,7 +4,6 @@ import numpy as np
 
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.exemptions.feedback_loss import (
     evading_lately,
     runs_of_true,
@@ -18,10 +17,11 @@ from q2q_sim.monitors.policies.exemptions.sensor_errors import (
     with_sensor_error,
 )
 from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
 
 
-def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def room(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles that flew away from their setpoints.
 
     A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
@@ -31,20 +31,20 @@ def room(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
     carries, or none is known to, sinks: it is not judged until `settle` after it.
     """
     limits = circumstances.limits
-    down = sent_down_lately(evidence, limits.settle)
-    off = _distance(evidence.true_pos - evidence.sent_pos, down)
-    stopped = without_feedback_lately(evidence, limits.settle) | evading_lately(evidence, limits.settle)
-    for row in range(len(evidence.names)):
+    down = sent_down_lately(trace, limits.settle)
+    off = _distance(trace.true_pos - trace.sent_pos, down)
+    stopped = without_feedback_lately(trace, limits.settle) | evading_lately(trace, limits.settle)
+    for row in range(len(trace.names)):
         for begin, end in runs_of_true(stopped[:, row]):
             late = begin + np.flatnonzero(off[begin:end, row] > limits.stray_room)
-            off_by = evidence.true_pos[late, None, row] - evidence.sent_pos[begin:end, row]  # (late, run, 3)
+            off_by = trace.true_pos[late, None, row] - trace.sent_pos[begin:end, row]  # (late, run, 3)
             apart = _distance(off_by, down[late, None, row])
             apart[late[:, None] < np.arange(begin, end)] = np.inf
             off[late, row] = np.fmin.reduce(apart, axis=1)
-    off = np.maximum(off - marker_displacement(evidence, circumstances.faults), 0.0)
+    off = np.maximum(off - marker_displacement(trace, circumstances.faults), 0.0)
     limit = limits.stray_room
-    excess = np.where(helpless_lately(evidence, circumstances), np.nan, off - limit)
-    return worst_violations("room", evidence, excess, (off, limit))
+    excess = np.where(helpless_lately(trace, circumstances), np.nan, off - limit)
+    return worst_violations("room", trace, excess, (off, limit))
 
 
 def _distance(off_by: Array, down: Mask) -> Array:
@@ -54,17 +54,17 @@ def _distance(off_by: Array, down: Mask) -> Array:
     return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
-def belief(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def belief(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles whose state was wrong under the status tracked."""
-    off = np.linalg.norm(evidence.state_pos - evidence.true_pos, axis=2)
-    trusted = (evidence.state_status == TrackStatus.TRACKED) & ~with_sensor_error(
-        evidence, circumstances.faults, RECOVERY_S
+    off = np.linalg.norm(trace.state_pos - trace.true_pos, axis=2)
+    trusted = (trace.state_status == TrackStatus.TRACKED) & ~with_sensor_error(
+        trace, circumstances.faults, RECOVERY_S
     )
     limit = circumstances.limits.belief
-    return worst_violations("belief", evidence, np.where(trusted, off - limit, np.nan), (off, limit))
+    return worst_violations("belief", trace, np.where(trusted, off - limit, np.nan), (off, limit))
 
 
-def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violation]:
+def come_back(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles not back on their path `settle` after the last fault.
 
     A replanned motion that accelerates leaves its vehicle behind for a moment: what counts is the least
@@ -73,14 +73,14 @@ def come_back(evidence: Evidence, circumstances: Circumstances) -> list[Violatio
     `settle` then.
     """
     limits = circumstances.limits
-    pushed = helpless_lately(evidence, circumstances)
-    calm = evidence.t > last_fault_end(evidence, circumstances.faults) + limits.settle
-    cut = (evidence.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
-    off = np.linalg.norm(evidence.true_pos - evidence.sent_pos, axis=2)
+    pushed = helpless_lately(trace, circumstances)
+    calm = trace.t > last_fault_end(trace, circumstances.faults) + limits.settle
+    cut = (trace.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
+    off = np.linalg.norm(trace.true_pos - trace.sent_pos, axis=2)
     judged = np.where(calm[:, None] & ~cut & ~pushed, off, -np.inf)
-    ticks = max(round(limits.passing / evidence.tick), 1)
+    ticks = max(round(limits.passing / trace.tick), 1)
     lasting = _least_before(_across_gaps(judged, ticks), ticks)
-    return worst_violations("return", evidence, lasting - limits.back, (lasting, limits.back))
+    return worst_violations("return", trace, lasting - limits.back, (lasting, limits.back))
 
 
 def _across_gaps(values: Array, ticks: int) -> Array:
@@ -102,10 +102,10 @@ def _least_before(values: Array, ticks: int) -> Array:
     return least
 
 
-def last_fault_end(evidence: Evidence, faults: tuple[Fault, ...]) -> float:
+def last_fault_end(trace: FlightTrace, faults: tuple[Fault, ...]) -> float:
     """Return the time of the last fault or fallback command [s]; -inf without any."""
-    wrong = without_feedback(evidence).any(axis=1)
-    noted = [float(evidence.t[wrong][-1])] if wrong.any() else []
+    wrong = without_feedback(trace).any(axis=1)
+    noted = [float(trace.t[wrong][-1])] if wrong.any() else []
     return max([*noted, *(_end(fault) for fault in faults)], default=-np.inf)
 
 

@@ -10,7 +10,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import CONTACT, CRAZYFLIE_2_0, Vehicle
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Circumstances:
-    """Circumstances of a flight that the evidence does not contain."""
+    """Circumstances of a flight that the trace does not contain."""
 
     vehicle: Vehicle = CRAZYFLIE_2_0
     zone: Cylinder = field(default_factory=Cylinder)
@@ -106,18 +106,18 @@ class Violation:
         return f"{self.policy}: {self.who}{at}{found}"
 
 
-Policy = Callable[[Evidence, Circumstances], list[Violation]]
+Policy = Callable[[FlightTrace, Circumstances], list[Violation]]
 
 
 def worst_violations(
-    policy: str, evidence: Evidence, excess: NDArray[np.float64], about: tuple[NDArray[np.float64], float]
+    policy: str, trace: FlightTrace, excess: NDArray[np.float64], about: tuple[NDArray[np.float64], float]
 ) -> list[Violation]:
     """Return a violation for each vehicle with an excess (T, n) above 0; `about` is value and limit."""
     value, limit = about
     found = []
-    for row, name in enumerate(evidence.names):
+    for row, name in enumerate(trace.names):
         bad = np.where(np.isnan(excess[:, row]), -np.inf, excess[:, row])
         if len(bad) and bad.max() > 0.0:
             k = int(bad.argmax())
-            found.append(Violation(policy, name, float(evidence.t[k]), float(value[k, row]), limit))
+            found.append(Violation(policy, name, float(trace.t[k]), float(value[k, row]), limit))
     return found

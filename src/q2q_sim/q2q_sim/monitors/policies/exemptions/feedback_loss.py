@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_control.failsafe.evasion.descent_evasion import FARTHEST, REACH
 from q2q_model.signals.values import Array, CommandStatus, Mask
-from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 
 FALLBACKS = (CommandStatus.HOLD, CommandStatus.LEVEL, CommandStatus.LAND, CommandStatus.CUT)
 """Commands without feedback of the position."""
@@ -16,33 +16,33 @@ DRIFT_M = 0.4
 """How far a vehicle without feedback may be from where its controller believes it [m] (descent_evasion)."""
 
 
-def without_feedback(evidence: Evidence) -> Mask:
+def without_feedback(trace: FlightTrace) -> Mask:
     """Return which vehicles are flown without feedback at each tick, (T, n)."""
-    return np.asarray(np.isin(evidence.command_status, FALLBACKS))
+    return np.asarray(np.isin(trace.command_status, FALLBACKS))
 
 
-def without_feedback_lately(evidence: Evidence, settle: float) -> Mask:
+def without_feedback_lately(trace: FlightTrace, settle: float) -> Mask:
     """Return which vehicles are flown without feedback, or were less than `settle` [s] before, (T, n)."""
-    return within_settle_time(evidence, without_feedback(evidence), settle)
+    return within_settle_time(trace, without_feedback(trace), settle)
 
 
-def sent_down_lately(evidence: Evidence, settle: float) -> Mask:
+def sent_down_lately(trace: FlightTrace, settle: float) -> Mask:
     """Return which vehicles are sent to the floor, or were less than `settle` [s] before, (T, n)."""
-    return within_settle_time(evidence, np.asarray(np.isin(evidence.command_status, DOWN)), settle)
+    return within_settle_time(trace, np.asarray(np.isin(trace.command_status, DOWN)), settle)
 
 
-def evading_lately(evidence: Evidence, settle: float) -> Mask:
+def evading_lately(trace: FlightTrace, settle: float) -> Mask:
     """Return which vehicles may evade one without feedback, or might less than `settle` [s] before, (T, n).
 
     They or where they are sent are near it, at whichever height; it counts, too. The controller shifts their
     setpoints (q2q_control.failsafe.evasion.descent_evasion), which the flight records before the shift.
     """
-    pos, gone = evidence.true_pos, np.isin(evidence.command_status, EVADED)
+    pos, gone = trace.true_pos, np.isin(trace.command_status, EVADED)
     evading = np.zeros(gone.shape, dtype=np.bool_)
-    for places in (pos, evidence.sent_pos):
+    for places in (pos, trace.sent_pos):
         for j in np.flatnonzero(gone.any(axis=0)):
             evading |= _near(places, pos[:, j], FARTHEST) & gone[:, j, None]
-    return within_settle_time(evidence, evading, settle)
+    return within_settle_time(trace, evading, settle)
 
 
 def beneath(places: Array, pos: Array, some: Mask) -> Mask:
@@ -63,9 +63,9 @@ def _near(places: Array, pos: Array, reach: float) -> Mask:
     return np.asarray(np.hypot(offset[..., 0], offset[..., 1]) < reach + DRIFT_M)
 
 
-def within_settle_time(evidence: Evidence, when: Mask, settle: float) -> Mask:
+def within_settle_time(trace: FlightTrace, when: Mask, settle: float) -> Mask:
     """Return which vehicles are in a condition, or were less than `settle` [s] before, (T, n)."""
-    t = evidence.t[:, None]
+    t = trace.t[:, None]
     last = np.maximum.accumulate(np.where(when, t, -np.inf), axis=0)
     return np.asarray(t - last < settle)
 

@@ -15,26 +15,26 @@ from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances
 
 ROTORS = 4
 
 
-def overpowered(evidence: Evidence, circumstances: Circumstances) -> Mask:
+def overpowered(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles no command carries at each tick, (T, n)."""
-    vehicle, left = circumstances.vehicle, thrust_left(evidence, circumstances.faults)
+    vehicle, left = circumstances.vehicle, thrust_left(trace, circumstances.faults)
     most = left * vehicle.rpyt_thrust_max / vehicle.mass
-    pushed = GRAVITY - evidence.true_downwash[..., 2] > most
+    pushed = GRAVITY - trace.true_downwash[..., 2] > most
     needed = GRAVITY + 2.0 * TOUCHDOWN_MAX / circumstances.limits.settle
     return np.asarray(pushed | (left < 1.0) & (needed > most))
 
 
-def thrust_left(evidence: Evidence, faults: tuple[Fault, ...]) -> Array:
+def thrust_left(trace: FlightTrace, faults: tuple[Fault, ...]) -> Array:
     """Return the share of the thrust that battery sags and weak rotors leave, from 0 to 1, (T, n)."""
-    left: Array = np.ones((len(evidence.t), len(evidence.names)))
+    left: Array = np.ones((len(trace.t), len(trace.names)))
     for fault in faults:
-        left *= 1.0 - _lost(fault, evidence.t[:, None]) * affected_vehicles(fault, evidence.names)
+        left *= 1.0 - _lost(fault, trace.t[:, None]) * affected_vehicles(fault, trace.names)
     return left
 
 

@@ -12,34 +12,34 @@ judged again `settle` later (helpless_lately), as those are that no command carr
 import numpy as np
 
 from q2q_model.signals.values import Mask
-from q2q_sim.monitors.policies.evidence import Evidence
 from q2q_sim.monitors.policies.exemptions.feedback_loss import beneath, within_settle_time, without_feedback
 from q2q_sim.monitors.policies.exemptions.overpowered import overpowered
 from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances
 
 PUSH = 0.1
 """Downwash that counts [m/s^2]: that at the edge of an identified zone, 5 cm after a second."""
 
 
-def unforeseen(evidence: Evidence, circumstances: Circumstances) -> Mask:
+def unforeseen(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles without feedback nothing can predict the downwash of, at each tick, (T, n)."""
-    unaided = without_feedback(evidence)
+    unaided = without_feedback(trace)
     if not unaided.any():
         return unaided
-    pos, displaced = evidence.true_pos, marker_displacement(evidence, circumstances.faults) > 0.0
+    pos, displaced = trace.true_pos, marker_displacement(trace, circumstances.faults) > 0.0
     untold = beneath(pos, pos, displaced) | (displaced & beneath(pos, pos, np.ones_like(displaced)))
     if not circumstances.aware:
-        untold |= np.linalg.norm(evidence.true_downwash, axis=2) > PUSH
+        untold |= np.linalg.norm(trace.true_downwash, axis=2) > PUSH
     return unaided & untold
 
 
-def unforeseen_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
+def unforeseen_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles are in an unforeseen downwash, or were less than `settle` [s] before, (T, n)."""
-    return within_settle_time(evidence, unforeseen(evidence, circumstances), circumstances.limits.settle)
+    return within_settle_time(trace, unforeseen(trace, circumstances), circumstances.limits.settle)
 
 
-def helpless_lately(evidence: Evidence, circumstances: Circumstances) -> Mask:
+def helpless_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles no command carries or is known to, or less than `settle` [s] before, (T, n)."""
-    helpless = overpowered(evidence, circumstances) | unforeseen(evidence, circumstances)
-    return within_settle_time(evidence, helpless, circumstances.limits.settle)
+    helpless = overpowered(trace, circumstances) | unforeseen(trace, circumstances)
+    return within_settle_time(trace, helpless, circumstances.limits.settle)

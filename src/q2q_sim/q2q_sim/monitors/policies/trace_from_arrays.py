@@ -1,21 +1,21 @@
-"""Evidence from the arrays of a `Flight`."""
+"""Trace from the arrays of a `Flight`."""
 
 import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.metrics import best_position
-from q2q_sim.monitors.policies.evidence import Evidence
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
 
 
-def evidence_from_arrays(flight: Flight) -> Evidence:
-    """Return the evidence in a flight's arrays.
+def trace_from_arrays(flight: Flight) -> FlightTrace:
+    """Return the trace in a flight's arrays.
 
     Positions are the true ones, else the filtered ones. A flight has neither recording times nor ages of
     states, so the policies age, belief and silence do not apply.
     """
     unknown = np.full(flight.thrust.shape, np.nan)
     replanned = np.isfinite(flight.safe_pos)
-    return Evidence(
+    return FlightTrace(
         t=flight.t,
         names=flight.names,
         true_pos=best_position(flight),

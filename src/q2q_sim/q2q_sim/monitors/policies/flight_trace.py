@@ -1,4 +1,4 @@
-"""Evidence for the policies: the signals of a flight in arrays, tick by tick.
+"""Trace of a flight for the policies: its signals in arrays, tick by tick.
 
 Rows are ticks, with the stamps of `truth` if recorded, else of the first topic of the data flow that is
 (q2q_sim.monitors.policies.signal_tables).
@@ -19,7 +19,7 @@ from q2q_sim.monitors.proximity import near_sample
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
 """Topics that give ticks and names, in order of preference."""
 USED = (*NAMING, "truth_interference")
-"""Topics that the evidence is of."""
+"""Topics that a trace is made of."""
 SIGHT_M = 0.1
 """A sample within this distance observes the vehicle, whatever its name [m]: the paper's eps."""
 
@@ -36,8 +36,8 @@ class RecordedSignal:
 
 
 @dataclass(frozen=True, slots=True)
-class Evidence:
-    """Flight of T ticks and n vehicles."""
+class FlightTrace:
+    """Signals of a flight of T ticks and n vehicles."""
 
     t: Array
     """Stamps of the ticks [s], rising, (T,)."""
@@ -79,8 +79,8 @@ class Evidence:
         return float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.01
 
 
-def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
-    """Return the evidence from a flight's messages.
+def trace_of(recorded: Iterable[RecordedSignal]) -> FlightTrace:
+    """Return the trace from a flight's messages.
 
     Raises:
         ValueError: no message names vehicles and ticks.
@@ -91,26 +91,26 @@ def evidence_of(recorded: Iterable[RecordedSignal]) -> Evidence:
         signals.setdefault(one.topic, []).append(one.signal)
         at.setdefault(one.topic, []).append(one.at)
     topics = _topics(signals)
-    return _evidence(topics, {topic: np.array(at.get(topic, ())) for topic in topics})
+    return _trace(topics, {topic: np.array(at.get(topic, ())) for topic in topics})
 
 
-def evidence_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> Evidence:
-    """Return the evidence from a flight's signals by topic, recorded at their own stamps.
+def trace_in_lockstep(signals: Mapping[str, Sequence[Signal]]) -> FlightTrace:
+    """Return the trace from a flight's signals by topic, recorded at their own stamps.
 
     Raises:
         ValueError: no signal names vehicles and ticks.
     """
     topics = _topics(signals)
-    return _evidence(topics, {topic: one.stamps for topic, one in topics.items()})
+    return _trace(topics, {topic: one.stamps for topic, one in topics.items()})
 
 
 def _topics(signals: Mapping[str, Sequence[Signal]]) -> dict[str, Topic]:
-    """Return the topics of a flight; those of the evidence that it lacks are empty."""
+    """Return the topics of a flight; those of the trace that it lacks are empty."""
     return {topic: Topic(signals.get(topic, ())) for topic in dict.fromkeys((*signals, *USED))}
 
 
-def _evidence(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> Evidence:
-    """Return the evidence from topics and the times of recording of their signals [s], (K,) each."""
+def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
+    """Return the trace from topics and the times of recording of their signals [s], (K,) each."""
     ticks_of = next((topic for topic in NAMING if topics[topic].signals), None)
     if ticks_of is None:
         raise ValueError(f"no ticks: a flight needs one of {', '.join(NAMING)}")
@@ -121,7 +121,7 @@ def _evidence(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> Evidence:
     states, commands = Table(grid, topics["state"]), Table(grid, topics["command"])
     true_pos = Table(grid, topics["truth"]).column("pos", 3)
     sent = topics["reference_safe"] if topics["reference_safe"].signals else topics["reference"]
-    return Evidence(
+    return FlightTrace(
         t=grid.t,
         names=names,
         true_pos=true_pos,
