@@ -20,7 +20,7 @@ POLICIES: Mapping[str, Policy] = {
     "action": ages.action,
     "silence": ages.silence,
     "belief": tracking.belief,
-    "return": tracking.come_back,
+    "return": tracking.return_to_path,
 }
 """Policies by name."""
 NEEDS: Mapping[str, tuple[str, ...]] = {

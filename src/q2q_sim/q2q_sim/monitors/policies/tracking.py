@@ -64,7 +64,7 @@ def belief(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     return worst_violations("belief", trace, np.where(trusted, off - limit, np.nan), (off, limit))
 
 
-def come_back(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
+def return_to_path(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles not back on their path `settle` after the last fault.
 
     A replanned motion that accelerates leaves its vehicle behind for a moment: what counts is the least
