@@ -9,7 +9,7 @@ from itertools import count, islice
 from time import process_time
 
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure
-from q2q_sim.experiments.campaign.engine import freeze_imports
+from q2q_sim.experiments.campaign.parallel_runs import freeze_imports
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from row import Row
 

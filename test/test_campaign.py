@@ -10,7 +10,7 @@ from q2q_model.bag import BagReader
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import campaign_flight, engine, random_run
 from q2q_sim.experiments.campaign.campaign_flight import JUDGED
-from q2q_sim.experiments.campaign.engine import run_outcomes
+from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
 from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, cut_document, draw_run
 from q2q_sim.experiments.campaign.run_outcome import (
     CRASH,
@@ -186,7 +186,7 @@ def test_an_air_that_cannot_be_flown_in_ends_a_campaign_before_its_first_run(
 
 
 def test_processes_that_are_replaced_fly_every_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("q2q_sim.experiments.campaign.engine.RECYCLE", 1)
+    monkeypatch.setattr("q2q_sim.experiments.campaign.parallel_runs.RECYCLE", 1)
     flown = list(run_outcomes("local", range(200, 203), 2, tmp_path))
     assert sorted(one.seed for one in flown) == [200, 201, 202]
     assert all(one.what and one.seconds > 0.0 for one in flown)

@@ -9,7 +9,7 @@ REPLANNERS = ("none", "paper", "safe")
 WAKES = LAWS
 """True wakes of the simulator (q2q_sim.air.wake_laws)."""
 ENGINES = ("local", "dask")
-"""Engines that run a campaign in parallel (q2q_sim.experiments.campaign.engine)."""
+"""Engines that run a campaign in parallel (q2q_sim.experiments.campaign.parallel_runs)."""
 TABLE_ONLY = "--table-only"
 """Option of the ablation that only writes the table."""
 STDOUT = "-"

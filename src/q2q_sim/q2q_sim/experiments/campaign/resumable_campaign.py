@@ -13,7 +13,7 @@ from rich.table import Table
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
-from q2q_sim.experiments.campaign.engine import run_outcomes
+from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
 from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries

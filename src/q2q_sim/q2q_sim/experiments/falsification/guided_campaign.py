@@ -17,7 +17,7 @@ from rich.table import Table
 
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
-from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
+from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 from q2q_sim.experiments.falsification.attack import LENGTH, SEARCH
 from q2q_sim.experiments.falsification.attack_case import read_case
 from q2q_sim.experiments.falsification.attack_record import (

@@ -11,7 +11,7 @@ from rich.progress import track
 
 from q2q_model.documents.json_file import write_json
 from q2q_model.documents.plain_values import to_plain
-from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
+from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 from q2q_sim.experiments.promise.kept_flights import resume_flights
 from q2q_sim.experiments.promise.promise_verdict import (
     largest_errors,

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from q2q_sim.experiments.campaign import engine
-from q2q_sim.experiments.campaign.engine import ParallelRuns, spread_work
+from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 
 TWO = ParallelRuns("local", 2)
 DEADLY = """
