@@ -17,7 +17,7 @@ from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push_in_table
 from q2q_sim.air.learning.jet.jet_term import jet_alone, jet_term
-from q2q_sim.air.learning.jet.other_flights import LeftOut, leave_out_groups
+from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup, held_out_groups
 from q2q_sim.air.learning.jet.wake_push import wake_push
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 from q2q_sim.air.learning.records.motor_curve import USUAL_POWER
@@ -144,7 +144,7 @@ def test_travel_that_no_flight_shows_is_the_default_without_an_interval() -> Non
 
 
 def test_the_residual_is_found_under_the_noise_of_clear_air(pairs: list[AirRecord]) -> None:
-    found = residual_term([LeftOut(tuple(pairs), wide_jet())], None)
+    found = residual_term([HeldOutGroup(tuple(pairs), wide_jet())], None)
     assert found is not None
     assert_within(found.values, "residual.floor_mps2", RESIDUAL.floor_mps2)
     assert_within(found.values, "residual.slope", RESIDUAL.slope)
@@ -157,8 +157,8 @@ def test_the_gains_of_vehicles_on_a_wake_are_told_from_their_errors() -> None:
     for k, gain in enumerate(gains):
         own = Wake(replace(jet, push_mps2=gain * jet.push_mps2), None, RESIDUAL)
         flights.append(flown(f"gain{k}", orbit(40.0, (0.6, 1.05), k), own, k))
-    found = residual_term([LeftOut(tuple(flights), jet)], None)
-    same = residual_term([LeftOut(tuple(flights[:1] * 4), jet)], None)
+    found = residual_term([HeldOutGroup(tuple(flights), jet)], None)
+    same = residual_term([HeldOutGroup(tuple(flights[:1] * 4), jet)], None)
     assert found is not None
     assert same is not None
     assert_within(found.values, "residual.gain_std", float(gains.std(ddof=1)))
@@ -167,12 +167,12 @@ def test_the_gains_of_vehicles_on_a_wake_are_told_from_their_errors() -> None:
 
 
 def test_flights_are_compared_with_the_jet_of_others(pairs: list[AirRecord]) -> None:
-    groups = leave_out_groups(pairs, wide_jet())
+    groups = held_out_groups(pairs, wide_jet())
     assert [group.records for group in groups] == [(pairs[0],), (pairs[1],)]
     other = jet_alone(pairs[1:])
     assert other is not None
     np.testing.assert_array_equal(groups[0].jet.push_mps2, other.push_mps2)
-    (alone,) = leave_out_groups(pairs[:1], wide_jet())
+    (alone,) = held_out_groups(pairs[:1], wide_jet())
     np.testing.assert_array_equal(alone.jet.push_mps2, wide_jet().push_mps2)  # nobody else shows one
 
 

@@ -8,7 +8,7 @@ from known_air import RESIDUAL, SECONDS, assert_within
 from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_push
 
 from q2q_model.signals.values import Rows
-from q2q_sim.air.learning.jet.other_flights import LeftOut
+from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.residual.wake_residuals import LAGS, wake_residuals
@@ -64,11 +64,11 @@ def test_the_residual_of_slow_flights_is_that_of_fast_ones(
     pairs: list[AirRecord], steps: tuple[int, int]
 ) -> None:
     thin = tuple(every(record, step) for record, step in zip(pairs, steps, strict=True))
-    found = residual_term([LeftOut(thin, wide_jet())], None)
+    found = residual_term([HeldOutGroup(thin, wide_jet())], None)
     assert found is not None
     assert_within(found.values, "residual.time_s", RESIDUAL.time_s)
     assert found.term.time_s == pytest.approx(RESIDUAL.time_s, rel=0.2)  # 50 Hz at wrong lags: -40 %
-    whole = residual_term([LeftOut(tuple(pairs), wide_jet())], None)
+    whole = residual_term([HeldOutGroup(tuple(pairs), wide_jet())], None)
     assert whole is not None
     level = [_at(one.term, 1.5) for one in (found, whole)]
     assert level[0] == pytest.approx(level[1], rel=0.1)  # a fifth of the rows
@@ -111,7 +111,7 @@ def test_lags_are_times_where_rows_are_lost(pairs: list[AirRecord]) -> None:
     for lag, (first, second) in zip(lags.times, lagged_pairs(known, lags), strict=True):
         np.testing.assert_allclose(t[second] - t[first], lag, atol=1e-9)
         assert first.size > 0.4 * t.size  # 0.7 of the rows have the later one
-    whole, found = (residual_term([LeftOut(tuple(one), wide_jet())], None) for one in (pairs, thin))
+    whole, found = (residual_term([HeldOutGroup(tuple(one), wide_jet())], None) for one in (pairs, thin))
     assert whole is not None
     assert found is not None
     assert found.term.time_s == pytest.approx(whole.term.time_s, rel=0.1)

@@ -14,8 +14,8 @@ from q2q_sim.air.learning.edge_torque_term import edge_torque_term
 from q2q_sim.air.learning.ground_term import ground_term
 from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
-from q2q_sim.air.learning.jet.other_flights import leave_out_groups
-from q2q_sim.air.learning.lateral import lateral_push
+from q2q_sim.air.learning.jet.leave_one_group_out import held_out_groups
+from q2q_sim.air.learning.lateral_push import lateral_push
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.residual_term import residual_term
@@ -102,7 +102,7 @@ def _wakes(
         return _Wakes()
     on_step("absorption and residual")
     absorption = absorption_term(records, jet.term)
-    residual = residual_term(leave_out_groups(records, jet.term), _term(absorption))
+    residual = residual_term(held_out_groups(records, jet.term), _term(absorption))
     on_step("edge torque")
     torque = edge_torque_term(records, jet.term, vehicle, load.nms if load else 0.0)
     share = momentum_share(jet.term, REFERENCE)

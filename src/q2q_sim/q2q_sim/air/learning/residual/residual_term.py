@@ -5,8 +5,8 @@
 e = y - g eta is what jet and absorption leave of y on exposed rows, g the gain of the vehicle in its flight,
 C its autocovariance in the clear air of the same vehicle's flight (of all flights where that has none). Sums
 of products by lag and |eta| are fitted by least squares, each weighted by its rows and by the variance of its
-level of |eta|. eta is that of a jet from other flights (other_flights). The gains of vehicles and flights
-differ by more than their errors; their standard deviation is part of the term.
+level of |eta|. eta is that of a jet from other flights (leave_one_group_out). The gains of vehicles and
+flights differ by more than their errors; their standard deviation is part of the term.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.jet.other_flights import LeftOut
+from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup
 from q2q_sim.air.learning.residual.gain_spread import gain_spread
 from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, wake_residuals, with_vehicle_gain
 from q2q_sim.air.learning.statistics.autocovariance import lagged_pairs
@@ -34,7 +34,7 @@ PATHS = ("residual.floor_mps2", "residual.slope", "residual.time_s")
 
 
 def residual_term(
-    groups: Sequence[LeftOut], absorption: AbsorptionTerm | None
+    groups: Sequence[HeldOutGroup], absorption: AbsorptionTerm | None
 ) -> LearnedTerm[ResidualTerm] | None:
     """Return the residual of flights beside jets of others; None with fewer than FEWEST exposed rows."""
     wakes = [wake for one in groups for wake in wake_residuals(one.records, one.jet, absorption)]

@@ -16,19 +16,19 @@ GROUPS = 3
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
+class HeldOutGroup:
     """Flights, and a jet learned without them."""
 
     records: tuple[AirRecord, ...]
     jet: JetTerm
 
 
-def leave_out_groups(records: Sequence[AirRecord], whole: JetTerm) -> list[LeftOut]:
+def held_out_groups(records: Sequence[AirRecord], whole: JetTerm) -> list[HeldOutGroup]:
     """Return the flights with a wake in groups; `whole` stands in where the others show no jet."""
     waked = [record for record in records if any(one.exposed.any() for one in record.samples)]
     found = []
     for first in range(min(GROUPS, len(waked))):
         group = tuple(waked[first::GROUPS])
         others = [record for record in waked if all(record is not one for one in group)]
-        found.append(LeftOut(group, jet_alone(others) or whole))
+        found.append(HeldOutGroup(group, jet_alone(others) or whole))
     return found
