@@ -11,7 +11,7 @@ from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.recordings.recording_files import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
-from q2q_sim.air.learning.lateral import lateral_push
+from q2q_sim.air.learning.lateral_push import lateral_push
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors, air_records
 from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from q2q_sim.report.significant import centimetres, significant_digits
+from q2q_sim.report.significant_digits import centimetres, significant_digits
 from q2q_sim.report.vehicle_rows import plotted_vehicles, vehicle_rows
 
 

@@ -11,7 +11,7 @@ from q2q_sim.monitors.flight_verdict import verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics
 from q2q_sim.node_flights.scenario_flight import FlightRun
 from q2q_sim.report.html_page import Grid
-from q2q_sim.report.significant import significant_digits
+from q2q_sim.report.significant_digits import significant_digits
 from q2q_sim.report.vehicle_rows import vehicle_rows
 
 MODE_WORDS = {

@@ -18,7 +18,7 @@ from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Heading, KeyNumber, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.run_table import MODE_WORDS, run_grid, run_notes, run_verdicts
-from q2q_sim.report.significant import centimetres
+from q2q_sim.report.significant_digits import centimetres
 from q2q_sim.report.vehicle_rows import plotted_vehicles
 from q2q_sim.tools.fly_scenario import fly_with_progress, print_verdict
 from q2q_sim.tools.fly_scenario import print_flights as print_runs

@@ -12,7 +12,7 @@ from q2q_sim.report.html_page import Grid, Heading, KeyNumber, PageVerdict, Part
 from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
 from q2q_sim.report.run_table import run_grid, run_verdicts
-from q2q_sim.report.significant import significant_digits
+from q2q_sim.report.significant_digits import significant_digits
 from q2q_sim.tools.demo_flights import key_numbers, plot_runs, replay_of
 
 HEAD = ("flight", "samples under another", "R2", "R2, 20 ms ahead", "model fitted to")

@@ -26,7 +26,7 @@ from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
-from q2q_sim.report.significant import significant_digits
+from q2q_sim.report.significant_digits import significant_digits
 from q2q_sim.report.vehicle_rows import plotted_vehicles, vehicle_rows
 from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.tools.bag_verdict import bag_verdict

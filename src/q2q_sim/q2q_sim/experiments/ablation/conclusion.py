@@ -16,7 +16,7 @@ from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
 from q2q_sim.experiments.ablation.contenders import NAMES, TWINS
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
-from q2q_sim.report.significant import significant_digits
+from q2q_sim.report.significant_digits import significant_digits
 
 MM = 1e3
 """Millimetres in a metre."""

@@ -15,7 +15,7 @@ from q2q_sim.experiments.explanation.recorded_case import RecordedCase
 from q2q_sim.replay_page import ReplayRun, replay_element, replay_run
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import panels, save
-from q2q_sim.report.significant import CENTIMETRE
+from q2q_sim.report.significant_digits import CENTIMETRE
 
 HEAD = ("cause", "share\n[cm]", "from\n[cm]", "to\n[cm]")
 NOTES = (

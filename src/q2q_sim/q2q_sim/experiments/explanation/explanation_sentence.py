@@ -2,7 +2,7 @@
 
 from q2q_sim.experiments.explanation.explanation import CauseShare, Explanation
 from q2q_sim.experiments.explanation.loss import LOST
-from q2q_sim.report.significant import centimetres
+from q2q_sim.report.significant_digits import centimetres
 
 PLACES = {"distance": "off", "height": "below"}
 """Where a vehicle is that lost distance or height."""

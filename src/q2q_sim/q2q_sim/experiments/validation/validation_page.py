@@ -24,7 +24,7 @@ from q2q_sim.experiments.validation.validation_replay import longest_under_wake,
 from q2q_sim.replay_page import replay_element
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
-from q2q_sim.report.significant import significant_digits
+from q2q_sim.report.significant_digits import significant_digits
 
 HEAD = (
     "flight",

@@ -35,7 +35,7 @@ the ring and in the last, and the number of this period."""
 EXTREMES_WIDTH = 5
 
 
-class Bound(NamedTuple):
+class SearchBound(NamedTuple):
     """Bound of the place of a vehicle in a jet."""
 
     near: float
@@ -68,10 +68,10 @@ class JetReach(NamedTuple):
     turn: float
 
 
-def bound_of(jet: JetTerm, ends: Array, lean: float) -> Bound:
+def bound_of(jet: JetTerm, ends: Array, lean: float) -> SearchBound:
     """Return the bound of a jet with the ends (a - 1,) of its table."""
     gaps = jet.gaps_m
-    return Bound(
+    return SearchBound(
         near=float(ends[0]),
         spread=max(0.0, *((ends[1:] - ends[0]) / gaps[1:-1]).tolist()) if len(ends) > 1 else 0.0,
         widening=float(ends[-1] / gaps[-1]),
@@ -83,7 +83,7 @@ def bound_of(jet: JetTerm, ends: Array, lean: float) -> Bound:
 
 
 @compiled(**HOT)
-def reach_of(bound: Bound, past: Extremes) -> JetReach:
+def reach_of(bound: SearchBound, past: Extremes) -> JetReach:
     """Return the bound at the extremes of the past."""
     rise = 1.0 + past.fastest / bound.travel_speed
     left = abs(1.0 - bound.carried) * past.fastest / bound.travel_speed

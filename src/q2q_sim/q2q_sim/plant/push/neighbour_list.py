@@ -16,7 +16,7 @@ from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import BLEND
 from q2q_sim.plant.body.state_row import X, Y, Z
-from q2q_sim.plant.push.jet_reach import Bound, Extremes, JetReach, reach, reach_of
+from q2q_sim.plant.push.jet_reach import Extremes, JetReach, SearchBound, reach, reach_of
 from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
 
 SLACK = 0.15
@@ -86,7 +86,7 @@ def _wider(to: JetReach, gap: float) -> float:
 
 
 @compiled(**HOT)
-def _search(places: Array, bound: Bound, past: Extremes) -> Search:
+def _search(places: Array, bound: SearchBound, past: Extremes) -> Search:
     """Return the search if slopes and speeds rise."""
     lowest, highest = places[Z, 0], places[Z, 0]
     for i in range(places.shape[1]):
@@ -146,7 +146,7 @@ def _reorder(near: NeighbourList, rows: Rows) -> None:
 
 
 @compiled(**HOT)
-def update(near: NeighbourList, places: Array, rows: Rows, bound: Bound, past: Extremes) -> bool:
+def update(near: NeighbourList, places: Array, rows: Rows, bound: SearchBound, past: Extremes) -> bool:
     """Sort `rows`, and make the list anew if it no longer holds.
 
     Args:
