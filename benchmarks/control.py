@@ -16,7 +16,7 @@ from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
-from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.group_solve import Modes
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.solver.riccati import solve
@@ -155,7 +155,7 @@ def _explicit_law() -> float:
     rng = np.random.default_rng(0)
     teacher = Teacher(PARAMS, TEXTBOOK_065, PAPER_LAW, PARAMS.thrust_max)
     law = ExplicitLaw(
-        gains=gains_table(sweep_gains(teacher.chain)),
+        gains=gains_table(sweep_gains(teacher.altitude_model)),
         bounds=np.array(teacher.bounds),
         mean=np.zeros(WIDTH),
         scale=np.ones(WIDTH),

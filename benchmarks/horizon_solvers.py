@@ -16,10 +16,11 @@ import numpy as np
 from scipy.optimize import minimize
 
 from least_time import least_time
-from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.mpc.axis_model import axis_model
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
+from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
@@ -54,7 +55,7 @@ def rows_of_solvers(params: MpcParams) -> list[Row]:
 def pair_problem(params: MpcParams) -> LqProblem:
     """Return the joint problem of a pair two seconds before the downwash's middle."""
     stages = params.steps
-    up = chain(0.0, params.step, ChainWeights(params.bandwidth_z, params.jerk))
+    up = axis_model(0.0, params.step, AxisWeights(params.bandwidth_z, params.jerk))
     times = np.linspace(0.0, params.horizon, stages + 1)
     reference = np.zeros((2, stages + 1, 9))
     reference[0, :, 2], reference[1, :, 2], reference[1, :, 1] = 1.5, 2.0, 0.1 - 0.05 * times

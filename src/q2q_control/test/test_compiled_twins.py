@@ -5,7 +5,7 @@ import pytest
 
 from q2q_control.disturbance.observer import Estimate, MeasuredRows, ObserverGain, correct_estimate
 from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
-from q2q_control.mpc.chain import ChainWeights, chain
+from q2q_control.mpc.axis_model import axis_model
 from q2q_control.mpc.prediction.downwash_horizon import (
     SlopeRule,
     predict_downwash,
@@ -19,10 +19,11 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     sum_downwash,
     within_reach,
 )
+from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.problem.input_bounds import FALL, AccelerationLimits, input_bounds
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.solver.chain_sweep import sweep_chains, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_gains
 from q2q_control.mpc.solver.group_solve import Group, solve_group
 from q2q_control.mpc.solver.horizon_solver import group_roots, groups_of
 from q2q_control.mpc.solver.riccati import solve
@@ -32,7 +33,9 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 STAGES = 12
-MODELS = (chain(0.2, 0.05, ChainWeights(2.0, 0.2)),) * 2 + (chain(0.07, 0.05, ChainWeights(5.0, 0.2)),)
+MODELS = (axis_model(0.2, 0.05, AxisWeights(2.0, 0.2)),) * 2 + (
+    axis_model(0.07, 0.05, AxisWeights(5.0, 0.2)),
+)
 
 
 def stacked_tracks(n: int, seed: int) -> Tracks:
@@ -160,7 +163,7 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
     assert np.isnan(pos[0]).all()
 
 
-def test_all_free_chains_swept_at_once_are_those_swept_one_by_one():
+def test_all_free_axes_swept_at_once_are_those_swept_one_by_one():
     n, horizon, rng = 3, horizon_of(3, 4), np.random.default_rng(5)
     free, gains = rng.random((n, 3)) < 0.7, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2]))
     at_once, singly = (
@@ -173,11 +176,11 @@ def test_all_free_chains_swept_at_once_are_those_swept_one_by_one():
         )
         for _ in range(2)
     )
-    crossing = sweep_chains(horizon, free, gains, at_once)
+    crossing = sweep_axes(horizon, free, gains, at_once)
     for v, axis in np.argwhere(free):
         alone = np.zeros((n, 3), dtype=np.bool_)
         alone[v, axis] = True
-        assert np.array_equal(sweep_chains(horizon, alone, gains, singly), alone & crossing)
+        assert np.array_equal(sweep_axes(horizon, alone, gains, singly), alone & crossing)
     assert np.array_equal(at_once.pos, singly.pos)
     assert np.array_equal(at_once.inputs, singly.inputs)
     assert not crossing[~free].any()

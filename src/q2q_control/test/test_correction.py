@@ -5,10 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from q2q_control.mpc.chain import ChainWeights, chain, transition
-from q2q_control.mpc.correction import CROSSING, DELAY_MARGIN, faded_residual, thrust_reserve, tighten
+from q2q_control.mpc.axis_model import axis_model, transition
+from q2q_control.mpc.correction import (
+    CROSSING,
+    DELAY_MARGIN,
+    faded_residual,
+    thrust_reserve,
+    tighten,
+)
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
@@ -36,10 +43,10 @@ class Truth:
 
 def feedback(params: MpcParams, terminal: float = 1.0) -> Array:
     """Return K of u = -K x, the first input of the unbounded horizon, by its Riccati recursion."""
-    one = chain(BELIEVED_LAG, params.step, ChainWeights(params.bandwidth_z, params.jerk))
-    A, B, (R, S) = one.transition, one.input_gain, one.input_weight
-    Q, cross = np.diag(one.state_weight + np.array([0.0, 0.0, S])), np.array([0.0, 0.0, -S])
-    P = terminal * one.terminal
+    one = axis_model(BELIEVED_LAG, params.step, AxisWeights(params.bandwidth_z, params.jerk))
+    A, B, (R, S) = one.transition, one.input_gain, one.cost.input_weight
+    Q, cross = np.diag(one.cost.state_weight + np.array([0.0, 0.0, S])), np.array([0.0, 0.0, -S])
+    P = terminal * one.cost.terminal
     for _ in range(params.steps):
         K = (B @ P @ A + cross) / (R + S + B @ P @ B)
         P = Q + A.T @ P @ A - np.outer(K, K) * (R + S + B @ P @ B)
@@ -79,7 +86,9 @@ def test_a_delay_of_the_margin_brings_the_open_loop_to_minus_one() -> None:
 def test_the_bandwidth_is_bounded_by_delay_and_stage_and_never_lowered() -> None:
     params = MpcParams()
     assert tighten(params).bandwidth_z == pytest.approx(0.736 / 0.06, rel=1e-3)
-    assert tighten(replace(params, steps=20)).bandwidth_z == pytest.approx(6.5)  # 0.65 rad in 0.1 s
+    assert tighten(replace(params, steps=20)).bandwidth_z == pytest.approx(
+        6.5
+    )  # 0.65 rad in 0.1 s
     assert tighten(replace(params, bandwidth_z=20.0)).bandwidth_z == 20.0
 
 
@@ -109,13 +118,13 @@ def test_the_horizon_is_so_long_that_its_first_input_is_that_of_the_infinite_one
 
 def test_the_terminal_cost_falls_by_the_stage_cost_outside_saturation() -> None:
     """V(x) - V(A x + B u) is the stage cost of u = -K x, so that V is a Lyapunov function."""
-    one = chain(BELIEVED_LAG, TIGHT.step, ChainWeights(TIGHT.bandwidth_z, TIGHT.jerk))
-    R, S = one.input_weight
+    one = axis_model(BELIEVED_LAG, TIGHT.step, AxisWeights(TIGHT.bandwidth_z, TIGHT.jerk))
+    R, S = one.cost.input_weight
     for x in np.random.default_rng(1).standard_normal((5, 3)):
         u = -float(feedback(TIGHT) @ x)
         after = one.transition @ x + one.input_gain * u
-        stage = one.state_weight @ x**2 + R * u**2 + S * (u - x[2]) ** 2
-        assert x @ one.terminal @ x - after @ one.terminal @ after == pytest.approx(stage, rel=1e-9)
+        stage = one.cost.state_weight @ x**2 + R * u**2 + S * (u - x[2]) ** 2
+        assert x @ one.cost.terminal @ x - after @ one.cost.terminal @ after == pytest.approx(stage, rel=1e-9)
 
 
 def test_the_residual_fades_along_the_horizon_as_its_process() -> None:

@@ -31,7 +31,7 @@ from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downw
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
-from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import horizon_solver
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
@@ -52,7 +52,7 @@ def taught() -> ExplicitLaw:
 def random_law(seed: int = 0) -> ExplicitLaw:
     rng = np.random.default_rng(seed)
     return ExplicitLaw(
-        gains=gains_table(sweep_gains(TEACHER.chain)),
+        gains=gains_table(sweep_gains(TEACHER.altitude_model)),
         bounds=np.array([-1.0, 0.5]),
         mean=rng.normal(size=WIDTH) * 0.1,
         scale=rng.uniform(0.5, 2.0, WIDTH),
@@ -79,7 +79,7 @@ def test_compiled_and_plain_evaluation_agree():
     law, pair = random_law(), pairs(80, 1)
     singly = [evaluate_one(weights_of(law), row, workspace_of(law)) for row in rows_of(pair)]
     assert np.allclose(singly, evaluate(law, pair), atol=1e-11)
-    gate = features(pair, law.chain, 0.5).gate
+    gate = features(pair, law.altitude_gains, 0.5).gate
     assert (
         (gate > 0.1) & (np.array(singly) > -1.0) & (np.array(singly) < 0.5)
     ).sum() > 5  # the network counts
@@ -131,7 +131,7 @@ def test_a_law_cut_in_half_is_refused():
 
 def test_the_teacher_of_many_answers_as_the_solver_of_one():
     asked = random_situations(20, PARAMS.step, np.random.default_rng(6))
-    model, stages = TEACHER.chain, PARAMS.steps
+    model, stages = TEACHER.altitude_model, PARAMS.steps
     shape = group_shape(2, (2,), (model, model, model))
     shape = shape._replace(terminal=PARAMS.terminal * shape.terminal)
     lines = solve_situations(asked, TEACHER)
@@ -214,7 +214,7 @@ def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part()
     asked = random_situations(500, PARAMS.step, np.random.default_rng(9))
     truth = np.clip(solve_situations(asked, TEACHER).inputs[:, 0], *TEACHER.bounds)
     straight = replace(law, linear=np.zeros_like(law.linear), last=np.zeros_like(law.last))
-    gate = features(pair_horizon(asked, TEACHER), law.chain, float(law.bounds[1])).gate > 0.1
+    gate = features(pair_horizon(asked, TEACHER), law.altitude_gains, float(law.bounds[1])).gate > 0.1
     full, part = (
         np.std((evaluate(one, pair_horizon(asked, TEACHER)) - truth)[gate]) for one in (law, straight)
     )

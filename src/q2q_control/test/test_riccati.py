@@ -7,13 +7,14 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import lsq_linear, minimize
 
-from q2q_control.mpc.chain import ChainWeights, axis_chains, chain, transition
+from q2q_control.mpc.axis_model import axis_model, axis_models, transition
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
+from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.horizon import Horizon, blank_solution
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
 from q2q_control.mpc.problem.lq_problem import LqProblem, cost, dense_matrices, input_matrix
-from q2q_control.mpc.solver.chain_sweep import sweep_chains, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import sweep_axes, sweep_gains
 from q2q_control.mpc.solver.riccati import solve
 from q2q_model.signals.values import Array
 from q2q_model.tunable import tunable_of
@@ -23,11 +24,11 @@ H = 0.05
 """Stage [s]."""
 FREE_RATE = np.full(3, np.inf)
 ALTITUDES = np.tile([False, False, True], (6, 1))
-"""Chains of z of six vehicles."""
+"""Altitude axes of six vehicles."""
 MODELS = (
-    chain(0.15, H, ChainWeights(2.0, 1.0)),
-    chain(0.15, H, ChainWeights(2.0, 1.0)),
-    chain(0.07, H, ChainWeights(5.0, 0.5)),
+    axis_model(0.15, H, AxisWeights(2.0, 1.0)),
+    axis_model(0.15, H, AxisWeights(2.0, 1.0)),
+    axis_model(0.07, H, AxisWeights(5.0, 0.5)),
 )
 
 
@@ -161,11 +162,11 @@ def test_the_last_pattern_as_a_guess_needs_one_recursion():
     assert np.array_equal(again.inputs, first.inputs)
 
 
-def test_the_sweep_of_separate_chains_equals_the_general_recursion():
+def test_the_sweep_of_separate_axes_equals_the_general_recursion():
     rng = np.random.default_rng(5)
     asked = horizon(rng, 4, 40, 100.0)
     swept = blank_solution(4, 40)
-    crossing = sweep_chains(asked, ALTITUDES[:4], (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
+    crossing = sweep_axes(asked, ALTITUDES[:4], (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
     shape = group_shape(1, (2,), MODELS)
     none = DownwashHorizon(np.zeros((4, 40, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros((0, 40, 3, 3)))
     assert not crossing.any()
@@ -175,18 +176,18 @@ def test_the_sweep_of_separate_chains_equals_the_general_recursion():
         assert np.allclose(swept.pos[v, :, 2], answer.states[:, 0], atol=1e-10)
 
 
-def test_the_sweep_reports_which_chains_cross_a_bound():
+def test_the_sweep_reports_which_axes_cross_a_bound():
     rng = np.random.default_rng(6)
     asked = horizon(rng, 6, 40, 3.0)
     swept = blank_solution(6, 40)
-    crossing = sweep_chains(asked, ALTITUDES, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
+    crossing = sweep_axes(asked, ALTITUDES, (sweep_gains(MODELS[0]), sweep_gains(MODELS[2])), swept)
     assert np.array_equal(crossing[:, 2], np.abs(swept.inputs[:, :, 2]).max(axis=1) > 3.0)
     assert 0 < crossing.sum() < 6
     assert not crossing[:, :2].any()
 
 
 @pytest.mark.parametrize("lag", [0.02, 0.07, 0.5])
-def test_a_chain_steps_exactly_as_the_matrix_exponential(lag: float):
+def test_an_axis_steps_exactly_as_the_matrix_exponential(lag: float):
     rates = np.array([[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, -1 / lag, 1 / lag], [0, 0, 0, 0]], dtype=float)
     exact = expm(rates * H)
     a, b = transition(lag, H)
@@ -194,7 +195,7 @@ def test_a_chain_steps_exactly_as_the_matrix_exponential(lag: float):
     assert np.allclose(b, exact[:3, 3], atol=1e-14)
 
 
-def test_a_chain_without_lag_is_a_double_integrator():
+def test_an_axis_without_lag_is_a_double_integrator():
     a, b = transition(0.0, H)
     assert np.allclose(a, [[1, H, 0], [0, 1, 0], [0, 0, 0]])
     assert np.allclose(b, [0.5 * H**2, H, 1.0])
@@ -202,9 +203,9 @@ def test_a_chain_without_lag_is_a_double_integrator():
 
 def test_unbounded_weights_place_the_poles_they_promise():
     fine, bandwidth = 1e-4, 5.0
-    model = chain(0.0, fine, ChainWeights(bandwidth, 0.0))
-    b, p = model.input_gain, model.terminal
-    feedback = (b @ p @ model.transition) / (model.input_weight[0] + b @ p @ b)
+    model = axis_model(0.0, fine, AxisWeights(bandwidth, 0.0))
+    b, p = model.input_gain, model.cost.terminal
+    feedback = (b @ p @ model.transition) / (model.cost.input_weight[0] + b @ p @ b)
     closed = (model.transition - np.outer(b, feedback))[:2, :2]  # the acceleration has no memory
     placed = np.log(np.linalg.eigvals(closed)) / fine
     expected = np.roots([1.0, np.sqrt(2.0) * bandwidth, bandwidth**2])
@@ -233,7 +234,7 @@ def test_at_a_high_bandwidth_most_problems_are_solved_by_some_more_recursions() 
 
 def solved(params: MpcParams, vehicle: Vehicle, axis: int, rate: float) -> int:
     """Return how many of 200 random problems are solved at a rate of the acceleration [m/s^3]."""
-    models = axis_chains(params, vehicle)
+    models = axis_models(params, vehicle)
     step = np.full(3, rate * params.step / (1.0 - models[axis].transition[2, 2]))
     shape, none = group_shape(1, (axis,), models, params.terminal), np.zeros(0, np.intp)
     count = 0

@@ -23,7 +23,7 @@ from q2q_control.explicit.law import ExplicitLaw
 from q2q_model.signals.values import Array
 
 _BODY = """
-/* Write the unbounded optimum of one chain, rolled out. */
+/* Write the unbounded optimum of one axis, rolled out. */
 static void roll_out(const float s[3], const float p[N], float u[N]) {
   const float *b = GAINS[0], *k_x = GAINS[1], *qux = GAINS[2], *ahead = GAINS[3], *drift = GAINS[5];
   const float (*A)[3] = &GAINS[7], (*P)[3] = &GAINS[10];

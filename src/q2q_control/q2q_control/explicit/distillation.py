@@ -19,7 +19,7 @@ from q2q_control.explicit.features import WIDTH, Features, features
 from q2q_control.explicit.law import ExplicitLaw, evaluate
 from q2q_control.explicit.situations import Situations, random_encounters, random_situations
 from q2q_control.explicit.teacher import Teacher, pair_horizon, solve_situations
-from q2q_control.mpc.solver.chain_sweep import gains_table, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_model.signals.values import Array
 
 Single = NDArray[np.float32]
@@ -67,7 +67,7 @@ def distil(teacher: Teacher, params: DistillationParams, rng: np.random.Generato
 
 
 def _meets_bounds(law: ExplicitLaw, situations: Situations, teacher: Teacher) -> bool:
-    gates = features(pair_horizon(situations, teacher), law.chain, float(law.bounds[1])).gate
+    gates = features(pair_horizon(situations, teacher), law.altitude_gains, float(law.bounds[1])).gate
     return bool(np.count_nonzero(gates > GATE_MIN) >= FEWEST)
 
 
@@ -83,7 +83,7 @@ def policy_of(law: ExplicitLaw, teacher: Teacher) -> Policy:
 
 def training_set(situations: list[Situations], teacher: Teacher) -> TrainingSet:
     """Return the samples of situations, with either vehicle of a pair as the first."""
-    gains, (low, high) = sweep_gains(teacher.chain), teacher.bounds
+    gains, (low, high) = sweep_gains(teacher.altitude_model), teacher.bounds
     samples, commands = [], []
     for some in situations:
         pair, inputs = pair_horizon(some, teacher), solve_situations(some, teacher).inputs
@@ -122,7 +122,7 @@ def _initial_law(teacher: Teacher, layers: tuple[int, int], rng: np.random.Gener
     """Return the linear law: the network's output is 0."""
     h1, h2 = layers
     return ExplicitLaw(
-        gains=gains_table(sweep_gains(teacher.chain)),
+        gains=gains_table(sweep_gains(teacher.altitude_model)),
         bounds=np.array(teacher.bounds),
         mean=np.zeros(WIDTH),
         scale=np.ones(WIDTH),

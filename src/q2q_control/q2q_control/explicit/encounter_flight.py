@@ -1,7 +1,7 @@
 """Simulation of encounters in the height of both vehicles, many at once, and their cost.
 
-The plant is the teacher's: its chain, its downwash at the true positions, no disturbance. The cost is the
-stage cost of the receding horizon on the simulated motion:
+The plant is the teacher's: its altitude axis, its downwash at the true positions, no disturbance. The cost is
+the stage cost of the receding horizon on the simulated motion:
 
     J = mean over stages of  sum over both of  e^2 + R (u + p)^2 + S (u - a)^2
 
@@ -50,8 +50,8 @@ def fly(
     encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges = np.zeros
 ) -> EncounterFlight:
     """Return a flight of all encounters, each starting on its references apart from `nudges`."""
-    model, (low, high) = teacher.chain, teacher.bounds
-    effort, jerk = model.input_weight
+    model, (low, high) = teacher.altitude_model, teacher.bounds
+    effort, jerk = model.cost.input_weight
     count = len(encounters.paths)
     states, costs, visited = nudges((count, 2, 3)), [], []
     for k in range(encounters.length):

@@ -1,6 +1,6 @@
 """Explicit law in place of the solver of q2q_control.mpc.solver.horizon_solver.
 
-Everything else is the receding horizon's: latency, downwash along the horizon, fallbacks. All chains are
+Everything else is the receding horizon's: latency, downwash along the horizon, fallbacks. All axes are
 swept without bounds; the first command along z is then the law's, of the vehicle and the neighbour whose
 downwash is most sensitive to their heights. A vehicle without downwash gets a neighbour that nothing pushes.
 The law thus needs a vehicle's own state, its neighbour's and both references: it is distributed and needs no
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
-from q2q_control.mpc.chain import axis_chains
+from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.mpc import SolverFactory
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
-from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_table, sweep_chains, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_table, sweep_axes, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import InTime
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Rows
@@ -27,9 +27,9 @@ from q2q_model.vehicle.constants import Vehicle
 class ExplicitSolver:
     """Explicit law with its work arrays."""
 
-    def __init__(self, law: ExplicitLaw, side: ChainGains) -> None:
-        """Command heights by `law`; `side` are the gains of the chains of x and y."""
-        self._gains = side, law.chain
+    def __init__(self, law: ExplicitLaw, side: AxisGains) -> None:
+        """Command heights by `law`; `side` are the gains of the axes of x and y."""
+        self._gains = side, law.altitude_gains
         self._weights, self._work = weights_of(law), workspace_of(law)
 
     def solve(
@@ -39,7 +39,7 @@ class ExplicitSolver:
         del guess, in_time
         n = len(horizon.push)
         solution = blank_solution(n, STAGES)
-        sweep_chains(horizon, np.ones((n, 3), dtype=np.bool_), self._gains, solution)
+        sweep_axes(horizon, np.ones((n, 3), dtype=np.bool_), self._gains, solution)
         solution.inputs[:, 0, 2] = self._first_commands(horizon, downwash)
         np.clip(solution.inputs, horizon.low[:, None], horizon.high, out=solution.inputs)
         # the next downwash is predicted along paths parallel to the references, as in the law's training
@@ -71,7 +71,7 @@ def explicit_solver(law: ExplicitLaw) -> SolverFactory:
     """
 
     def solver(params: MpcParams, vehicle: Vehicle) -> ExplicitSolver:
-        side, _, z = axis_chains(params, vehicle)
+        side, _, z = axis_models(params, vehicle)
         if params.steps != STAGES or not np.allclose(gains_table(sweep_gains(z)), law.gains, rtol=1e-6):
             raise ValueError(
                 "the explicit law is another vehicle's, or of other weights: distil it for these"

@@ -4,11 +4,11 @@ Heights are errors from the references, so a reference enters through its accele
 
     e'' = a + p,   p = eta + d - r''_ref           eta along paths parallel to the references
 
-Where no bound is met on the horizon, the optimum is the linear law of each chain: the central region of an
+Where no bound is met on the horizon, the optimum is the linear law of each axis: the central region of an
 explicit MPC (Bemporad, Morari, Dua, Pistikopoulos, Automatica 38, 2002). Its roll-out shows where a bound
 will be met:
 
-    u_k                             unbounded optimum of each chain (q2q_control.mpc.solver.chain_sweep)
+    u_k                             unbounded optimum of each axis (q2q_control.mpc.solver.axis_sweep)
     c_k  = max(u_k - high, 0)       excess beyond the bound
     gate = C / (C + SOFT),   C = max of c_k over the horizon and both vehicles
     x    = (e, e', a, mean p, mean c of the first, the same of the second, mean G of both), means over windows
@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.solver.chain_sweep import ChainGains
+from q2q_control.mpc.solver.axis_sweep import AxisGains
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
@@ -75,7 +75,7 @@ class Features:
     """The first vehicle's unbounded optimum now [m/s^2], (...,)."""
 
 
-def features(pair: PairHorizon, gains: ChainGains, high: float) -> Features:
+def features(pair: PairHorizon, gains: AxisGains, high: float) -> Features:
     """Return the features of pairs; `high` is the upper bound of the command [m/s^2]."""
     unbounded = _unbounded(pair.states, pair.push, gains)
     excess = np.maximum(unbounded - high, 0.0)
@@ -86,8 +86,8 @@ def features(pair: PairHorizon, gains: ChainGains, high: float) -> Features:
     return Features(np.concatenate(parts, axis=-1), most / (most + SOFT), unbounded[..., 0, 0])
 
 
-def _unbounded(states: Array, push: Array, gains: ChainGains) -> Array:
-    """Return the unbounded optimum of each chain, rolled out, (..., N)."""
+def _unbounded(states: Array, push: Array, gains: AxisGains) -> Array:
+    """Return the unbounded optimum of each axis, rolled out, (..., N)."""
     stages = push.shape[-1]
     offset = np.empty(push.shape)
     slope = push[..., -1, None] * gains.terminal[:, 2]
@@ -108,7 +108,7 @@ def _means(values: Array, edges: tuple[int, ...]) -> Array:
 
 @compiled(**FAST)
 def write_features(
-    pair: PairHorizon, gains: ChainGains, high: float, unbounded: Array, x: Array
+    pair: PairHorizon, gains: AxisGains, high: float, unbounded: Array, x: Array
 ) -> tuple[float, float]:
     """Write x and the unbounded optima (2, N) of one pair; return base and gate."""
     most = 0.0
@@ -133,8 +133,8 @@ def write_features(
 
 
 @compiled(**FAST)
-def _write_unbounded(state: Array, push: Array, gains: ChainGains, u: Array) -> None:
-    """Write the unbounded optimum of one chain (N,), of state (3,) and push (N,)."""
+def _write_unbounded(state: Array, push: Array, gains: AxisGains, u: Array) -> None:
+    """Write the unbounded optimum of one axis (N,), of state (3,) and push (N,)."""
     a, b, qux, feedback = gains.transition, gains.input, gains.qux, gains.feedback
     cost, terminal, drift = gains.push_cost, gains.terminal, gains.push
     last, per_quu = push.size - 1, 1.0 / gains.quu

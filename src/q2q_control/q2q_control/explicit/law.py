@@ -14,22 +14,22 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features, write_features
-from q2q_control.mpc.solver.chain_sweep import ChainGains, gains_of_table
+from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_of_table
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array
 
 FORMAT = 2
 """Version of the JSON form."""
 GAINS = (13, 3)
-"""Shape of ChainGains as a table: six vectors, the scalars quu and effort, A, P."""
+"""Shape of AxisGains as a table: six vectors, the scalars quu and effort, A, P."""
 
 
 @dataclass(frozen=True, slots=True)
 class ExplicitLaw:
-    """Linear chain and network weights of the law; h1, h2 are the layers' sizes."""
+    """Gains of the altitude axis and network weights of the law; h1, h2 are the layers' sizes."""
 
     gains: Array
-    """ChainGains of the chain as a table, (13, 3)."""
+    """AxisGains of the altitude axis as a table, (13, 3)."""
     bounds: Array
     """low, high [m/s^2], (2,)."""
     mean: Array
@@ -55,15 +55,15 @@ class ExplicitLaw:
             raise ValueError("a weight of the explicit law is not a number")
 
     @property
-    def chain(self) -> ChainGains:
-        """Return the gains of the chain by name."""
+    def altitude_gains(self) -> AxisGains:
+        """Return the gains of the altitude axis by name."""
         return gains_of_table(np.ascontiguousarray(self.gains))
 
 
 class LawWeights(NamedTuple):
     """Law as its kernels take it."""
 
-    gains: ChainGains
+    gains: AxisGains
     low: float
     high: float
     mean: Array
@@ -90,7 +90,7 @@ class LawWorkspace(NamedTuple):
 def weights_of(law: ExplicitLaw) -> LawWeights:
     """Return the law's numbers for its kernels."""
     return LawWeights(
-        law.chain,
+        law.altitude_gains,
         float(law.bounds[0]),
         float(law.bounds[1]),
         law.mean,
@@ -111,7 +111,7 @@ def workspace_of(law: ExplicitLaw) -> LawWorkspace:
 
 def evaluate(law: ExplicitLaw, pair: PairHorizon) -> Array:
     """Return u of the first vehicles of many pairs [m/s^2], (...,)."""
-    seen = features(pair, law.chain, float(law.bounds[1]))
+    seen = features(pair, law.altitude_gains, float(law.bounds[1]))
     raw = seen.base + seen.gate * network_output(law, (seen.x - law.mean) / law.scale)
     return np.asarray(np.clip(raw, law.bounds[0], law.bounds[1]))
 

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.situations import Situations
-from q2q_control.mpc.chain import Chain, ChainWeights, chain
+from q2q_control.mpc.axis_model import AxisModel, axis_model
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA, DownwashHorizon
+from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import FALL
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
@@ -53,10 +54,10 @@ class Teacher:
         return min(-FALL * GRAVITY, high), high
 
     @property
-    def chain(self) -> Chain:
-        """Return the altitude axis."""
+    def altitude_model(self) -> AxisModel:
+        """Return the model of the altitude axis."""
         params = self.params
-        return chain(self.vehicle.thrust_lag, params.step, ChainWeights(params.bandwidth_z, params.jerk))
+        return axis_model(self.vehicle.thrust_lag, params.step, AxisWeights(params.bandwidth_z, params.jerk))
 
 
 class TeacherSolution(NamedTuple):
@@ -82,7 +83,7 @@ def solve_situations(
     situations: Situations, teacher: Teacher, errors: Array | None = None
 ) -> TeacherSolution:
     """Return the solutions; `errors` (K, 2, N + 1) [m] are heights of the first linearisation."""
-    count, params, model = len(situations.states), teacher.params, teacher.chain
+    count, params, model = len(situations.states), teacher.params, teacher.altitude_model
     shape = group_shape(2, (2,), (model, model, model), params.terminal)
     rate = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
     found = TeacherSolution(

@@ -29,7 +29,7 @@ from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
-from q2q_control.mpc.chain import axis_chains
+from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, tighten
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
@@ -130,8 +130,8 @@ class Mpc:
         )
         side = GRAVITY * math.tan(params.tilt_max) / math.sqrt(2.0)  # a square in the circle
         self._acceleration_limits = AccelerationLimits(side, thrust_max / self._vehicle.mass)
-        chains = axis_chains(params, self._vehicle)
-        share = np.array([1.0 - float(chain.transition[2, 2]) for chain in chains])
+        axes = axis_models(params, self._vehicle)
+        share = np.array([1.0 - float(axis.transition[2, 2]) for axis in axes])
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
         self._step_max = rates * params.step / share
         hover = min(self._vehicle.hover_thrust, thrust_max)
@@ -231,11 +231,11 @@ class Mpc:
             push[..., 2] -= faded_residual(initial.residual, self._setup.residual_process, self._params)
             reserve = thrust_reserve(eta[..., 2], self._setup.residual_process, self._params)
         low, high = input_bounds(tick.table[:, QUAT].copy(), self._acceleration_limits, reserve)
-        chains = initial.chains
+        states = initial.states
         if not tick.all_usable:  # nobody knows where they are
             still = _on_reference(forecast.reference[:, 0], push[:, 0])
-            chains = np.where(tick.usable[:, None, None], chains, still)
-        return Horizon(chains, forecast.reference, push, forecast.path, low, high, self._step_max)
+            states = np.where(tick.usable[:, None, None], states, still)
+        return Horizon(states, forecast.reference, push, forecast.path, low, high, self._step_max)
 
 
 def _on_reference(reference: Array, push: Array) -> Array:
@@ -245,6 +245,6 @@ def _on_reference(reference: Array, push: Array) -> Array:
         reference: position [m], velocity [m/s] and acceleration [m/s^2], world, (n, 9).
         push: acceleration by others [m/s^2], world, (n, 3).
     """
-    chains = reference.reshape(-1, 3, 3).transpose(0, 2, 1).copy()
-    chains[..., 2] -= push
-    return chains
+    states = reference.reshape(-1, 3, 3).transpose(0, 2, 1).copy()
+    states[..., 2] -= push
+    return states

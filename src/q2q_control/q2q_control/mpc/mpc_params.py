@@ -31,7 +31,7 @@ class MpcParams:
     bandwidth_xy: float = tunable(2.0, "bandwidth of the position loop", unit="rad/s", low=0.2, high=20.0)
     terminal: float = tunable(
         0.45,
-        "terminal weight of vehicles solved together, and of chains that meet a bound, over that of the "
+        "terminal weight of vehicles solved together, and of axes that meet a bound, over that of the "
         "infinite horizon",
         low=0.0,
         high=10.0,

@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
-from q2q_control.mpc.chain import axis_lags, lagged_step
+from q2q_control.mpc.axis_model import axis_lags, lagged_step
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.compiled import compiled
 from q2q_model.downwash.correction.residual_process import ResidualProcess
@@ -24,7 +24,7 @@ class InitialState:
 
     t: float
     """[s]: the tick's stamp plus the latency."""
-    chains: Array
+    states: Array
     """Position, velocity, acceleration by thrust of each axis, (n, 3 axes, 3)."""
     disturbance: Array
     """Unexplained acceleration [m/s^2], world, (n, 3)."""
@@ -52,13 +52,13 @@ class InitialStateEstimator:
         pos, vel, disturbance = tracked.estimate
         if not self._observes:
             pos, vel, disturbance = tick.table[:, POS], tick.table[:, VEL], np.zeros_like(disturbance)
-        chains = np.empty((*pos.shape, 3))
-        chains[..., 0], chains[..., 1], chains[..., 2] = pos, vel, tracked.acc
+        states = np.empty((*pos.shape, 3))
+        states[..., 0], states[..., 1], states[..., 2] = pos, vel, tracked.acc
         if tracked.pending.durations:
             push = tick.table[:, ETA] + disturbance
             for seconds, acc in zip(tracked.pending.durations, tracked.pending.acc, strict=True):
-                roll_chains(chains, seconds, acc, push, self._lags)
-        return InitialState(tick.t + self._params.latency, chains, disturbance, tracked.residual)
+                roll_states(states, seconds, acc, push, self._lags)
+        return InitialState(tick.t + self._params.latency, states, disturbance, tracked.residual)
 
     def sense(self, imu: SwarmImu) -> None:
         """Take accelerometers of a tick."""
@@ -70,16 +70,16 @@ class InitialStateEstimator:
 
 
 @compiled
-def roll_chains(
-    chains: Array, seconds: float, command: Array, push: Array, lags: tuple[float, float, float]
+def roll_states(
+    states: Array, seconds: float, command: Array, push: Array, lags: tuple[float, float, float]
 ) -> None:
-    """Move chains (n, 3 axes, 3) on by a time [s] under a commanded acceleration and a push, (n, 3) each."""
+    """Move states (n, 3 axes, 3) on by a time [s] under a commanded acceleration and a push, (n, 3) each."""
     half = 0.5 * seconds * seconds
     for axis in range(3):
         keep, slow, late = lagged_step(lags[axis], seconds)
-        for v in range(chains.shape[0]):
-            pos, vel, acc = chains[v, axis, 0], chains[v, axis, 1], chains[v, axis, 2]
+        for v in range(states.shape[0]):
+            pos, vel, acc = states[v, axis, 0], states[v, axis, 1], states[v, axis, 2]
             u, w = command[v, axis], push[v, axis]
-            chains[v, axis, 0] = pos + seconds * vel + late * acc + (half - late) * u + half * w
-            chains[v, axis, 1] = vel + slow * acc + (seconds - slow) * u + seconds * w
-            chains[v, axis, 2] = keep * acc + (1.0 - keep) * u
+            states[v, axis, 0] = pos + seconds * vel + late * acc + (half - late) * u + half * w
+            states[v, axis, 1] = vel + slow * acc + (seconds - slow) * u + seconds * w
+            states[v, axis, 2] = keep * acc + (1.0 - keep) * u

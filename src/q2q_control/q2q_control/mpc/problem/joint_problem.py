@@ -1,6 +1,6 @@
 """LqProblem of vehicles that are solved together: build only, no solving.
 
-It holds the chains of the group's axes, with the downwash in their transition and drift linearised along the
+It holds the models of the group's axes, with the downwash in their transition and drift linearised along the
 last prediction r~ (q2q_control.mpc.prediction.downwash_horizon):
 
     w_i,k = w~_i,k + sum_j G_ij,k ((r_j - r~_j) - (r_i - r~_i))
@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.chain import Chains
+from q2q_control.mpc.axis_model import AxisModels
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.lq_problem import LqProblem
@@ -34,7 +34,7 @@ class GroupShape(NamedTuple):
     input_weight: Array
 
 
-def group_shape(size: int, axes: tuple[int, ...], models: Chains, terminal: float = 1.0) -> GroupShape:
+def group_shape(size: int, axes: tuple[int, ...], models: AxisModels, terminal: float = 1.0) -> GroupShape:
     """Return the shape of groups of `size` vehicles; `models` are those of x, y, z.
 
     Their terminal weights count `terminal` times.
@@ -45,9 +45,9 @@ def group_shape(size: int, axes: tuple[int, ...], models: Chains, terminal: floa
         transition=np.stack([model.transition for model in own]),
         push_gain=np.stack([model.push_gain for model in own]),
         input_gain=np.stack([model.input_gain for model in own]),
-        state_weight=np.stack([model.state_weight for model in own]),
-        terminal=terminal * np.stack([model.terminal for model in own]),
-        input_weight=np.stack([model.input_weight for model in own]),
+        state_weight=np.stack([model.cost.state_weight for model in own]),
+        terminal=terminal * np.stack([model.cost.terminal for model in own]),
+        input_weight=np.stack([model.cost.input_weight for model in own]),
     )
 
 
@@ -55,25 +55,25 @@ def group_shape(size: int, axes: tuple[int, ...], models: Chains, terminal: floa
 def joint_problem(
     shape: GroupShape, vehicles: Rows, horizon: Horizon, downwash: DownwashHorizon
 ) -> LqProblem:
-    """Return the problem of the group `vehicles` (g,), chains vehicle by vehicle, axis by axis."""
-    chains, stages = vehicles.size * shape.axes.size, horizon.push.shape[1]
+    """Return the problem of the group `vehicles` (g,), inputs vehicle by vehicle, axis by axis."""
+    inputs, stages = vehicles.size * shape.axes.size, horizon.push.shape[1]
     problem = LqProblem(
-        np.empty(3 * chains),
+        np.empty(3 * inputs),
         shape.transition,
         shape.push_gain,
-        np.zeros((stages, chains, chains)),
-        np.empty((stages, 3 * chains)),
+        np.zeros((stages, inputs, inputs)),
+        np.empty((stages, 3 * inputs)),
         shape.input_gain,
         shape.state_weight,
         shape.terminal,
-        np.empty((stages + 1, 3 * chains)),
+        np.empty((stages + 1, 3 * inputs)),
         shape.input_weight,
-        np.empty((stages, chains)),
-        np.empty((stages, chains)),
-        np.empty((stages, chains)),
-        np.empty(chains),
+        np.empty((stages, inputs)),
+        np.empty((stages, inputs)),
+        np.empty((stages, inputs)),
+        np.empty(inputs),
     )
-    _fill_chains(shape, vehicles, horizon, problem)
+    _fill_targets(shape, vehicles, horizon, problem)
     _fill_bounds(shape, vehicles, horizon, problem)
     _fill_slopes(shape, vehicles, downwash, horizon.path, problem)
     return problem
@@ -94,7 +94,7 @@ def _fill_bounds(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: L
 
 
 @compiled
-def _fill_chains(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: LqProblem) -> None:
+def _fill_targets(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: LqProblem) -> None:
     """Write targets and the drift by downwash along the last prediction."""
     axes, target = shape.axes, problem.target
     stages = horizon.push.shape[1]

@@ -4,20 +4,20 @@
     subject to  x_{k+1} = A_k x_k + B u_k + c_k,   A_k = A + D G_k E,   x_0 given
                 low_k <= u_k <= high_k,   |u_k - a_k| <= step
 
-The state consists of one chain of three for each input: position, velocity, and the acceleration a that
-follows the input with a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S
-penalises jerk. Everything is diagonal over the chains but G_k, by which the positions E x of all chains push
-each one. The A of a chain is an upper triangle whose first two diagonal entries are 1.
+Each input has an axis of three states: position, velocity, and the acceleration a that follows the input with
+a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S penalises jerk. Everything is
+block diagonal over the axes but G_k, by which the positions E x of all axes push each one. The A of an axis
+is an upper triangle whose first two diagonal entries are 1.
 
 Problem and solution are NamedTuples, which compiled code can take.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| N, n | | stages, chains (inputs); the state has 3 n entries |
-| A | transition | of each chain |
-| D | push_gain | of each chain: position [s^2], velocity [s] per acceleration |
-| G_k | slope | acceleration of one chain per position of another [1/s^2] |
-| B | input_gain | of each chain: position [s^2], velocity [s], acceleration [-] per input |
+| N, n | | stages, axes of all vehicles (one input each); the state has 3 n entries |
+| A | transition | of each axis |
+| D | push_gain | of each axis: position [s^2], velocity [s] per acceleration |
+| G_k | slope | acceleration of one axis per position of another [1/s^2] |
+| B | input_gain | of each axis: position [s^2], velocity [s], acceleration [-] per input |
 | u | input | commanded acceleration [m/s^2] |
 """
 
@@ -90,20 +90,20 @@ def dense_matrices(problem: LqProblem) -> Array:
 
 def input_matrix(problem: LqProblem) -> Array:
     """Return B, (3n, n)."""
-    chains = problem.input_gain.shape[0]
-    matrix = np.zeros((3 * chains, chains))
-    for chain in range(chains):
-        matrix[3 * chain : 3 * chain + 3, chain] = problem.input_gain[chain]
+    n = problem.input_gain.shape[0]
+    matrix = np.zeros((3 * n, n))
+    for c in range(n):
+        matrix[3 * c : 3 * c + 3, c] = problem.input_gain[c]
     return matrix
 
 
 def cost(problem: LqProblem, states: Array, inputs: Array) -> float:
     """Return the objective at states (N + 1, 3n) and inputs (N, n)."""
-    chains = problem.input_gain.shape[0]
+    n = problem.input_gain.shape[0]
     error = states - problem.target
     stage = (error[:-1] ** 2 @ problem.state_weight.ravel()).sum()
-    last = error[-1].reshape(chains, 3)
-    terminal = np.einsum("ni,nij,nj->", last, problem.terminal, last)  # sum over chains of e' P e
+    last = error[-1].reshape(n, 3)
+    terminal = np.einsum("ni,nij,nj->", last, problem.terminal, last)  # sum over axes of e' P e
     effort = ((inputs - problem.input_target) ** 2 @ problem.input_weight[:, 0]).sum()
     jerk = ((inputs - states[:-1, 2::3]) ** 2 @ problem.input_weight[:, 1]).sum()
     return float(stage + terminal + effort + jerk)

@@ -1,6 +1,6 @@
-"""Solution of many separate chains at once where no bound is active.
+"""Solution of many separate axes at once where no bound is active.
 
-A chain without slopes of downwash is the same at every stage, and its terminal weight is that of the infinite
+An axis without slopes of downwash is the same at every stage, and its terminal weight is that of the infinite
 horizon, so the Riccati matrix P is constant too. What is left of the recursion is one vector per stage,
 backward and forward (q2q_control.mpc.solver.riccati has the general form):
 
@@ -10,21 +10,21 @@ backward and forward (q2q_control.mpc.solver.riccati has the general form):
     u_k = -Qux / Quu x_k + o_k
 
 with u* = r''_ref - w and x* = (r_ref, r'_ref, u*). The solution is optimal if no input crosses its bounds;
-chains that cross one are returned, and solved one by one.
+axes that cross one are returned, and solved one by one.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.mpc.chain import Chain
+from q2q_control.mpc.axis_model import AxisModel
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
 
 
-class ChainGains(NamedTuple):
-    """Constants of the sweep of one chain."""
+class AxisGains(NamedTuple):
+    """Constants of the sweep of one axis."""
 
     input: Array
     """B, (3,)."""
@@ -47,18 +47,18 @@ class ChainGains(NamedTuple):
     """P, (3, 3)."""
 
 
-def sweep_gains(model: Chain) -> ChainGains:
-    """Return the constants of a chain."""
-    a, b, p = model.transition, model.input_gain, model.terminal
-    effort, jerk = (float(weight) for weight in model.input_weight)
+def sweep_gains(model: AxisModel) -> AxisGains:
+    """Return the constants of an axis."""
+    a, b, p = model.transition, model.input_gain, model.cost.terminal
+    effort, jerk = (float(weight) for weight in model.cost.input_weight)
     quu = effort + jerk + float(b @ p @ b)
     qux = b @ p @ a - jerk * np.array([0.0, 0.0, 1.0])
-    return ChainGains(
+    return AxisGains(
         input=b,
         feedback=qux / quu,
         qux=qux,
         push_cost=p @ model.push_gain,
-        weight=model.state_weight,
+        weight=model.cost.state_weight,
         push=model.push_gain,
         quu=quu,
         effort=effort,
@@ -67,25 +67,25 @@ def sweep_gains(model: Chain) -> ChainGains:
     )
 
 
-def gains_table(gains: ChainGains) -> Array:
-    """Return the gains of a chain as a table, (13, 3)."""
+def gains_table(gains: AxisGains) -> Array:
+    """Return the gains of an axis as a table, (13, 3)."""
     vectors = np.stack([gains.input, gains.feedback, gains.qux, gains.push_cost, gains.weight, gains.push])
     return np.concatenate([vectors, [[gains.quu, gains.effort, 0.0]], gains.transition, gains.terminal])
 
 
 @compiled
-def gains_of_table(table: Array) -> ChainGains:
+def gains_of_table(table: Array) -> AxisGains:
     """Return gains from their table: numba looks at every field of a tuple in each call from Python."""
     b, feedback, qux, push_cost, weight, push = table[0], table[1], table[2], table[3], table[4], table[5]
     quu, effort = table[6, 0], table[6, 1]
-    return ChainGains(b, feedback, qux, push_cost, weight, push, quu, effort, table[7:10], table[10:13])
+    return AxisGains(b, feedback, qux, push_cost, weight, push, quu, effort, table[7:10], table[10:13])
 
 
 @compiled
-def sweep_chains(
-    horizon: Horizon, free: Mask, gains: tuple[ChainGains, ChainGains], solution: HorizonSolution
+def sweep_axes(
+    horizon: Horizon, free: Mask, gains: tuple[AxisGains, AxisGains], solution: HorizonSolution
 ) -> Mask:
-    """Write positions and inputs of the chains that are `free` (n, 3); return which cross a bound, (n, 3).
+    """Write positions and inputs of the axes that are `free` (n, 3); return which cross a bound, (n, 3).
 
     `gains` are those of x and y, then of z.
     """
@@ -100,7 +100,7 @@ def sweep_chains(
 
 
 @compiled(error_model="numpy")
-def _write_offsets(horizon: Horizon, v: int, axis: int, gains: ChainGains, inputs: Array) -> None:
+def _write_offsets(horizon: Horizon, v: int, axis: int, gains: AxisGains, inputs: Array) -> None:
     """Write o_k into inputs[v, :, axis], last to first."""
     reference, push = horizon.reference, horizon.push
     stages = push.shape[1]
@@ -126,7 +126,7 @@ def _write_offsets(horizon: Horizon, v: int, axis: int, gains: ChainGains, input
 
 
 @compiled(error_model="numpy")
-def _roll_out(horizon: Horizon, v: int, axis: int, gains: ChainGains, solution: HorizonSolution) -> bool:
+def _roll_out(horizon: Horizon, v: int, axis: int, gains: AxisGains, solution: HorizonSolution) -> bool:
     """Write positions and inputs from the first stage on; return whether all bounds hold."""
     a, b, feedback, push = gains.transition, gains.input, gains.feedback, gains.push
     low, step = horizon.low[v, axis], horizon.step[axis]

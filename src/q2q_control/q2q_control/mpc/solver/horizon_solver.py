@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from q2q_control.mpc.chain import Chains, axis_chains
+from q2q_control.mpc.axis_model import AxisModels, axis_models
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import (
@@ -24,7 +24,7 @@ from q2q_control.mpc.problem.horizon import (
     blank_solution,
 )
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
-from q2q_control.mpc.solver.chain_sweep import gains_of_table, gains_table, sweep_chains, sweep_gains
+from q2q_control.mpc.solver.axis_sweep import gains_of_table, gains_table, sweep_axes, sweep_gains
 from q2q_control.mpc.solver.group_solve import Group, Modes, solve_group
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
@@ -59,8 +59,8 @@ class Solver(Protocol):
 class HorizonSolver:
     """Axis models, and the structure shared by problems of equal shape."""
 
-    def __init__(self, models: Chains, rules: SolveRules) -> None:
-        """Solve with the chains of x, y (which must be alike) and z."""
+    def __init__(self, models: AxisModels, rules: SolveRules) -> None:
+        """Solve with the models of x, y (which must be alike) and z."""
         self._models, self._rules = models, rules
         self._coupling = np.isin(range(3), rules.coupled), rules.group_max
         self._gains = np.stack([gains_table(sweep_gains(models[axis])) for axis in (0, 2)])
@@ -90,7 +90,7 @@ class HorizonSolver:
         return solution._replace(iterations=most)
 
     def _swept(self, horizon: Horizon, downwash: DownwashHorizon, solution: HorizonSolution) -> list[Group]:
-        """Sweep all chains that no downwash couples; return the groups, then chains that cross a bound."""
+        """Sweep all axes that no downwash couples; return the groups, then axes that cross a bound."""
         root, crossing = _group_and_sweep(horizon, downwash, self._coupling, self._gains, solution)
         groups = [self._group(vehicles, self._rules.coupled) for vehicles in groups_of(root)]
         if np.count_nonzero(crossing):
@@ -107,7 +107,7 @@ class HorizonSolver:
 def horizon_solver(params: MpcParams, vehicle: Vehicle) -> HorizonSolver:
     """Return the solver of (26) for vehicles like `vehicle`."""
     rules = SolveRules(coupled_axes(params), params.group_max, params.terminal, params.iterations)
-    return HorizonSolver(axis_chains(params, vehicle), rules)
+    return HorizonSolver(axis_models(params, vehicle), rules)
 
 
 def coupled_axes(params: MpcParams) -> tuple[int, ...]:
@@ -132,7 +132,7 @@ def _group_and_sweep(
     gains: Array,
     solution: HorizonSolution,
 ) -> tuple[Rows, Mask]:
-    """Write the chains that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
+    """Write the axes that no downwash couples; return the roots of groups and who crosses a bound, (n, 3).
 
     `coupling` are the axes that downwash couples, (3,), and the most vehicles of a group; `gains` are tables
     of x and y, then of z, (2, 13, 3).
@@ -143,7 +143,7 @@ def _group_and_sweep(
     for v in range(root.size):
         for axis in range(3):
             free[v, axis] = root[v] < 0 or not axes[axis]
-    return root, sweep_chains(horizon, free, (gains_of_table(gains[0]), gains_of_table(gains[1])), solution)
+    return root, sweep_axes(horizon, free, (gains_of_table(gains[0]), gains_of_table(gains[1])), solution)
 
 
 @compiled

@@ -61,7 +61,7 @@ def solve_from(problem: LqProblem, pattern: Modes, iterations: int) -> LqSolutio
 def _recursion(problem: LqProblem, pattern: Modes, work: Workspace, last: int) -> None:
     """Write policy and quadratic forms from stage `last` to the first one, then states and inputs.
 
-    The number of chains is a constant for one and for a pair, whose loops are unrolled: half the time. More
+    The number of axes is a constant for one and for a pair, whose loops are unrolled: half the time. More
     cases would double the time to compile, and solves of more vehicles are a small part of a swarm's tick.
     """
     n = pattern.shape[1]

@@ -1,13 +1,13 @@
 """One stage of the Riccati recursion of q2q_control.mpc.solver.riccati, compiled into its loop.
 
-With A_k = A + D G_k E (q2q_control.mpc.problem.lq_problem), A an upper triangle per chain, D its push gain
+With A_k = A + D G_k E (q2q_control.mpc.problem.lq_problem), A an upper triangle per axis, D its push gain
 and E the positions:
 
-    (P A_k) column p of chain d:  P_pd + sum_c (P D)_c G_k,cd       v: a_pv P_pd + P_vd       a: likewise
+    (P A_k) column p of axis d:  P_pd + sum_c (P D)_c G_k,cd       v: a_pv P_pd + P_vd       a: likewise
     P_k = A_k' (P A_k) + Q + K' Qux + Qux' K + K' Quu K             upper triangle, then mirrored
     p_k = A_k' (P c + p) - Q x* + K' (Qu + Quu k) + Qux' k
 
-All functions are inlined, with `n` chains as an argument: for a constant `n` LLVM unrolls all loops.
+All functions are inlined, with `n` axes as an argument: for a constant `n` LLVM unrolls all loops.
 """
 
 import numpy as np
