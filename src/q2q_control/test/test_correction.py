@@ -11,7 +11,7 @@ from q2q_control.mpc.correction import (
     DELAY_MARGIN,
     faded_residual,
     thrust_reserve,
-    tighten,
+    with_correction_bandwidth,
 )
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
@@ -24,7 +24,7 @@ from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 TICK = 0.01
 """[s]"""
-TIGHT = tighten(MpcParams())
+TIGHT = with_correction_bandwidth(MpcParams())
 BELIEVED_LAG, BELIEVED_TICKS = 0.07, 3
 """Thrust lag [s] and latency of a Crazyflie 2.0 in the room `real`."""
 
@@ -85,11 +85,10 @@ def test_a_delay_of_the_margin_brings_the_open_loop_to_minus_one() -> None:
 
 def test_the_bandwidth_is_bounded_by_delay_and_stage_and_never_lowered() -> None:
     params = MpcParams()
-    assert tighten(params).bandwidth_z == pytest.approx(0.736 / 0.06, rel=1e-3)
-    assert tighten(replace(params, steps=20)).bandwidth_z == pytest.approx(
-        6.5
-    )  # 0.65 rad in 0.1 s
-    assert tighten(replace(params, bandwidth_z=20.0)).bandwidth_z == 20.0
+    assert with_correction_bandwidth(params).bandwidth_z == pytest.approx(0.736 / 0.06, rel=1e-3)
+    coarse = replace(params, steps=20)  # 0.65 rad in 0.1 s
+    assert with_correction_bandwidth(coarse).bandwidth_z == pytest.approx(6.5)
+    assert with_correction_bandwidth(replace(params, bandwidth_z=20.0)).bandwidth_z == 20.0
 
 
 @pytest.mark.parametrize(
@@ -179,4 +178,4 @@ def test_a_push_that_thrust_holds_only_without_its_residual_is_left_ahead_with_a
 
 def test_correction_couples_all_axes_by_the_downwash_but_not_those_of_another_loop() -> None:
     assert TIGHT.mode == "full"
-    assert tighten(replace(MpcParams(), mode="altitude")).mode == "altitude"
+    assert with_correction_bandwidth(replace(MpcParams(), mode="altitude")).mode == "altitude"

@@ -55,7 +55,7 @@ STAGE_TURN = 0.65
 """Largest bandwidth times step [rad]."""
 
 
-def tighten(params: MpcParams) -> MpcParams:
+def with_correction_bandwidth(params: MpcParams) -> MpcParams:
     """Return parameters with at least the bandwidth above, and with all axes coupled in place of z alone."""
     most = min(DELAY_MARGIN / DELAY_ERROR, STAGE_TURN / params.step)
     mode = "full" if params.mode == "vertical" else params.mode

@@ -31,7 +31,7 @@ from q2q_control.inputs.alignment import QUAT, Aligned, align
 from q2q_control.inputs.preview import ReferencePreview, shifted_preview
 from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, commanded_acceleration
-from q2q_control.mpc.correction import faded_residual, thrust_reserve, tighten
+from q2q_control.mpc.correction import faded_residual, thrust_reserve, with_correction_bandwidth
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
@@ -116,7 +116,7 @@ class Mpc:
             ValueError: the solver is not made for these parameters, or thrust_max does not carry the vehicle.
         """
         if self._setup.residual_process is not None:
-            params = tighten(params)
+            params = with_correction_bandwidth(params)
         thrust_max = largest_thrust(self._vehicle, params.thrust_max if params.thrust_limited else None)
         self._solver = self._setup.solver(params, self._vehicle)
         self._params = params
