@@ -84,7 +84,7 @@ def test_a_start_in_the_middle_of_a_plan_is_refused_with_the_distance(
     room.wait(1.5)
     refusal = room.call(Call.START)
     assert not refusal.granted
-    assert "cf1 is 1.50 m from its setpoint: 0.30 m is the most" in refusal.reason
+    assert "cf1 is 1.50 m from its setpoint: 0.30 m is the maximum" in refusal.reason
     room.wait(2.0)
     assert room.highest() < 0.01
 
@@ -112,7 +112,7 @@ def test_a_plan_that_plays_by_itself_is_not_taken_over(monkeypatch: pytest.Monke
 
 
 def test_a_plan_that_jumps_in_flight_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A trajectory that is started anew plays its plan from the first point."""
+    """A trajectory that is started again plays its plan from the first point."""
     room = by_radio(monkeypatch).room
     room.wait(1.5)
     assert room.call(Call.TAKE_OFF).granted

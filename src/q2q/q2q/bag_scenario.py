@@ -44,7 +44,7 @@ def _without_plan_or_own_vehicle(flown: Scenario) -> Scenario:
 
 
 def _is_named(flown: Scenario, facts: FlightFacts) -> bool:
-    """Return whether the metadata give the scenario; they have its model and duration beside it."""
+    """Return whether the metadata give the scenario; they have its model and duration as well."""
     try:
         found = flown_scenario(facts, Path())
     except ValueError:

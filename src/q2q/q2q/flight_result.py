@@ -34,7 +34,7 @@ class FlightResult:
     """Result of a flight of T ticks and n vehicles."""
 
     arrays: Flight
-    """Signals over time, one row a tick: SI, world frame z up, (T, n, ...); NaN where not recorded."""
+    """Signals over time, one row per tick: SI, world frame z up, (T, n, ...); NaN where not recorded."""
     vehicle: Vehicle
     """Vehicle type of the swarm."""
     facts: FlightFacts = field(default_factory=FlightFacts)

@@ -34,7 +34,7 @@ def identify(
     """Return gains, zone and interaction model of recorded flights, with scores on held-out ones.
 
     Args:
-        bags: folders of rosbag2 bags, one a flight; two or more for a held-out score, or the only one.
+        bags: folders of rosbag2 bags, one per flight; two or more for a held-out score, or the only one.
         model_type: "auto" selects by held-out error.
         vehicle: name of the vehicle; empty takes that of the bags' metadata, else the default.
         threshold: downwash on the boundary of the learned zone [m/s^2].

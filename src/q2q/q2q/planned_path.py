@@ -49,6 +49,6 @@ def plan_for(flown: Scenario, given: SwarmPlan) -> SwarmPlan:
         far = dist(one.waypoints[0].pos, first)
         if not far <= START_NEAR:
             raise ValueError(
-                f"{one.name} starts {far:.2f} m from its plan's first point: {START_NEAR} m is the most"
+                f"{one.name} starts {far:.2f} m from its plan's first point: {START_NEAR} m is the maximum"
             )
     return ordered

@@ -233,7 +233,7 @@ def test_a_start_joins_setpoints_at_the_vehicles_and_none_that_are_far() -> None
     bench = Bench()
     bench.setpoint_pos = np.array([[1.8, 0.0, 0.7], [0.7, 1.0, 1.9]])
     refusal = bench.asked(Call.START)
-    assert "cf1 is 1.93 m from its setpoint: 0.30 m is the most; call take_off, then fly" in refusal.reason
+    assert "cf1 is 1.93 m from its setpoint: 0.30 m is the maximum; call take_off, then fly" in refusal.reason
     assert bench.sent == []
     bench.setpoint_pos = HOME.copy()
     bench.stuck = {Act.STREAM}

@@ -16,7 +16,7 @@ from q2q_model.node.reply import Reply
 BAD: list[tuple[dict[str, object], str]] = [
     ({"reports": (WELL, VehicleReport("cf2", connected=False))}, "cf2 offline"),
     ({"reports": (WELL, replace(WELL, name="cf2", locked=True))}, "cf2 is locked: restart it"),
-    ({"reports": (WELL, replace(WELL, name="cf2", volt=3.41))}, r"cf2 has 3\.41 V: 3\.60 V is the least"),
+    ({"reports": (WELL, replace(WELL, name="cf2", volt=3.41))}, r"cf2 has 3\.41 V: 3\.60 V is the minimum"),
     ({"reports": (WELL, replace(WELL, name="cf2", volt=np.nan))}, "cf2 does not report its battery"),
     ({"reports": (WELL, replace(WELL, name="cf2", wrong="stabilizer.controller is 1, 2 is asked"))},
      "cf2: stabilizer.controller is 1, 2 is asked"),
@@ -26,7 +26,7 @@ BAD: list[tuple[dict[str, object], str]] = [
      r"cf2 would be sent 73 % of the thrust at which it hovers: within 15 %"),
     ({"pos": HOME + up(0.3)}, r"cf1 is 0\.30 m above the ground"),
     ({"vel": np.array([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0]])}, r"cf2 moves at 0\.20 m/s"),
-    ({"pos": HOME * 0.2}, r"cf1 and cf2 are 0\.20 m apart: 0\.30 m is the least"),
+    ({"pos": HOME * 0.2}, r"cf1 and cf2 are 0\.20 m apart: 0\.30 m is the minimum"),
     ({"pos": HOME + np.array([0.0, 0.4, 0.0])}, r"cf1 is 0\.40 m from its first point: 0\.30 m"),
     ({"plan": None}, "no plan is waiting"),
     ({"plan": replace(PLAN, names=("cf1", "cf9"))}, "the plan is for cf1, cf9, the vehicles are cf1, cf2"),

@@ -192,7 +192,7 @@ def inputs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("tool", "words", "says"),
     [
-        (identify, ["--out", "x.json"], "--out and the report beside it are both x.json"),
+        (identify, ["--out", "x.json"], "--out and the report next to it are both x.json"),
         (identify, ["--out", "x.q2q", "--json", "./x.q2q"], "--out and --json are both x.q2q: give each a"),
         (identify, ["--out", "map.yaml", "--topics", "map.yaml"], "--topics and --out are both map.yaml"),
         (identify, ["--out", "bag.mcap"], "a bag and --out are both bag.mcap"),

@@ -135,7 +135,7 @@ def test_a_corridor_that_is_too_narrow_and_a_waypoint_outside_are_named() -> Non
     ("walls", "words"),
     [
         ((1.0, 2.0), "has 2 numbers: give 6"),
-        ((1.0, 0.0, 0.0, 1.0, 1.0, 1.0), "the least first"),
+        ((1.0, 0.0, 0.0, 1.0, 1.0, 1.0), "the smallest first"),
         ((0.0, 0.0, 0.0, 1.0, 1.0, float("nan")), "allowed is any finite number"),
         ((0.0, 0.0, 0.0, 1.0, 1.0, float("inf")), "allowed is any finite number"),
     ],
@@ -155,8 +155,8 @@ def test_the_command_says_and_writes_the_proof(tmp_path: Path, capsys: pytest.Ca
     box = [str(value) for value in NARROW]
     assert main([*asked, "--within", *box]) == 0
     printed = capsys.readouterr().out
-    assert "certified out of the zone for every t; least distance to it 0." in printed
-    assert "certified within the walls for every t; least distance to one 0." in printed
+    assert "certified out of the zone for every t; smallest distance to it 0." in printed
+    assert "certified within the walls for every t; smallest distance to one 0." in printed
     output = json.loads(facts.read_text())
     assert output["within"] is output["certified"] is True
     assert 0.0 < output["wall_clearance_m"] < 1e-3

@@ -37,7 +37,7 @@ def test_a_bag_in_millimetres_is_refused(
     main, options = TOOLS[tool]
     bag = bag_of_height(tmp_path / "mm", 1000.0)
     assert main([str(bag), *(option.format(out=tmp_path / "made") for option in options)]) == 1
-    message = "x, y, z of cf1 in mm reach 1000 in the median, 50 m is the most: are they in metres?"
+    message = "x, y, z of cf1 in mm reach 1000 in the median, 50 m is the maximum: are they in metres?"
     assert capsys.readouterr().err.strip().splitlines()[-1].startswith(f"{tool}: {message}")
 
 

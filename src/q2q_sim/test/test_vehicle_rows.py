@@ -17,7 +17,7 @@ def test_more_vehicles_are_summarised_by_median_and_extremes_of_what_is_known() 
     numbers = {f"cf{k}": (float(k), math.nan) for k in range(11)} | {"cf0": (math.nan, 7.0)}
     assert vehicle_rows(numbers) == [
         ("median of 11", [5.5, 7.0]),
-        ("least of 11", [1.0, 7.0]),
+        ("smallest of 11", [1.0, 7.0]),
         ("largest of 11", [10.0, 7.0]),
     ]
 

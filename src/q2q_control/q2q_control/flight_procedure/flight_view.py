@@ -19,7 +19,7 @@ _CUT = int(CommandStatus.CUT)
 
 
 class FlightView:
-    """Newest state, setpoint and plan, one row a vehicle."""
+    """Newest state, setpoint and plan, one row per vehicle."""
 
     def __init__(self, names: Names) -> None:
         self._names = names

@@ -2,7 +2,7 @@
 
 A controller commands from its first tick on, and its observer and integrals take these commands for flown. On
 the ground and in the onboard climb they are not: what is learned there is wrong. With several procedures on
-one controller, it starts anew only while it flies the vehicles of none: it cannot forget those of one alone.
+one controller, it is reset only while it flies the vehicles of none: it cannot forget those of one alone.
 A procedure whose node has gone flies none, whatever it reported last.
 """
 

@@ -46,7 +46,7 @@ class PlanOutline:
     first: Array
     """First point of every vehicle [m], world, (n, 3)."""
     low: Array
-    """Least x, y, z of every vehicle [m], (n, 3)."""
+    """Minimum x, y, z of every vehicle [m], (n, 3)."""
     high: Array
     """Largest x, y, z of every vehicle [m], (n, 3)."""
     duration: float
@@ -62,7 +62,7 @@ def plan_outline(names: Names, trajectories: Sequence[Trajectory]) -> PlanOutlin
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """Observation of a flight at one time, one row a vehicle in the order of `vehicles`."""
+    """Observation of a flight at one time, one row per vehicle in the order of `vehicles`."""
 
     vehicles: tuple[VehicleReport, ...]
     pos: Array

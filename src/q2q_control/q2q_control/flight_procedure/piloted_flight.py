@@ -74,7 +74,7 @@ class PilotedFlight:
         self._replies: list[tuple[Call | Act, Reply]] = []
         self._reported: ProcedureStatus | None = None
         self.refusal: Callable[[], str] = lambda: ""
-        """Returns why no flight may begin beside the procedure's own reasons; empty if it may."""
+        """Returns why no flight may begin besides the procedure's own reasons; empty if it may."""
 
     def store_state(self, state: SwarmState, t: float) -> None:
         """Store a state received at time t [s]."""

@@ -12,7 +12,7 @@ class LandingParams:
     """Age at which a state is stale, and duration of a landing."""
 
     stale_s: float = tunable(0.1, "age at which a state is stale", unit="s", low=0.01, high=2.0)
-    land_s: float = tunable(3.0, "least duration of a landing", unit="s", low=0.5, high=60.0)
+    land_s: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
     # a landing's polynomial peaks at 2.19 times its mean; the firmware's PID descends at 1 m/s at most
     land_speed: float = tunable(0.4, "largest mean speed of a landing", unit="m/s", low=0.05, high=5.0)
 
@@ -40,7 +40,7 @@ class FlightProcedureParams:
     start_near: float = tunable(
         0.3, "largest distance of a vehicle from its start", unit="m", low=0.01, high=5.0
     )
-    apart: float = tunable(0.3, "least horizontal distance of two vehicles", unit="m", low=0.0, high=5.0)
+    apart: float = tunable(0.3, "minimum horizontal distance of two vehicles", unit="m", low=0.0, high=5.0)
     room: tuple[float, ...] = tunable(
         (-3.0, -3.0, 0.0, 3.0, 3.0, 3.0), "lowest x, y, z, then highest x, y, z of the room", unit="m"
     )
@@ -59,7 +59,7 @@ class FlightProcedureParams:
         5.0, "time beyond its duration after which a step has failed", unit="s", low=0.1, high=60.0
     )
     volt_start: float = tunable(
-        3.6, "least battery voltage at the start; 0 disables the check", unit="V", low=0.0, high=20.0
+        3.6, "minimum battery voltage at the start; 0 disables the check", unit="V", low=0.0, high=20.0
     )
     estimator_error: float = tunable(
         0.1, "largest distance of a vehicle's own estimate from its state", unit="m", low=0.001, high=5.0

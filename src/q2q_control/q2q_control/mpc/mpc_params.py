@@ -19,7 +19,10 @@ class MpcParams:
         choices=("altitude", "vertical", "full"),
     )
     group_max: int = tunable(
-        4, "most interacting vehicles that are solved together; 1 solves each by itself", low=1, high=1000
+        4,
+        "maximum number of interacting vehicles that are solved together; 1 solves each by itself",
+        low=1,
+        high=1000,
     )
     bandwidth_z: float = tunable(
         5.0,
@@ -75,7 +78,7 @@ class MpcParams:
     tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=1.0, high=30.0)
     k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
-    iterations: int = tunable(12, "most recursions of a solve", low=1, high=200)
+    iterations: int = tunable(12, "maximum number of recursions of a solve", low=1, high=200)
     shift_time: float = tunable(
         0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
     )

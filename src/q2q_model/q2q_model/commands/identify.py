@@ -64,7 +64,7 @@ def _refuse_other_mode(args: Namespace) -> None:
 
 def _require_apart(args: Namespace) -> None:
     """Raise UsageError if model or report would be written over each other, the topic map or a bag."""
-    report = "--json" if args.json else "the report beside it"
+    report = "--json" if args.json else "the report next to it"
     written = {"--out": args.out, report: args.json or args.out.with_suffix(".json")}
     for bag in args.bags:
         require_apart({"a bag": bag, "--topics": args.topics} | written)
@@ -78,7 +78,7 @@ def parser() -> CommandLine:
         "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
     )
     made.add_argument(
-        "--json", type=output_file, metavar="FILE", help="report to write; default: beside the model"
+        "--json", type=output_file, metavar="FILE", help="report to write; default: next to the model"
     )
     made.add_argument(
         "--model-type",

@@ -1,4 +1,4 @@
-"""Command line of a node: what may stand beside the arguments for ROS.
+"""Command line of a node: what may stand next to the arguments for ROS.
 
 ROS itself ignores a word that it does not know, so a misspelt `--dry-run` would fly.
 """

@@ -16,7 +16,7 @@ from q2q_model.signals.values import Array, Names, index_of
 
 @dataclass(frozen=True, slots=True)
 class Flight:
-    """Record of one flight, one row a tick."""
+    """Record of one flight, one row per tick."""
 
     name: str
     names: Names

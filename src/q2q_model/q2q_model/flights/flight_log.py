@@ -15,7 +15,7 @@ MOTORS = ("pwm1", "pwm2", "pwm3", "pwm4")
 
 @dataclass(frozen=True, slots=True)
 class FlightLog:
-    """Extra columns of a flight, one row a tick."""
+    """Extra columns of a flight, one row per tick."""
 
     t: Array
     """Capture stamps [s], rising, (T,)."""

@@ -24,7 +24,7 @@ from q2q_model.signals.values import Array, Mask, Rows
 HOLD_S = 0.3
 """Time without a change from which a reference stands [s]: no trajectory is sent as rarely."""
 WIDTH = 0.15
-"""Least half width of a fit [s]: it misses 0.2 % of a velocity at 1 Hz."""
+"""Minimum half width of a fit [s]: it misses 0.2 % of a velocity at 1 Hz."""
 SAMPLES = 2.0
 """Samples on each side of a fit, at least."""
 MISFIT = 0.1
@@ -103,7 +103,7 @@ def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledRe
     given = np.concatenate((pos, vel, acc), axis=2)  # (T, n, 9)
     made, sure = np.full_like(given, np.nan), np.zeros(pos.shape[:2], dtype=np.bool_)
     lacking = np.isfinite(np.tile(pos, 3)) & ~np.isfinite(given)
-    lacking[..., :3] = lacking[..., 3:6]  # beside a fitted velocity is the position of the same fit
+    lacking[..., :3] = lacking[..., 3:6]  # with a fitted velocity goes the position of the same fit
     fitted = np.zeros((pos.shape[1], 2), dtype=np.bool_)
     each = [reference_samples(t, given[:, i]) for i in range(pos.shape[1])]
     for i, found in enumerate(each):

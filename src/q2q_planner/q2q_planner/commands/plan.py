@@ -70,7 +70,7 @@ def parser() -> CommandLine:
         type=finite_number,
         nargs=6,
         metavar=("X", "Y", "Z", "FAR_X", "FAR_Y", "FAR_Z"),
-        help="box that all vehicles stay within, proven for every t: least and largest x, y, z [m]",
+        help="box that all vehicles stay within, proven for every t: smallest and largest x, y, z [m]",
     )
     made.add_argument("--starts", type=int, default=2, help="starting points of the search (default 2)")
     made.add_argument("--warm", type=Path, metavar="PLAN", help="start the search from this plan")

@@ -27,7 +27,7 @@ class Walls:
     """Box that all vehicles stay within."""
 
     low: Point
-    """Least x, y, z [m], world."""
+    """Minimum x, y, z [m], world."""
     high: Point
     """Largest x, y, z [m], world."""
 
@@ -35,7 +35,7 @@ class Walls:
         """Raise ValueError unless each side is longer than zero, and finite."""
         if not all(-inf < low < high < inf for low, high in zip(self.low, self.high, strict=True)):
             words = f"x, y, z from {_words(self.low)} to {_words(self.high)}"
-            raise ValueError(f"walls: {words}: give finite numbers, the least first")
+            raise ValueError(f"walls: {words}: give finite numbers, the smallest first")
 
     def distances(self, pos: Array) -> Array:
         """Return the distances to the six walls [m], (..., 6), of positions (..., 3): low x y z, high x y z.
@@ -59,7 +59,7 @@ class WallProof:
     name: str
     """The vehicle that comes nearest."""
     t: float
-    """Time of its least distance [s]."""
+    """Time of its smallest distance [s]."""
     walls: Walls
 
     @property

@@ -35,7 +35,7 @@ class GlideParams:
     glide_speed: float = tunable(
         0.5, "largest speed of a glide to the plan's first points", unit="m/s", low=0.05, high=5.0
     )
-    glide_s: float = tunable(1.0, "least duration of a vehicle's glide", unit="s", low=0.1, high=60.0)
+    glide_s: float = tunable(1.0, "minimum duration of a vehicle's glide", unit="s", low=0.1, high=60.0)
     glide_eps: float = tunable(
         0.2, "radius of the cylinder that a glide keeps free of other vehicles", unit="m", low=0.01, high=5.0
     )

@@ -9,7 +9,7 @@ keep vehicles in flight where they are, and `wait` is refused while one is at it
 flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
 reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
 newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the first
-tick begins anew, and what was called (a glide, a start, a hold) goes on.
+tick begins again, and what was called (a glide, a start, a hold) goes on.
 """
 
 from dataclasses import dataclass, replace

@@ -143,7 +143,7 @@ def _verdict(made: Planned) -> str:
         return f"NOT proven: {proof.not_computed}"
     nearest = f"{' and '.join(proof.pair)} at {proof.t:.2f} s"
     if proof.holds:
-        least = f"least distance to it {proof.clearance * 1e3:.2f} mm"
+        least = f"smallest distance to it {proof.clearance * 1e3:.2f} mm"
         return f"certified out of the zone for every t; {least}, {nearest}"
     return f"NOT out of the zone: {-proof.clearance * 1e3:.0f} mm inside, {nearest}"
 
@@ -151,7 +151,7 @@ def _verdict(made: Planned) -> str:
 def _wall_verdict(proof: WallProof) -> str:
     nearest = f"{proof.name} at {proof.t:.2f} s"
     if proof.holds:
-        least = f"least distance to one {proof.clearance * 1e3:.2f} mm"
+        least = f"smallest distance to one {proof.clearance * 1e3:.2f} mm"
         return f"certified within the walls for every t; {least}, {nearest}"
     if not isfinite(proof.clearance):
         return f"NOT proven within the walls: {NOT_BOUNDED}"

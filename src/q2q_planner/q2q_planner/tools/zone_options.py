@@ -37,7 +37,7 @@ def zone_of(
 
 
 def _check_partners(asked: Namespace) -> None:
-    """Raise ValueError if an option lacks the one that it changes, or stands beside one that overrules it."""
+    """Raise ValueError if an option lacks the one that it changes, or comes with one that overrules it."""
     if asked.risk is not None:
         _refuse(asked, ("cut", "threshold", *SIZE), "and --risk both choose the zone: give one of them")
         return

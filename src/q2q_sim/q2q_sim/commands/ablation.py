@@ -41,7 +41,7 @@ def parser() -> CommandLine:
         help="file of numbers; flights in it are not repeated",
     )
     made.add_argument(
-        "--out", type=output_file, required=True, metavar="FILE", help="page to write (.md); plot beside it"
+        "--out", type=output_file, required=True, metavar="FILE", help="page to write (.md); plot next to it"
     )
     made.add_argument("--jobs", type=whole_number(1), default=1, metavar="N", help="parallel flights")
     made.add_argument(

@@ -6,7 +6,7 @@ policy is violated.
 
 With --guided, an optimiser searches for the faults that leave the policies the least margin; what it finds is
 shrunk to the fewest faults and kept as a case file, which --case flies again, and a replay page. The same
-search is measured on seeded bugs, beside random faults.
+search is measured on seeded bugs, compared with random faults.
 """
 
 import sys
@@ -70,7 +70,7 @@ def _prepare(args: Namespace) -> Work:
 
 
 def _refuse_beside_case(args: Namespace) -> None:
-    """Raise UsageError for an option that is given and has no effect beside --case."""
+    """Raise UsageError for an option that is given and has no effect with --case."""
     for option in given_options(args):
         if option not in OF_CASE:
             raise UsageError(f"{option} has no effect with --case")
@@ -94,7 +94,7 @@ def parser() -> CommandLine:
     made.add_argument(
         "--out",
         type=output_folder,
-        help=f"folder of runs and bags (default {OUT}; of the page of a --case, default beside it)",
+        help=f"folder of runs and bags (default {OUT}; of the page of a --case, default next to it)",
     )
     made.add_argument(
         "--air",
@@ -102,7 +102,7 @@ def parser() -> CommandLine:
         help="air in place of wake and disturbance: a shipped name, a .air file or module:Class"
         " (runs of another air need another --out)",
     )
-    made.add_argument("--guided", action="store_true", help="search for the faults of least margin")
+    made.add_argument("--guided", action="store_true", help="search for the faults with the smallest margin")
     made.add_argument(
         "--bug-runs",
         type=whole_number(0),

@@ -40,7 +40,7 @@ def read_entries(log: Path, entry_from: Callable[[Mapping[str, object]], Entry])
             found.append(entry_from(json.loads(line)))
         except ValueError as wrong:
             if number < len(lines):
-                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to start anew") from wrong
+                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to start again") from wrong
     return found
 
 

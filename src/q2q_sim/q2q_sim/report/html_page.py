@@ -129,7 +129,7 @@ def _part(part: Part) -> str:
 
 
 def _row_of(parts: Sequence[Picture] | Sequence[KeyNumber]) -> str:
-    """Return pictures or numbers beside each other."""
+    """Return pictures or numbers side by side."""
     pictures = "".join(_figure(one) for one in parts if isinstance(one, Picture))
     numbers = "".join(_number(one) for one in parts if isinstance(one, KeyNumber))
     return f'<div class="{"pictures" if pictures else "numbers"}">{pictures}{numbers}</div>'

@@ -18,7 +18,7 @@ def vehicle_rows(numbers: Mapping[str, Sequence[float]]) -> list[tuple[str, list
     if len(numbers) <= MOST_ROWS:
         return [(name, list(row)) for name, row in numbers.items()]
     columns = [_finite(column) for column in zip(*numbers.values(), strict=True)]
-    ways: dict[str, Callable[[list[float]], float]] = {"median": median, "least": min, "largest": max}
+    ways: dict[str, Callable[[list[float]], float]] = {"median": median, "smallest": min, "largest": max}
     return [
         (f"{way} of {len(numbers)}", [of(column) if column else math.nan for column in columns])
         for way, of in ways.items()

@@ -58,7 +58,7 @@ class Imu:
         self._bias = scale * stream(seed, "imu bias").standard_normal((2, vehicles, 3))
 
     def read(self, truth: SwarmState, acc: Array) -> SwarmImu:
-        """Return the readings at `truth` with acceleration `acc` [m/s^2], world, (n, 3); call once a tick."""
+        """Return readings at `truth` with acceleration `acc` [m/s^2], world, (n, 3); call once per tick."""
         force, rate = np.empty_like(self._bias[0]), np.empty_like(self._bias[0])
         readings((truth.quat, truth.ang_vel_body, acc), self._bias, (force, rate))
         params = self._params

@@ -1,4 +1,4 @@
-"""Motion capture: 100 frames a second with noise, outliers, dropouts, flips and swaps.
+"""Motion capture: 100 frames per second with noise, outliers, dropouts, flips and swaps.
 
 Effects on a frame, applied in this order, each from its own random stream:
 
@@ -59,7 +59,7 @@ class ViconParams:
     latency: float = tunable(0.0, "exposure to frame at the computer", unit="s", low=0.0, high=0.5)
     pos_noise: float = tunable(0.0, "standard deviation of position", unit="m", low=0.0, high=0.1)
     angle_noise: float = tunable(0.0, "standard deviation of attitude", unit="rad", low=0.0, high=0.5)
-    outlier_rate: float = tunable(0.0, "outliers a vehicle", unit="1/s", low=0.0, high=100.0)
+    outlier_rate: float = tunable(0.0, "outliers per vehicle", unit="1/s", low=0.0, high=100.0)
     outlier_min: float = tunable(0.2, "smallest outlier", unit="m", low=0.0, high=100.0)
     outlier_max: float = tunable(2.0, "largest outlier", unit="m", low=0.0, high=100.0)
     dropout_rate: float = tunable(0.0, "dropouts a vehicle", unit="1/s", low=0.0, high=10.0)
@@ -85,7 +85,7 @@ class ViconParams:
 
 
 class Vicon:
-    """Motion capture from true states to frames, one a tick."""
+    """Motion capture from true states to frames, one per tick."""
 
     def __init__(self, params: ViconParams, vehicles: int, tick: float, seed: int) -> None:
         """Observe `vehicles` vehicles every `tick` [s]."""
@@ -105,7 +105,7 @@ class Vicon:
         """Effects on each vehicle in the last frame: Injected, (n,)."""
 
     def observe(self, truth: SwarmState) -> MocapFrame:
-        """Return the frame of a tick; call once a tick."""
+        """Return the frame of a tick; call once per tick."""
         self.injected = np.zeros(len(truth.names), dtype=np.uint8)
         pos, quat = self._noisy(truth)
         self._now = {name: now for name, one in self._happens if (now := one.step()) is not None}

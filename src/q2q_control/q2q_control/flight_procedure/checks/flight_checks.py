@@ -89,7 +89,7 @@ def setpoint_refusal(observation: Observation, near: float, landing: LandingPara
     ):
         if not far <= near:
             found = f"is {far:.2f} m from its setpoint" if np.isfinite(far) else "has no setpoint"
-            return f"{name} {found}: {near:.2f} m is the most; call take_off, then fly"
+            return f"{name} {found}: {near:.2f} m is the maximum; call take_off, then fly"
     return ""
 
 
@@ -103,7 +103,7 @@ def apart_refusal(names: tuple[str, ...], pos: Array, apart: float) -> str:
     for first, second in combinations(range(len(names)), 2):
         gap = float(np.hypot(*(pos[first] - pos[second])[:2]))
         if gap < apart:
-            return f"{names[first]} and {names[second]} are {gap:.2f} m apart: {apart:.2f} m is the least"
+            return f"{names[first]} and {names[second]} are {gap:.2f} m apart: {apart:.2f} m is the minimum"
     return ""
 
 
@@ -133,7 +133,7 @@ def _vehicle_refusal(one: VehicleReport, params: FlightProcedureParams) -> str:
     if np.isnan(one.volt) and params.volt_start > 0.0:
         return f"{one.name} does not report its battery: log it, or set volt_start to 0"
     if one.volt < params.volt_start:
-        return f"{one.name} has {one.volt:.2f} V: {params.volt_start:.2f} V is the least to start with"
+        return f"{one.name} has {one.volt:.2f} V: {params.volt_start:.2f} V is the minimum to start with"
     return f"{one.name}: {one.wrong}" if one.wrong else ""
 
 
@@ -145,7 +145,7 @@ def _estimates(observation: Observation, params: FlightProcedureParams) -> Itera
         if np.isnan(one.onboard).any():
             yield f"{one.name} stopped sending its own estimate x, y, z: check its link and its log topics"
         if not far <= params.estimator_error:
-            bound = f"{params.estimator_error:.2f} m is the most; check frames, wait for its estimator"
+            bound = f"{params.estimator_error:.2f} m is the maximum; check frames, wait for its estimator"
             yield f"{one.name} estimates itself {far:.2f} m from its measured position: {bound}"
 
 
@@ -177,7 +177,7 @@ def _places(observation: Observation, params: FlightProcedureParams) -> Iterator
     off = observation.pos[:, :2] - observation.first_points()[:, :2]
     for name, far in zip(observation.names, _norm(off).tolist(), strict=True):
         if not far <= params.start_near:
-            yield f"{name} is {far:.2f} m from its first point: {params.start_near:.2f} m is the most"
+            yield f"{name} is {far:.2f} m from its first point: {params.start_near:.2f} m is the maximum"
 
 
 def _extent(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:

@@ -34,7 +34,7 @@ class SetpointStream:
             return
         moved = float(np.nan_to_num(np.linalg.norm(setpoint_pos - last, axis=-1)).max(initial=0.0))
         if moved > self._jump:
-            self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the most"
+            self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the maximum"
 
     def start(self, t: float) -> None:
         """Start the stream at time t [s]; a fault of the last one counts no more."""

@@ -1,4 +1,4 @@
-"""Column map: which column of ours comes from which column or log variable of somebody else, and its unit.
+"""Column map: which column of ours comes from which column or log variable of other software, and its unit.
 
     columns:
       x: stateEstimate.x                        # same unit

@@ -17,7 +17,7 @@ Two layouts are supported, both in SI units with one row per tick:
 | all others, and those of a row above in part | the log, under their own names |
 
 Angles are Z-Y-X, pitch nose down, and count where no quaternion is. Plain roll pitch yaw, which
-may be degrees, are no attitude; beside one they repeat it. Rates that are absent are NaN.
+may be degrees, are no attitude; next to one they repeat it. Rates that are absent are NaN.
 """
 
 from collections.abc import Iterator, Mapping
@@ -127,7 +127,7 @@ def _check_units(table: FlightTable) -> None:
     """Raise ValueError for times, positions or angles that are not in s, m or rad."""
     step = float(np.median(np.diff(table.t))) if len(table.t) > 1 else 0.0
     if step > LONGEST_STEP:
-        raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the most: is it in seconds?")
+        raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the maximum: is it in seconds?")
     check_metres(table.names, table.vectors(POS))
     if table.has(EULER):
         _check_radians(table)
@@ -175,7 +175,7 @@ def log_of(table: FlightTable) -> FlightLog:
 def _carried(table: FlightTable) -> set[str]:
     """Return the columns that signals of this table contain for all vehicles that have them.
 
-    Plain angles repeat an attitude beside them. A state holds a velocity without an attitude.
+    Plain angles repeat an attitude next to them. A state holds a velocity without an attitude.
     """
     groups = [POS, QUAT, EULER, THRUST]
     moving = [group for group in (VEL, ACC) if table.has(group)] if _has_attitude(table) else []

@@ -59,7 +59,7 @@ def _before_x(columns: Collection[str]) -> list[str]:
 def _refuse_vehicles(
     placed: Collection[str], columns: Collection[str], carried: Collection[str], beside: str
 ) -> None:
-    """Raise ValueError if one of these prefixes may be a vehicle beside other positions."""
+    """Raise ValueError if one of these prefixes may be a vehicle next to other positions."""
     more = set(carried) - set(AXES)
     for name in placed:
         own = sorted(one for one in more if f"{name}_{one}" in columns)

@@ -112,7 +112,7 @@ def median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
 
 
 def _percentiles(errors: Array, *shares: float) -> Array:
-    """Return percentiles of errors; infinite where those beside them are."""
+    """Return percentiles of errors; infinite where their neighbours are."""
     with np.errstate(invalid="ignore"):  # the difference of two infinite ones
         found = np.percentile(errors, shares)
     return np.where(np.isnan(found), np.inf, found)

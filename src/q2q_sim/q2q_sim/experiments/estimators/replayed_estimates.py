@@ -59,7 +59,7 @@ class Feed:
 
 @dataclass(frozen=True, slots=True)
 class FilteredMotion:
-    """States of the mocap filter in one replay, one row a tick."""
+    """States of the mocap filter in one replay, one row per tick."""
 
     pos: Array
     """[m], (T, 3)."""

@@ -45,7 +45,7 @@ class PromiseVerdict:
     silent: int
     """Flights with an entry that was not announced."""
     clearance: float
-    """Least distance of two vehicles to the zone in flights that begin under the conditions [m]."""
+    """Minimum distance of two vehicles to the zone in flights that begin under the conditions [m]."""
     ticks: int
     broken_ticks: int
     """Both of flights that begin under the conditions."""
@@ -119,7 +119,7 @@ def verdict_lines(found: PromiseVerdict) -> Sequence[str]:
     lines = [
         f"{found.flights} flights of {found.vehicles} vehicles; {entries.flights} begin under the conditions",
         f"under the conditions: {entries.events} zone entries, {bound}",
-        f"    least distance to a zone: {1e3 * found.clearance:.0f} mm",
+        f"    smallest distance to a zone: {1e3 * found.clearance:.0f} mm",
         f"    ticks with a broken promise: {found.broken_ticks} of {found.ticks} ({broken:.2%})",
         f"    flights that end on the references: {arrived.events} of {arrived.flights}",
         f"    flights that could if every vehicle flew alone: {found.in_reach.events}",

@@ -1,6 +1,6 @@
 """Flight of a random encounter with full dynamics, under the safe replanner.
 
-The paths are those of `q2q_planner.experiments.encounters`. Radio latency and loss are drawn anew for each
+The paths are those of `q2q_planner.experiments.encounters`. Radio latency and loss are drawn again for each
 encounter; the rest is the room `real`. Controllers and the air share neither flights nor family: the model is
 `measured_law`, fitted to the flights dc19, the air is learned from dc21.
 """
@@ -81,7 +81,7 @@ class EncounterRecord:
     vertical: float
     """[m]"""
     clearance: float
-    """Least signed distance of two vehicles to the zone [m]."""
+    """Minimum signed distance of two vehicles to the zone [m]."""
     announced: bool
     """A vehicle of every pair in the zone had the status PROMISE_BROKEN; true if there is none."""
     ticks: int

@@ -69,7 +69,7 @@ def estimate_noise(flight: TrackedFlight, seed: int) -> tuple[Array, Array]:
     if 0.5 / flight.dt < lowest - ROUNDING:
         raise ValueError(
             f"flight {flight.name} cannot be flown again: the noise of its estimate is read above "
-            f"{lowest:g} Hz, and its {1.0 / flight.dt:.4g} Hz show none; {2.0 * lowest:g} Hz is the least"
+            f"{lowest:g} Hz, and its {1.0 / flight.dt:.4g} Hz show none; {2.0 * lowest:g} Hz is the minimum"
         )
     white = stream(seed, "estimate noise").standard_normal((2, *flight.pos.shape))
     pos, vel = (

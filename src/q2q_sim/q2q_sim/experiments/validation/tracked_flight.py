@@ -25,7 +25,7 @@ from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 SHORTEST = 5.0
 """Shortest flight that is compared [s]: one period of the slowest frequency, 0.2 Hz."""
 NEAR = 0.9
-"""Farthest row that counts as recorded at a time [periods]: stamps jitter; beside a lost row it is 1."""
+"""Farthest row that counts as recorded at a time [periods]: stamps jitter; next to a lost row it is 1."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,7 +46,7 @@ class ValidatedFlight:
     """The first draw alone."""
     vehicle: Vehicle
     under: tuple[ErrorSums, ...]
-    """Rows under a wake, one entry a vehicle."""
+    """Rows under a wake, one entry per vehicle."""
     clear: tuple[ErrorSums, ...]
     """Rows in clear air."""
 

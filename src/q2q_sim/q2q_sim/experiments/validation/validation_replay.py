@@ -1,4 +1,4 @@
-"""Replay of a recorded flight beside its first draw in the air."""
+"""Replay of a recorded flight next to its first draw in the air."""
 
 from collections.abc import Sequence
 from dataclasses import replace
