@@ -9,7 +9,7 @@ from q2q_model.documents.plain_values import Plain
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, is_named, vehicle_by_name
 from q2q_sim.bag_topics.scenario_facts import flown_scenario
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.scenarios.written_scenario import document_of
+from q2q_sim.scenarios.scenario_to_document import document_of
 
 FILE = "scenario.yaml"
 """Name of the file in the bag's folder."""

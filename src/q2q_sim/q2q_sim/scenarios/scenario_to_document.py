@@ -1,4 +1,4 @@
-"""Document of a scenario: the inverse of q2q_sim.scenarios.scenario_document.
+"""Document of a scenario that is built or read: the inverse of q2q_sim.scenarios.scenario_document.
 
 Every parameter of the room is written out, over the room EXPLICIT, whose blocks have their defaults.
 """

@@ -9,8 +9,8 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
+from q2q_sim.scenarios.scenario_to_document import document_of
 from q2q_sim.scenarios.scenario_variants import with_air
-from q2q_sim.scenarios.written_scenario import document_of
 
 
 def read_again(scenario: Scenario) -> Scenario:
