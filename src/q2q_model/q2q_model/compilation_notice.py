@@ -1,6 +1,6 @@
 """Notice of the compilation that delays what a program does for the first time on a machine.
 
-Machine code is stored beside the modules (or in NUMBA_CACHE_DIR), so that later processes load it.
+Machine code is stored next to the modules (or in NUMBA_CACHE_DIR), so that later processes load it.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Work beside this process, in a forked copy of it.
+"""Work in parallel with this process, in a forked copy of it.
 
 The copy has all data, so that only the result is sent. Of the threads of Python only the one that forks lives
 on in a copy, and a lock that another one held stays locked there: a process with other threads does the work
@@ -18,7 +18,7 @@ Result = TypeVar("Result")
 
 
 def forked(work: Callable[[], Result]) -> Callable[[], Result]:
-    """Begin work beside this process; return a function that waits for its result, or raises its error.
+    """Begin work in parallel with this process; return a function that awaits its result or raises its error.
 
     The result must be picklable, the work need not be.
 
@@ -52,8 +52,8 @@ def _explained(process: BaseProcess) -> Iterator[None]:
     except EOFError:
         process.join()
         raise ChildProcessError(
-            f"a process that worked beside this one was ended (exit code {process.exitcode}), perhaps for "
-            "want of memory; free some, then repeat the command"
+            f"a process that worked in parallel with this one was ended (exit code {process.exitcode}), "
+            "perhaps for want of memory; free some, then repeat the command"
         ) from None
 
 

@@ -1,6 +1,6 @@
 """Parameters as frozen dataclass fields with unit, description and bounds.
 
-A block's parameters are the fields of one frozen `...Params` dataclass beside the block. The same fields are
+A block's parameters are the fields of one frozen `...Params` dataclass next to the block. The same fields are
 the node's ROS parameters (declared by q2q_model.ros.node.node_parameters), the keys that a scenario or YAML
 file may override, and the rows of the documentation. Allowed field types: bool, int, float, str,
 tuple[float, ...], tuple[str, ...].

@@ -1,4 +1,4 @@
-"""What a controller commands beside its loop is no downwash, and downwash that it compensates is."""
+"""What a controller commands in addition to its loop is no downwash, and downwash that it compensates is."""
 
 from dataclasses import replace
 

@@ -101,7 +101,7 @@ def test_code_is_kept_and_loaded_until_a_function_or_constant_elsewhere_changes(
 
 
 def test_the_key_is_the_same_in_every_process() -> None:
-    """Sets are written in another order by every process: kernels with such options were compiled anew."""
+    """Sets are written in another order by every process: kernels with such options were compiled again."""
     script = """
 from numba import njit
 from q2q_model.compiled import compiled, kernel_digest

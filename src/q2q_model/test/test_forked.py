@@ -1,4 +1,4 @@
-"""Work in a forked copy runs beside this process, and its result or error comes back."""
+"""Work in a forked copy runs in parallel with this process, and its result or error comes back."""
 
 import os
 import threading

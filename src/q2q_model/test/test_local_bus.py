@@ -1,4 +1,4 @@
-"""Signals within a process: everybody hears everything in order, and the world hears the answer first."""
+"""Signals within a process: everybody receives everything in order, and the world gets the answer first."""
 
 import numpy as np
 import pytest

@@ -210,7 +210,7 @@ def test_vehicles_that_fly_through_each_other_are_not_proven_apart(axis: int, si
 
 @pytest.mark.parametrize("speed", [0.5, 2.0, 6.0])
 def test_who_passes_is_proven_apart_exactly_where_it_stays_out_of_the_zone(speed: float) -> None:
-    """It passes the other's axis at y, which is its least distance."""
+    """It passes the other's axis at y, which is its smallest distance."""
     vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
     start = -0.25 * speed / BRAKE * speed  # half of its way to rest
     for outside in (5e-3, 2e-2):

@@ -1,4 +1,4 @@
-"""A vehicle that is measured again, or far from its motion, starts anew where it is, and is led back."""
+"""A vehicle that is measured again, or far from its motion, is reset to where it is, and is led back."""
 
 from dataclasses import replace
 

@@ -106,7 +106,7 @@ def test_the_exact_cost_agrees_with_a_fine_sum(vehicle: VehicleWaypoints) -> Non
     )
     weights = np.repeat(trajectory.durations / 4000, 4000)
     density = (trajectory.at(steps, 4)[:, :3] ** 2).sum(axis=1) + trajectory.at(steps, 2)[:, 3] ** 2
-    # the midpoint rule at 4000 points a piece is good to some 1e-7 of the largest term
+    # the midpoint rule at 4000 points per piece is good to some 1e-7 of the largest term
     assert snap_cost(trajectory) == pytest.approx(float(weights @ density), rel=1e-5, abs=1e-12)
 
 

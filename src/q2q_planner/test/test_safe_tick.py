@@ -1,4 +1,4 @@
-"""Single ticks of the safe law in closed form, and its old motions against a stranger that is heard late."""
+"""Single ticks of the safe law in closed form, and its old motions against a stranger seen late."""
 
 import itertools
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Tests of what is reported of setpoints that a replanner cannot mend."""
+"""Tests of what is reported of setpoints that a replanner cannot repair."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Summary of a signal for `/diagnostics`, computed once a second outside the tick.
+"""Summary of a signal for `/diagnostics`, computed once per second outside the tick.
 
 | signal | values |
 |---|---|

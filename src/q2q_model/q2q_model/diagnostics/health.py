@@ -55,7 +55,7 @@ class HealthReport:
     summary: str
     values: Mapping[str, str]
     trouble: bool = False
-    """Whether messages are refused or ticks lack an input, which a user mends."""
+    """Whether messages are refused or ticks lack an input, which the user must fix."""
 
 
 def health_report(before: Health, now: Health) -> HealthReport:

@@ -4,7 +4,7 @@
 |---|---|
 | pip | `config/` in the package |
 | colcon | `share/PACKAGE/config` of an ament prefix |
-| nothing: source tree | `config/` beside the package |
+| nothing: source tree | `config/` next to the package |
 """
 
 import os

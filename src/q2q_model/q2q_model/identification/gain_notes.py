@@ -8,7 +8,7 @@ from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 LIMITED = 0.1
-"""Share of rows at the limit of a velocity setpoint from which it is told [-]."""
+"""Share of rows at the limit of a velocity setpoint from which it is reported [-]."""
 
 
 def gain_notes(fit: GainFit, recordings: Sequence[Recording], vehicle: Vehicle) -> list[str]:

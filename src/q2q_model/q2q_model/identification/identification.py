@@ -132,7 +132,7 @@ def identify(
 def _loop(
     gains: GainFit, flown: Sequence[tuple[AltitudeRecord, ...]], vehicle: Vehicle
 ) -> tuple[AltitudeLoop, Sequence[tuple[AltitudeRecord, ...]]]:
-    """Return the loop that predicts altitudes, and the records with what commands show beside it."""
+    """Return the loop that predicts altitudes, and the records with what commands show besides."""
     if not gains.from_commands:
         return gains.loop, flown
     loop = replace(gains.loop, lag=vehicle.thrust_lag, offset=0.0)

@@ -34,7 +34,7 @@ MANY = 12
 LONG = 10.0
 """Length of a cluster over the correlation time [-]: a tenth of it correlates across its ends."""
 RIDGE = 1e-12
-"""Least share of the information in other clusters [-]; below it the interval is unbounded."""
+"""Minimum share of the information in other clusters [-]; below it the interval is unbounded."""
 UNKNOWN = 1e9
 """Half width of an unbounded interval, in units of the parameter."""
 

@@ -42,11 +42,11 @@ class OnlineRefinementParams:
 
     memory: float = tunable(60.0, "time constant of forgetting", unit="s", low=1.0, high=3600.0)
     prior: float = tunable(10.0, "weight of a gain of 1, as a sum of eta^2", unit="m^2/s^4", low=0.0)
-    gain_min: float = tunable(0.5, "least gain", low=0.0, high=1.0)
+    gain_min: float = tunable(0.5, "smallest gain", low=0.0, high=1.0)
     gain_max: float = tunable(2.0, "largest gain", low=1.0, high=10.0)
     offset_max: float = tunable(1.0, "largest magnitude of an offset", unit="m/s^2", low=0.0, high=5.0)
-    publish_every: float = tunable(1.0, "least time between published models", unit="s", low=0.1, high=60.0)
-    change_min: float = tunable(0.01, "least change of the gain for a new model", low=0.0, high=1.0)
+    publish_every: float = tunable(1.0, "minimum time between published models", unit="s", low=0.1, high=60.0)
+    change_min: float = tunable(0.01, "minimum change of the gain for a new model", low=0.0, high=1.0)
 
     def __post_init__(self) -> None:
         """Check the bounds."""
@@ -83,7 +83,7 @@ class OnlineRefinement:
         self._forget_motion()
 
     def _forget_motion(self) -> None:
-        """Begin anew with prediction and push, as with the first tick; the sums stay."""
+        """Begin again with prediction and push, as with the first tick; the sums stay."""
         self._predictor.reset()
         self._push.reset()
         self._t = -np.inf

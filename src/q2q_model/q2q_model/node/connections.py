@@ -73,7 +73,7 @@ def undelivered_topics(nodes: Mapping[str, Connections]) -> dict[str, list[str]]
 
 
 def other_writers(nodes: Mapping[str, Connections], writers_of: Callable[[str], Sequence[str]]) -> str:
-    """Return which signals nodes beside these write, with the names of all who do; empty if none does.
+    """Return which signals nodes other than these write, with the names of all who do; empty if none does.
 
     Args:
         nodes: nodes of a flight.

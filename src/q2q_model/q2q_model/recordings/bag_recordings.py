@@ -23,7 +23,7 @@ def recordings_of_bags(
     """Return the flights in bags, and the repairs that reading took.
 
     Flights are named by their folders, and by parent folders too where names collide. `topics` maps the
-    topics of bags of other software. Half of the bags are read beside this process.
+    topics of bags of other software. Half of the bags are read by a second process.
 
     Raises:
         BagError: a bag cannot be read, or is given twice, also as a copy or by its file: a held-out flight
@@ -45,7 +45,7 @@ def _read(bags: Sequence[Path], topics: TopicMap | None) -> tuple[list[Recording
 
 
 def bags_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """Return the bags among paths, and a note on each other path: a glob also matches files beside bags.
+    """Return the bags among paths, and a note on each other path: a glob also matches files next to bags.
 
     Missing paths are returned, and so are all if none is a bag, for the reader to reject.
     """

@@ -8,9 +8,9 @@ before is none of them, whether it is delivered again or late: one whose stamp i
 from math import inf
 
 CONFIRM_STAMPS = 3
-"""Least number of old stamps in order, whatever their rate."""
+"""Minimum number of old stamps in order, whatever their rate."""
 SET_BACK_S = 1.0
-"""Step back beyond which a frame is not late, and sets the clock back at once, unless told otherwise [s]."""
+"""Step back beyond which a frame is not late, and sets the clock back at once, unless set otherwise [s]."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1

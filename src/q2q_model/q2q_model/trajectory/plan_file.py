@@ -4,7 +4,7 @@ A file holds names, durations and coefficients (shortest decimals that round-tri
 checked against and costs. It is data only: reading one runs no code.
 
 A checksum over all entries detects a plan that was edited after it was certified. It keeps nobody from
-writing another: q2q_planner.offline.certificate.certified_file proves a plan anew.
+writing another: q2q_planner.offline.certificate.certified_file proves a plan again.
 """
 
 import json
@@ -31,7 +31,7 @@ REMEDY = "write one with `ros2 run q2q_planner plan`"
 
 @dataclass(frozen=True, slots=True)
 class PlanFacts:
-    """Properties of a plan beside its trajectories; NaN where unknown."""
+    """Properties of a plan in addition to its trajectories; NaN where unknown."""
 
     zone: str = "none"
     """Description of the zone that every pair avoids."""
@@ -40,7 +40,7 @@ class PlanFacts:
     snap_infimum: float = nan
     """Cost (18) without avoidance [same unit]."""
     clearance: float = nan
-    """Least signed distance of any pair to the zone over all t [m]."""
+    """Minimum signed distance of any pair to the zone over all t [m]."""
 
 
 def encode(plan: SwarmPlan, facts: PlanFacts | None = None) -> str:

@@ -93,7 +93,7 @@ class SwarmPlan:
         """
         if not self.names or len(self.names) != len(self.trajectories):
             counts = f"{len(self.names)} names for {len(self.trajectories)} trajectories"
-            raise ValueError(f"{counts}: expected one trajectory a vehicle, at least one vehicle")
+            raise ValueError(f"{counts}: expected one trajectory per vehicle, at least one vehicle")
         if len(set(self.names)) != len(self.names):
             raise ValueError(f"names {', '.join(self.names)}: each vehicle needs its own")
         object.__setattr__(self, "_table", _side_by_side(self.trajectories))

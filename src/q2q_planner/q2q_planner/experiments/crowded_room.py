@@ -34,8 +34,10 @@ class RoomSize:
     length: float = tunable(3.0, "along x", unit="m", low=0.5, high=100.0)
     width: float = tunable(3.0, "along y", unit="m", low=0.5, high=100.0)
     height: float = tunable(2.0, "along z", unit="m", low=0.5, high=100.0)
-    wall: float = tunable(0.1, "least distance of a vehicle from walls, floor and ceiling", unit="m", low=0.0)
-    inset: float = tunable(0.3, "least distance of places from them", unit="m", low=0.0)
+    wall: float = tunable(
+        0.1, "minimum distance of a vehicle from walls, floor and ceiling", unit="m", low=0.0
+    )
+    inset: float = tunable(0.3, "minimum distance of places from them", unit="m", low=0.0)
     time: float = tunable(8.0, "duration of a swap", unit="s", low=0.1, high=100.0)
 
     def __post_init__(self) -> None:

@@ -37,7 +37,7 @@ LATEST = 0.3
 MOST_LOST = 0.1
 """Largest share of lost messages."""
 CLEAR = 0.02
-"""Least initial distance to the zone plus both `tracking` at which the conditions hold [m]."""
+"""Minimum initial distance to the zone plus both `tracking` at which the conditions hold [m]."""
 NEAR = 0.05
 """Distance to the reference within which a vehicle has arrived [m]."""
 
@@ -81,7 +81,7 @@ class EncounterVerdict:
     broken: bool
     """Some vehicle reported a broken promise."""
     clearance: float
-    """Least signed distance of any pair to the zone [m]."""
+    """Minimum signed distance of any pair to the zone [m]."""
     arrived: bool | None
     """All ended within NEAR of their references; None if these are in each other's zones."""
     shift: float

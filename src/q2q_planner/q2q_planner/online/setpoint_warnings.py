@@ -1,4 +1,4 @@
-"""What a replanner cannot mend in its setpoints, for its log: broken promises, and what is not finite."""
+"""What a replanner cannot repair in its setpoints, for its log: broken promises, and what is not finite."""
 
 from math import isfinite
 
@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
 
 SETTLED_S = 10.0
-"""Time of sound setpoints after which a warning is reported as over, and anew if it comes back [s]."""
+"""Time of sound setpoints after which a warning is reported as over, and again if it comes back [s]."""
 BROKEN = int(SetpointStatus.PROMISE_BROKEN)
 
 

@@ -7,7 +7,7 @@ Filter, guard and plan follow a step back of more than SET_BACK_S (1 s) at once.
 stamps that rise, up to LONGEST_GAP: were the frame late after all, motions that had followed it would be
 propagated by as much at the next tick. In table6, two frames that are 1.5 or 3 s late would so move
 setpoints by up to 0.25 m in a tick; they move by 3 mm. If the clock stays back, the wait costs a step of
-0.1 s of motion, and changes least distances in table6 and swarm6 by 2 cm at most.
+0.1 s of motion, and changes smallest distances in table6 and swarm6 by 2 cm at most.
 """
 
 from math import inf

@@ -15,7 +15,7 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 | no measurement yet, one of another vehicle, NaN | the prediction unchanged |
 | a measurement older than `OLDEST` | the prediction unchanged: nothing of the residual is left |
 | a measurement not later than the last, or of a time without prediction | ignored |
-| a prediction earlier than the last: a late one, or the clock was set back | starts anew |
+| a prediction earlier than the last: a late one, or the clock was set back | is reset |
 | measurements of other vehicles than the last time | what is known of each follows its name |
 | a vehicle without prediction (NO_MODEL) | the prediction unchanged |
 """

@@ -19,7 +19,7 @@ from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, Mask
 
 CONFIRM_SAMPLES = 3
-"""Least number of samples of an accepted jump, whatever their rate."""
+"""Minimum number of samples of an accepted jump, whatever their rate."""
 
 
 class Reacquisition:

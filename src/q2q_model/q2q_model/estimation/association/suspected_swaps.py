@@ -28,7 +28,7 @@ OTHER_MOTION = 0.2
 """Difference of velocities by which two vehicles are distinguished [m/s]: three times the error of a velocity
 from MOVING_SAMPLES with 1 mm of noise at 100 Hz."""
 MOVING_SAMPLES = 3
-"""Least number of samples that show how a candidate moves."""
+"""Minimum number of samples that show how a candidate moves."""
 
 
 class LastSample(NamedTuple):

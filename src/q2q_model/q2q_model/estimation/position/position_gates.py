@@ -130,7 +130,7 @@ def _stale(passed: bool, i: int, gates: PositionGates) -> bool:
 def count_varied(tracks: TrackColumns, i: int, sample: tuple[Array, Array], repeated: bool) -> None:
     """Count a sample that noise moved off its prediction while the vehicle was slow.
 
-    The count begins anew where a pose repeats, and where it is rounded, or as predicted, while it is slow.
+    The count begins again where a pose repeats, and where it is rounded, or as predicted, while it is slow.
 
     Args:
         tracks: Of all vehicles.

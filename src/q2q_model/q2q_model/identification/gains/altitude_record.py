@@ -31,7 +31,7 @@ from q2q_model.vehicle.constants import GRAVITY, Vehicle
 UP = np.array([0.0, 0.0, 1.0])
 """Body z of a level vehicle."""
 SHORTEST = 2.0
-"""Least duration of a record [s], about the time constant of the altitude loop."""
+"""Minimum duration of a record [s], about the time constant of the altitude loop."""
 HOLE_S, HOLE_PERIODS = 0.3, 3.0
 """Time without a row from which there is a hole [s], and at least in median periods: a third of the time
 constant of the altitude loop."""
@@ -44,7 +44,7 @@ STANDING = 0.25
 """Share of the weight below which a commanded thrust is that of a vehicle on the ground [-]: in recorded
 flights, commands in the air are 0.64 or more."""
 LEAST_UP = 0.5
-"""Least median of the vertical component of body z [-]: a tilt of 60 degrees."""
+"""Minimum median of the vertical component of body z [-]: a tilt of 60 degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class AltitudeRecord:
     feed_forward: Array
     """Downwash compensated by the controller [m/s^2], along z, (T, n); NaN where not recorded."""
     added_acc: Array
-    """Acceleration by feed-forward and by a constant, beside (13), along z [m/s^2], (T, n); 0 if unknown."""
+    """Acceleration by feed-forward and a constant, added to (13), along z [m/s^2], (T, n); 0 if unknown."""
     outliers: int
     """Number of outliers among the motion capture samples."""
     samples: int

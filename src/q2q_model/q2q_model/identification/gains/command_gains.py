@@ -21,7 +21,7 @@ have none (c_v = -K_d, c_a = -1), as has the firmware that is sent positions. El
 | K_p K_d b K_i | loop | see q2q_model.vehicle.altitude_loop |
 | xi | | integral of z_ref - z [m s] |
 | c | | share of the downwash eta_ff that the controller compensates [-] |
-| c_v c_a | of_rates | use of the rates of references beside the loop [1/s], [-] |
+| c_v c_a | of_rates | use of the rates of references next to the loop [1/s], [-] |
 """
 
 from collections.abc import Sequence
@@ -44,11 +44,11 @@ NEEDED = 0.01
 HUBER = 1.345
 """Huber threshold in standard deviations; 95 % efficient for normal errors (Huber 1981)."""
 RESOLUTION = 1e-6
-"""Least standard deviation of the residual [m/s^2]: 1e-7 g."""
+"""Minimum standard deviation of the residual [m/s^2]: 1e-7 g."""
 ROUNDS, SETTLED = 10, 1e-4
 """Most iterations of reweighting, and the change of weights that ends them [-]."""
 BLOCK = 1.0
-"""Least length of a cluster of residuals [s]."""
+"""Minimum length of a cluster of residuals [s]."""
 K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET = range(7)
 """Terms of the equation; OFFSET is one column for each vehicle of each flight."""
 

@@ -24,7 +24,7 @@ and 0 for a vehicle that is too seldom alone: its loop then counts as balanced.
 | h | | response of epsilon to a unit eta at one sample [s^2] |
 | b_i - c eta_ff | added_acc | what a controller adds [m/s^2] |
 | c | compensated | share of the predicted downwash eta_ff that it compensates [-] |
-| c_v c_a | of_rates | use of the rates of references beside the loop (command_gains) [1/s], [-] |
+| c_v c_a | of_rates | use of the rates of references next to the loop (command_gains) [1/s], [-] |
 | Phi, Gamma0, Gamma1 | step | x_(k+1) = Phi x_k + Gamma0 u_k + Gamma1 u_(k+1) |
 """
 
@@ -43,7 +43,7 @@ CLEAR = 0.5
 SETTLED = 3.0
 """Time constants after which a loop has forgotten a push [-]: a twentieth is left."""
 LEAST = 2.0
-"""Least time in clear air from which a constant is inferred [s]."""
+"""Minimum time in clear air from which a constant is inferred [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ def free_response(
         dt: time between samples [s].
         start: epsilon and epsilon' at the first sample [m], [m/s], (2, n).
         jerk: third derivative of the altitude reference [m/s^3], (T, n).
-        added_acc: commanded acceleration beside that of the loop [m/s^2], (T, n).
+        added_acc: commanded acceleration in addition to that of the loop [m/s^2], (T, n).
     """
     step = loop_step(loop, dt)
     state = np.zeros((step.phi.shape[0], start.shape[1]))

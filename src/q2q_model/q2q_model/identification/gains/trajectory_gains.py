@@ -39,7 +39,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 TOLERANCE = 1e-8
 """xtol and ftol of Table 3."""
 BLOCK = 5.0
-"""Least length of a cluster of residuals [s]: two thirds of the loop's period."""
+"""Minimum length of a cluster of residuals [s]: two thirds of the loop's period."""
 FORBIDDEN = 1e12
 """Loss of negative gains [m^2]."""
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}

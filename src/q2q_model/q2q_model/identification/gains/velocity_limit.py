@@ -13,9 +13,9 @@ from q2q_model.signals.values import Array, Mask
 LIMIT = 0.98
 """Share of its largest value from which a velocity setpoint counts as limited [-]."""
 SLOWEST = 0.05
-"""Smallest limit of a velocity setpoint [m/s]: a vehicle that is told to hover is not limited."""
+"""Smallest limit of a velocity setpoint [m/s]: a vehicle that is commanded to hover is not limited."""
 AROUND = 3
-"""Rows beside a limited one that count as limited too: the differences over them are wrong."""
+"""Rows next to a limited one that count as limited too: the differences over them are wrong."""
 
 EQUAL = 1e-7
 """Share of the largest acceleration within which differences are equal to those that were taken before stamps

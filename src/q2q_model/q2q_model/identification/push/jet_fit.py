@@ -36,7 +36,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 THINNING = 10
 """Ticks per residual: 10 Hz for a loop of 0.9 rad/s."""
 BLOCK = 0.5
-"""Least length of a cluster of residuals [s]: five times the passage of a jet of 0.1 m at 1 m/s."""
+"""Minimum length of a cluster of residuals [s]: five times the passage of a jet of 0.1 m at 1 m/s."""
 Z95 = 1.96
 """Standard deviations that contain 95 % of a normal."""
 MOST_STD = 10.0

@@ -30,7 +30,7 @@ from q2q_model.vehicle.constants import GRAVITY
 MOST = 2.0
 """Largest loading a controller takes [-]: twice that of momentum theory."""
 LEAST_GROWTH = 1e-6
-"""Least growth of the downwash at a loading of 1, relative, for loading to be identifiable [-]."""
+"""Minimum growth of the downwash at a loading of 1, relative, for loading to be identifiable [-]."""
 
 
 def loading_of(model: InteractionModel, samples: Sequence[PushSamples]) -> Interval | None:

@@ -35,7 +35,7 @@ FLOOR = 0.3
 ABSENT_S = 2.0
 """Time without a measurement from which a vehicle is away [s]: gaps of recorded flights are up to 0.8 s."""
 ABSENT_APART = 0.5
-"""Least horizontal distance of a vehicle that is away [m]: there is no observable downwash beyond."""
+"""Minimum horizontal distance of a vehicle that is away [m]: there is no observable downwash beyond."""
 FEWEST_FREE = 200
 """Fewest free rows for the median."""
 APART = 0.3

@@ -124,7 +124,7 @@ def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
 
 
 def _process_beside(parts: Sequence[_Part], noise: float) -> ResidualProcess | None:
-    """Return the process whose deviation is that of the residuals beside a noise [m/s^2]."""
+    """Return the process whose deviation is that of the residuals apart from a noise [m/s^2]."""
     push, residual = (
         np.concatenate([getattr(part, name) for part in parts]) for name in ("push", "residual")
     )

@@ -106,7 +106,7 @@ def score_candidates(
     """Return each candidate's held-out score, and remarks on those that cannot be fitted.
 
     `on_step` is called with the name of each candidate before its fit. The last one, which takes about as
-    long as all others, is fitted beside them.
+    long as all others, is fitted in addition.
     """
     trials: list[Trial] = []
     remarks: list[str] = []

@@ -1,4 +1,4 @@
-"""Publication of a node's health on `/diagnostics` once a second, and of new trouble in its log."""
+"""Publication of a node's health on `/diagnostics` once per second, and of new trouble in its log."""
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy

@@ -86,7 +86,7 @@ def _declared(node: Node, params: ParamsClass, entry: Field[Any], prefix: str, *
         raise ValueError(_wrong_type(node, name, default)) from refusal
     if value is not None:
         return _plain(value)
-    # rclpy declares no empty list of strings, only an unset one, beside which it gives no other parameter
+    # rclpy declares no empty list of strings, only an unset one, and then gives no other parameter
     node._parameters[name] = Parameter(name, Parameter.Type.STRING_ARRAY, [])  # noqa: SLF001
     return default
 

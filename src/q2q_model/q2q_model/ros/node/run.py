@@ -179,7 +179,7 @@ def _spin(executor: Executor, nodes: Iterable[Node], ending: _Ending) -> None:
             _bound_leaving()
             for node in nodes:
                 executor.remove_node(node)
-                node.destroy_node()  # tells the others, who would wait 20 s for what it has not acknowledged
+                node.destroy_node()  # informs the others, who would wait 20 s for its acknowledgements
             return
 
 

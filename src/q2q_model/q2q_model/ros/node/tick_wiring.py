@@ -98,7 +98,7 @@ class TickWiring(Generic[Made]):
         self._bus.listen(topic, take)
 
     def expect_one_writer(self, *topics: str) -> None:
-        """Report once a second the topics that several nodes write."""
+        """Report once per second the topics that several nodes write."""
         self.check_each_second(TopicWriters(self._node, topics, self.health).look)
 
     def check_each_second(self, check: Callable[[], object]) -> None:
@@ -106,7 +106,7 @@ class TickWiring(Generic[Made]):
         self._checks.append(check)
 
     def add_diagnostic_values(self, more: Callable[[], Mapping[str, str]]) -> None:
-        """Add the values of `more()` to `/diagnostics`, once a second."""
+        """Add the values of `more()` to `/diagnostics`, once per second."""
         self._more.append(more)
 
     def _facts(self) -> Mapping[str, str]:

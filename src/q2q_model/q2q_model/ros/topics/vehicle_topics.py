@@ -28,7 +28,7 @@ class VehicleTopics:
         self._writers = VehiclePublishers(node, {"pose": PoseStamped, "odom": Odometry}, rate_hz, names)
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
-        """Publish pose and odometry of every vehicle, at most `rate_hz` times a second."""
+        """Publish pose and odometry of every vehicle, at most `rate_hz` times per second."""
         if not self._writers.due(state.t, stamp_ns, state.names):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame

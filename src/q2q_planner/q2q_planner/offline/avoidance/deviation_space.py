@@ -26,7 +26,7 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DeviationSpace:
-    """Deviations of one vehicle; y has m numbers an axis."""
+    """Deviations of one vehicle; y has m numbers per axis."""
 
     knots: Array
     """Times [s], rising, (k,)."""

@@ -1,4 +1,4 @@
-"""Least deformation of a swarm under separating planes at samples.
+"""Minimum deformation of a swarm under separating planes at samples.
 
 A plane (i, j, s, n, level) requires n.(r_i(t_s) - r_j(t_s)) >= level. In the deviations y of
 `deviation_space` all planes together read A y >= b, and the least deviation is y = A'x, where the dual x >= 0
@@ -18,7 +18,7 @@ from q2q_planner.offline.avoidance.separating_planes import Planes
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples
 
 HARD = 1e-4
-"""Least delta, over the mean of AA' 's diagonal."""
+"""Minimum delta, over the mean of AA' 's diagonal."""
 MOST_DENSE = 400
 """Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
 ACCURACY = 1e-10
@@ -30,7 +30,7 @@ LOOSE = 1e-6
 def least_deviations(
     samples: SwarmSamples, planes: Planes, warm: Array, softness: float = HARD
 ) -> tuple[Array, Array]:
-    """Return the deviations y (n, m, 3) of least cost that satisfy the planes, and their dual x (planes,).
+    """Return the deviations y (n, m, 3) of minimum cost that satisfy the planes, and their dual x (planes,).
 
     The dual is zero for planes that are not touched. `warm` is the guess x_0; `softness` is delta over the
     mean of AA' 's diagonal, HARD for few planes.

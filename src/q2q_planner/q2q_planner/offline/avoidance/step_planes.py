@@ -24,7 +24,7 @@ class WatchedSamples:
 
     @property
     def distance(self) -> float:
-        """Return the least distance of a watched sample to the zone or a wall [m]; negative if violated."""
+        """Return the smallest distance of a watched sample to zone or wall [m]; negative if violated."""
         apart = float(self.pairs.distance.min(initial=0.0))
         return apart if self.walls is None else min(apart, self.walls.distance)
 

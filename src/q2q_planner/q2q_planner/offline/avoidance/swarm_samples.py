@@ -55,6 +55,6 @@ def sample_times(trajectories: Sequence[Trajectory], spacing: float, fewest: int
     fine = np.linspace(0.0, end, FINE)
     speed = np.array([np.linalg.norm(one.at(fine, 1)[:, :3], axis=-1) for one in trajectories])
     fastest = np.partition(speed, -min(2, len(speed)), axis=0)[-2:].sum(axis=0)
-    rate = fastest / spacing + fewest / end  # samples a second
+    rate = fastest / spacing + fewest / end  # samples per second
     count = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
     return np.asarray(np.interp(np.linspace(0.0, count[-1], int(np.ceil(count[-1])) + 1), count, fine))

@@ -23,7 +23,7 @@ class WallWatch(NamedTuple):
     sample: Rows
     """(w,)"""
     distance: float
-    """Least distance of any vehicle to a wall at any sample [m]."""
+    """Minimum distance of any vehicle to a wall at any sample [m]."""
 
 
 def watch_walls(positions: Array, walls: Walls, watched: Mask, *, nearest: bool) -> WallWatch:

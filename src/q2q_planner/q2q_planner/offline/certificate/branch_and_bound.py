@@ -1,4 +1,4 @@
-"""Least value of many functions of time by branch and bound, with a proven lower bound.
+"""Minimum of many functions of time by branch and bound, with a proven lower bound.
 
 A stretch of time is given by the Bernstein control points of its motion, and bounded by a value that is taken
 on it and by one that no value is below. Stretches whose lower bound is above the least value taken so far,
@@ -34,7 +34,7 @@ class StretchBounds(NamedTuple):
 
 
 class Least(NamedTuple):
-    """Least value of all stretches."""
+    """Minimum value of all stretches."""
 
     value: float
     """The least value found [m]."""

@@ -31,7 +31,7 @@ from q2q_planner.offline.certificate.rounding_bound import (
 from q2q_planner.offline.certificate.shared_pieces import SharedPieces, shared_pieces
 
 LIKELY = 256
-"""Number of nearest boxes evaluated first, for an initial least distance."""
+"""Number of nearest boxes evaluated first, for an initial smallest distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Certificate:
     pair: tuple[str, str] | None
     """The pair that comes nearest."""
     t: float
-    """Time of its least distance [s]."""
+    """Time of its smallest distance [s]."""
     not_computed: str = ""
     """Why no clearance is computed; empty where one is."""
 
@@ -99,7 +99,7 @@ class _Stretches:
 
 
 def _stretches(shared: SharedPieces, zone: ConvexZone, rounding: float) -> _Stretches:
-    """Return the stretches that may contain the least distance: their boxes are nearer than some midpoint.
+    """Return the stretches that may contain the smallest distance: their boxes are nearer than some midpoint.
 
     Box and midpoint of vehicles at rest are one distance, computed twice: `rounding` [m] covers both errors.
     """

@@ -40,7 +40,7 @@ MOST_COEFFICIENTS = 56
 """Beyond, C(m - 1, k) is not a double."""
 
 ROUNDING = 1e-9
-"""Least slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
+"""Minimum slack for rounding [m]: 1e5 times the last bit of a position of 50 m."""
 
 MOST_ROUNDING = 1.0
 """Rounding beyond which nothing is computed, so that nothing overflows [m]."""

@@ -97,7 +97,7 @@ def check_feasible(
 ) -> None:
     """Raise ValueError with vehicle, waypoint and bound if a trajectory needs too much thrust or yaw rate.
 
-    `reserve` is the acceleration that the thrust must give beside the plan's, in any direction [m/s^2].
+    `reserve` is the acceleration that the thrust must give on top of the plan's, in any direction [m/s^2].
     """
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))

@@ -34,7 +34,7 @@ Reading = Literal["stop_and_go", "free"]
 
 
 def minimum_snap(vehicle: VehicleWaypoints, reading: Reading = "stop_and_go") -> Trajectory:
-    """Return the trajectory of least cost (17) through a vehicle's waypoints, from its first time on."""
+    """Return the trajectory of minimum cost (17) through a vehicle's waypoints, from its first time on."""
     durations = np.diff(vehicle.times)
     points = vehicle.points
     pos = pieces_from_nodes(_nodes(points[:, :3], durations, POSITION_HALF, reading), durations)
@@ -46,7 +46,7 @@ def minimum_snap(vehicle: VehicleWaypoints, reading: Reading = "stop_and_go") ->
 
 
 def minimum_snap_plan(swarm: Sequence[VehicleWaypoints], reading: Reading = "stop_and_go") -> SwarmPlan:
-    """Return the plan of least cost (17) for each vehicle by itself, without avoidance."""
+    """Return the plan of minimum cost (17) for each vehicle by itself, without avoidance."""
     check_swarm(swarm)
     names = tuple(vehicle.name for vehicle in swarm)
     return SwarmPlan(names, tuple(minimum_snap(vehicle, reading) for vehicle in swarm))

@@ -15,7 +15,7 @@ from q2q_model.signals.values import Array
 Point = tuple[float, float, float]
 
 SHORTEST_PIECE = 1e-3
-"""Least time between waypoints [s]: a tenth of the 100 Hz tick."""
+"""Minimum time between waypoints [s]: a tenth of the 100 Hz tick."""
 
 FARTHEST, LONGEST, MOST_TURN = 1e4, 1e5, 1e4
 """Largest coordinate [m], time [s] and yaw [rad]: beyond, the rounding of a 7th power of time

@@ -15,13 +15,13 @@ that push is explicit. The risks of one vehicle add up (Boole); any of n vehicle
 n alpha at most, however their errors depend on each other, and a pair touches only if one of its two fails.
 
 Conditions: flights like those that the tube was learned from; the downwash of a level source at rest, one
-source at a time; a normal residual, at one instant: it is drawn anew every `time_s`, and its effect on the
+source at a time; a normal residual, at one instant: it is drawn again every `time_s`, and its effect on the
 position is part of the tube.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | alpha | alpha | risk of one vehicle in one flight [-] |
-| hold | hold | downwash that the thrust holds beside the plan's own accelerations [m/s^2] |
+| hold | hold | downwash that the thrust holds in addition to the plan's accelerations [m/s^2] |
 | touch | touch | distance of centres at which two vehicles touch [m] |
 | push | largest_push | largest mean downwash allowed [m/s^2] |
 """
@@ -64,7 +64,7 @@ class RiskTerms:
     alpha: float
     """Risk of one vehicle in one flight [-]."""
     hold: float
-    """Downwash that the thrust holds beside the plan's accelerations [m/s^2]."""
+    """Downwash that the thrust holds in addition to the plan's accelerations [m/s^2]."""
     tube: RiskTube
     touch: float = CONTACT
     """Distance at which two vehicles touch [m]."""

@@ -94,7 +94,7 @@ def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
 
 
 def starting(setpoint: SwarmSetpoint, params: SafeReplannerParams) -> CommittedMotion:
-    """Return the motion of a swarm that starts on its reference, or beside one that exceeds the bounds.
+    """Return the motion of a swarm that starts on its reference, or off one that exceeds the bounds.
 
     Such a vehicle of bounded jerk starts at most at speed_max, and without acceleration.
     """

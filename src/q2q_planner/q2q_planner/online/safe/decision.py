@@ -14,7 +14,7 @@ from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 
 class Decision(NamedTuple):
-    """What a tick has decided beside the motion."""
+    """What a tick has decided besides the motion."""
 
     acc: Array
     """Acceleration of the motion at its time [m/s^2], (n, 3)."""

@@ -1,8 +1,8 @@
-"""Vehicles that are not where their motion is: it begins anew where they are measured.
+"""Vehicles that are not where their motion is: it is reset to where they are measured.
 
 A vehicle without measurements brakes and sinks (q2q_control.failsafe), while its modified trajectory goes on.
 Measured again, it would be pulled to a setpoint metres away, past others, faster than any motion that was
-proven. Its motion therefore starts anew at its measured position and velocity, and leads back from there. It
+proven. Its motion is therefore reset to its measured position and velocity, and leads back from there. It
 sinks no faster than it can stop above the floor, z = 0: sent below that, one would stand there and lean.
 
 So does that of a vehicle that was measured all the time and is far from its modified trajectory, as one that

@@ -20,7 +20,7 @@ whatever the reference does: one that exceeds `jerk_max` or `acc_max`, or accele
    accelerate beyond `acc_max`, exceed `speed_max`, or fly on when it should brake. This is not measured:
    vehicles near it report it once its state leaves no motion that is proven. Or its last known state is older
    than `forget`: all vehicles report it in that tick, and nothing is promised about it from then on until it
-   is heard of again;
+   is received again;
 4. with `jerk_max`: a modified trajectory is faster than `speed_max`, for which no tube is known, or a vehicle
    comes near an external one, whose acceleration nobody sends;
 5. a setpoint of the reference is not finite (`nonfinite_setpoints`).
@@ -117,7 +117,7 @@ class SafeReplanner:
     def configure(self, params: SafeReplannerParams) -> None:
         """Change the parameters in flight; the modified trajectories continue without a jump.
 
-        What was proven against external vehicles is proven anew: the zone or their bounds may have changed.
+        What was proven against external vehicles is proven again: the zone or their bounds may have changed.
         """
         self.params, self._grown = params, params.with_tube
         self._forget_proofs()
