@@ -1,4 +1,4 @@
-"""A controller starts anew where its commands begin to be flown."""
+"""A controller is reset where its commands begin to be flown."""
 
 from collections.abc import Callable
 

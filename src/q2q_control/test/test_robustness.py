@@ -82,7 +82,7 @@ KINDS = (
 SILENT = "mpc with correction, silent"
 """Without accelerometers."""
 UNCORRECTED = {"pid with correction": "pid with observer", "mpc with correction": "mpc", SILENT: "mpc"}
-"""Controllers that ignore the downwash beside those with correction, which finds it without a model."""
+"""Controllers that ignore the downwash and those with correction, which finds it without a model."""
 CREDULOUS = ("mpc without observer", "saturated, gain +50 %")
 """Without an observer nothing reveals a wrong model, and at a bound the MPC acts on it ahead."""
 CASES = {

@@ -1,4 +1,4 @@
-"""Pairs of vehicles above each other, beside a plain loop."""
+"""Pairs of vehicles above each other, against a plain loop."""
 
 from itertools import product
 

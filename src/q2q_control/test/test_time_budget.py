@@ -1,4 +1,4 @@
-"""A budget ends when its clock says so, and begins anew with each tick."""
+"""A budget ends when its clock says so, and begins again with each tick."""
 
 from q2q_control.failsafe.time_budget import TimeBudget
 

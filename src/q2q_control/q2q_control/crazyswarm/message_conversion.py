@@ -32,7 +32,7 @@ from q2q_model.signals.values import (
 
 BACKENDS = ("cpp", "cflib")
 DEFAULT_BACKEND = "cpp"
-"""Backend that Crazyswarm2 launches unless told otherwise."""
+"""Backend that Crazyswarm2 launches unless configured otherwise."""
 _PITCH_SIGN = {"cpp": 1.0, "cflib": -1.0}
 
 

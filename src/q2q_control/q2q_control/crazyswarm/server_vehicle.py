@@ -21,7 +21,7 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover, hover_ratio
 
 STALE_S = 3.0
-"""Age at which a report is stale [s]: the server logs a status once a second."""
+"""Age at which a report is stale [s]: the server logs a status once per second."""
 UNKNOWN = (nan, nan, nan)
 
 

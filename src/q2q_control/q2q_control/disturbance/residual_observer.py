@@ -133,7 +133,7 @@ def steady_gain(process: ResidualProcess, eta: float, step: float) -> float:
 
 @compiled
 def advance(belief: Belief, known: Mask, rows: ResidualRows, step: float, share: float) -> None:
-    """Propagate by a step [s] and correct by heights, in place; rows that are not `known` start anew.
+    """Propagate by a step [s] and correct by heights, in place; rows that are not `known` are reset.
 
     `share` is what remains of w [-].
     """

@@ -25,7 +25,7 @@ from q2q_model.signals.values import Array
 Single = NDArray[np.float32]
 
 GATE_MIN = 1e-3
-"""Least gate of a sample that is fitted [-]."""
+"""Minimum gate of a sample that is fitted [-]."""
 FEWEST = 100
 """With fewer samples the network is not fitted: its output is 0."""
 

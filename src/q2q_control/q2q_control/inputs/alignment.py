@@ -43,7 +43,7 @@ _LOST = int(TrackStatus.LOST)
 
 @dataclass(frozen=True, slots=True)
 class Aligned:
-    """Arrays of one tick, one row a vehicle in the order of `names`."""
+    """Arrays of one tick, one row per vehicle in the order of `names`."""
 
     t: float
     names: Names

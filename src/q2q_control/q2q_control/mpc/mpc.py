@@ -1,4 +1,4 @@
-"""Receding-horizon control with predicted downwash: (26), solved anew every tick.
+"""Receding-horizon control with predicted downwash: (26), solved in every tick.
 
 Every tick: the state in which a command given now finds the vehicles (latency, lags, disturbance:
 `initial_state`); references, last solutions and the downwash along their paths (`forecast`); the inputs that
@@ -10,7 +10,7 @@ first of them, or a fallback, as acceleration (`commanded_acceleration`), and as
     d' = -w / T_w                                                    w: residual, if accelerometers correct
     f m g <= U1 <= U_max, |tilt| <= tilt_max, both with bounded rates          f: THRUST_LEAST
 
-One linearisation and one solve a tick (real-time iteration; Diehl, Bock, Schloeder, SIAM J. Control Optim.
+One linearisation and one solve per tick (real-time iteration; Diehl, Bock, Schloeder, SIAM J. Control Optim.
 43, 2005): the next tick continues from this one's paths. The downwash depends on all paths, so the upper
 vehicle may rise to spare the lower one: this is the benefit of joint control (Table 7).
 
@@ -110,7 +110,7 @@ class Mpc:
         self.configure(params)
 
     def configure(self, params: MpcParams) -> None:
-        """Use other parameters; last solutions and estimates start anew.
+        """Use other parameters; last solutions and estimates are reset.
 
         Raises:
             ValueError: the solver is not made for these parameters, or thrust_max does not carry the vehicle.
@@ -198,7 +198,7 @@ class Mpc:
         return self._heard.has(name, t)
 
     def silent_neighbours(self, t: float) -> Names:
-        """Return the vehicles of other controllers that were heard, and are silent at t [s]."""
+        """Return the vehicles of other controllers whose predictions have come and then stopped at t [s]."""
         return self._heard.silent(t)
 
     @property

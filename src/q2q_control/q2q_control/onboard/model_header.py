@@ -1,6 +1,6 @@
 """Parameters of the firmware app: its model as a C header.
 
-The C sources beside this file take every size and number from `q2q_model.h`: the jet and its reach, the
+The C sources next to this file take every size and number from `q2q_model.h`: the jet and its reach, the
 residual process, the vehicle, and the rates. Numbers are single precision; the compiler folds them, and drops
 the parts of the law that a model does not use.
 """

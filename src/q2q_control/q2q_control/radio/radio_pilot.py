@@ -11,7 +11,7 @@
 | flying | the command of every tick is sent; before that, none |
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
 | lost while climbing or landing | the high-level commander goes on; land and cut are sent all the same |
-| back, and its supervisor says that it flies | CLIMBING goes on; from FLYING, or if told to, it lands |
+| back, and its supervisor says that it flies | CLIMBING goes on; from FLYING, or if ordered to, it lands |
 | battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
 | state older than stale_s | no pose is sent; the firmware's estimate coasts |
 | command with status CUT | the vehicle's motors are cut and locked |

@@ -39,7 +39,7 @@ class VehicleRecord:
     since: float = 0.0
     """Start of the phase [s], also of a landing ordered while offline."""
     lost: Phase | None = None
-    """If OFFLINE, its phase in the air: the one lost, or LANDING once it is told to land; else None."""
+    """If OFFLINE, its phase in the air: the one lost, or LANDING once it is ordered to land; else None."""
     measured_at: float = -inf
     """Time of the last measured state [s]."""
     low_since: float = inf
@@ -65,7 +65,7 @@ class VehicleRecord:
         return self.lost or self.phase
 
     def enter(self, phase: Phase, t: float) -> None:
-        """Enter a phase at time t [s]; a vehicle that is lost and told to land stays OFFLINE."""
+        """Enter a phase at time t [s]; a vehicle that is lost and ordered to land stays OFFLINE."""
         if phase is Phase.LANDING and self.lost is not None:
             self.lost, self.since = phase, t
             return

@@ -1,1 +1,1 @@
-"""ROS 2 nodes of q2q_control: convert, call the floor below, publish."""
+"""ROS 2 nodes of q2q_control: convert, call the library, publish."""

@@ -63,7 +63,7 @@ class LegacyTopics:
     """Publishers of `<name>/cmd_vel_legacy`, in the units and signs of Crazyswarm2's default server."""
 
     def __init__(self, node: Node, scale: RpytScale, rate_hz: float, names: Names) -> None:
-        """Publish at most `rate_hz` times a second; `names` are the vehicles known in advance."""
+        """Publish at most `rate_hz` times per second; `names` are the vehicles known in advance."""
         self._scale = scale
         self._writers = VehiclePublishers(node, {"cmd_vel_legacy": Twist}, rate_hz, names)
 

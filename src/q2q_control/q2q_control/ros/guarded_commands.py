@@ -2,7 +2,7 @@
 
 Live, a timer checks every TICK_S for a missing tick. DDS events (deadline, liveliness) would report 7 ms
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
-When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller starts anew.
+When the flight procedure of `radio` or `crazyswarm` begins to fly its commands, the controller is reset.
 """
 
 from time import monotonic
@@ -83,7 +83,7 @@ class GuardedCommands:
         self._stamp_delay = StampDelayMonitor()
 
     def _follow(self, status: DiagnosticStatus) -> None:
-        """Start the controller anew when commands begin to be flown."""
+        """Reset the controller when commands begin to be flown."""
         self._end_absent_procedures()
         if self._hand_overs.take(status.name, status.message):
             self._guard.begin_flight()

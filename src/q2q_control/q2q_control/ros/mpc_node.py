@@ -50,7 +50,7 @@ NEIGHBOUR = "neighbour"
 
 @dataclass(frozen=True, slots=True)
 class MpcNodeParams:
-    """Parameters of the node beside those of every controller node."""
+    """Parameters of the node in addition to those of every controller node."""
 
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     distributed: bool = tunable(
@@ -160,7 +160,7 @@ def _warm_up(
 
 
 def _hearing_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
-    """Return `answer`, after which the block hears its own prediction as that of NEIGHBOUR."""
+    """Return `answer`, after which the block receives its own prediction as that of NEIGHBOUR."""
 
     def update(*signals: Signal) -> SwarmCommand:
         command, own = answer(*signals), block.prediction

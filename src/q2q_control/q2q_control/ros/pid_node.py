@@ -31,7 +31,7 @@ from q2q_model.vehicle.constants import vehicle_by_name
 
 @dataclass(frozen=True, slots=True)
 class PidNodeParams:
-    """Parameters of the node beside those of every controller node."""
+    """Parameters of the node in addition to those of every controller node."""
 
     model: str = tunable(
         "none",

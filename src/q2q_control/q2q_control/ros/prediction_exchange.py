@@ -40,7 +40,7 @@ class PredictionExchange:
         self._node = node
 
     def wire(self, wiring: TickWiring[SwarmCommand], *, live: bool) -> None:
-        """Publish in turn after a command, hear the neighbours and, in lockstep, wait for them."""
+        """Publish in turn after a command, receive from the neighbours and, in lockstep, wait for them."""
         self._wiring, self._waits = wiring, not live
         self._awaited.reset()  # of the warm-up
         self._schedule.reset()

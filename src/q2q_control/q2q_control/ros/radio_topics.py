@@ -37,7 +37,7 @@ class RadioTopics:
         }
 
     def publish(self, name: str, health: LinkHealth, pose: OnboardPose | None) -> None:
-        """Publish a vehicle's telemetry, at most `rate_hz` times a second, while it is connected."""
+        """Publish a vehicle's telemetry, at most `rate_hz` times per second, while it is connected."""
         if not health.connected or not self._due[name](monotonic()):
             return
         header = Header(stamp=self._node.get_clock().now().to_msg(), frame_id=WORLD)

@@ -1,1 +1,1 @@
-"""Command-line tools of q2q_control: parse, read files, call the pure floor, print, draw."""
+"""Command-line tools of q2q_control: parse, read files, call the library, print, draw."""

@@ -165,7 +165,7 @@ def _all_pairs(felt: int, n: int) -> Pairs:
 def _widened(model: InteractionModel, places: Array, motion: PairMotion, spread: Array) -> Array:
     """Return the downwash expected of sources whose horizontal positions have a `spread` [m], (pairs,).
 
-    The mean over a normal distribution of the source, by Gauss-Hermite quadrature of three points an axis.
+    The mean over a normal distribution of the source, by Gauss-Hermite quadrature of three points per axis.
     """
     points = np.array([(x, y, 0.0) for x, _ in GAUSS_HERMITE for y, _ in GAUSS_HERMITE])
     shares = [of_x * of_y for _, of_x in GAUSS_HERMITE for _, of_y in GAUSS_HERMITE]

@@ -38,7 +38,7 @@ TRACKING = 0.05
 SILENT = 5
 """Periods without a prediction after which a neighbour is silent: one or two are lost messages."""
 LEAST_STEP, MOST_AHEAD = 1e-3, 100.0
-"""Least step, and most time from the tick to the start [s]: as integers, steps to a time do not overflow."""
+"""Minimum step, and maximum time from the tick to the start [s]: then integer steps do not overflow."""
 
 Positions = NDArray[np.float32]
 
@@ -126,7 +126,7 @@ class HeardPredictions:
     def follow(self, t: float, neighbours: Neighbours, times: Array) -> tuple[Neighbours, Array]:
         """Return neighbours on the predictions made before a tick at t [s], and the shares of those, (n,).
 
-        Neighbours that are not heard, or out of reach, keep the paths they have, with a share of 0.
+        Neighbours without a prediction, or out of reach, keep the paths they have, with a share of 0.
         """
         path, share = neighbours.path.copy(), np.zeros(len(neighbours.names))
         for row, name in enumerate(neighbours.names):
@@ -142,7 +142,7 @@ class HeardPredictions:
 
 
 def blend(heard: Neighbours, known: Neighbours, share: Array) -> Neighbours:
-    """Return neighbours as heard and as known without predictions, by the shares of the predictions (n,)."""
+    """Return neighbours as predicted and as known without predictions, by the shares (n,) of these."""
     along = share[:, None, None]
     return known._replace(
         path=along * heard.path + (1.0 - along) * known.path,

@@ -1,6 +1,6 @@
 """Predictions of a node's own vehicles that come from another node, which then flies them, too.
 
-A node hears each prediction that it has sent once. One more of the same stamp, or one of another stamp, is
+A node receives each prediction that it has sent once. One more of the same stamp, or one of another stamp, is
 another node's.
 """
 
@@ -10,11 +10,11 @@ from collections.abc import Iterable
 from q2q_model.signals.values import Names
 
 KEPT = 1000
-"""Stamps of sent predictions not heard yet: 10 s of them at 100 Hz; the first ones may find no reader."""
+"""Stamps of sent predictions not received yet: 10 s of them at 100 Hz; the first ones may find no reader."""
 
 
 class OwnPredictions:
-    """Stamps of the predictions that a node has sent and not heard, and vehicles that others predict."""
+    """Stamps of the predictions that a node has sent and not received, and vehicles that others predict."""
 
     def __init__(self) -> None:
         """Start without predictions."""
@@ -26,7 +26,7 @@ class OwnPredictions:
         self._sent.append(stamp_ns)
 
     def hear(self, stamp_ns: int, names: Iterable[str]) -> None:
-        """Take the stamp of a prediction of own vehicles that the node hears [ns], and these vehicles."""
+        """Take the stamp of a prediction of own vehicles that the node receives [ns], and these vehicles."""
         if stamp_ns in self._sent:
             self._sent.remove(stamp_ns)
         else:

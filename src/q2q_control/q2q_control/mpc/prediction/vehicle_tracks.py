@@ -26,7 +26,7 @@ UNSEEN_FADE = 0.5
 NEGLIGIBLE = 0.02
 """Weight of downwash below which it is neglected [-]."""
 MIN_STEP = 1e-9
-"""Least time between two entries of a track [s]."""
+"""Minimum time between two entries of a track [s]."""
 _LOST = int(TrackStatus.LOST)
 
 

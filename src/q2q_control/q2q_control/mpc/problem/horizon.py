@@ -26,7 +26,7 @@ class Horizon(NamedTuple):
     path: Array
     """Last predicted positions [m] of the n vehicles and of others, (n or more, N + 1, 3)."""
     low: Array
-    """Least input of each axis [m/s^2], (n, 3)."""
+    """Minimum input of each axis [m/s^2], (n, 3)."""
     high: Array
     """Largest input of each axis at each stage [m/s^2], (n, N, 3)."""
     step: Array

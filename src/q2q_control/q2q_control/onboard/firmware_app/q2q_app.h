@@ -72,7 +72,7 @@ void q2q_reset(struct q2q_app *app);
 float q2q_step(struct q2q_app *app, const struct q2q_input *input);
 
 /* Store the motion of neighbour `id` at a time; return false if it is refused: not later than the last one, not
-   finite, or all places are taken by others that were heard within Q2Q_STALE_S. */
+   finite, or all places are taken by others received from within Q2Q_STALE_S. */
 bool q2q_hear(struct q2q_app *app, uint8_t id, uint32_t stamp_us, const struct q2q_motion *motion);
 
 /* Return the predicted downwash along z [m/s^2] `lead_s` after now_us; own is the motion at now_us. */

@@ -13,7 +13,7 @@ bool q2q_remember(struct q2q_track *track, uint32_t stamp_us, const struct q2q_m
 /* Return whether the last sample is at most Q2Q_STALE_S old, and not later than now. */
 bool q2q_heard(const struct q2q_track *track, uint32_t now_us);
 
-/* Empty the tracks that are not heard: half the period of the clock later (36 min) their age would be negative,
+/* Empty the tracks of silent vehicles: half the period of the clock later (36 min) their age would be negative,
    and a whole one later they would be new. */
 void q2q_forget(struct q2q_app *app, uint32_t now_us);
 
