@@ -38,7 +38,7 @@ NOT_STORED = (
 def test_kernels_that_cannot_be_stored_are_told_from_those_never_called(
     tmp_path: Path, room: str, told: list[str]
 ) -> None:
-    """On a full disk every kernel was told as never called."""
+    """On a full disk every kernel was reported as never called."""
     script = tmp_path / "two_kernels.py"
     script.write_text(TWO_KERNELS.format(room=room))
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "numba"), "PYTHONWARNINGS": "ignore"}

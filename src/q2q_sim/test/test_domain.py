@@ -1,4 +1,4 @@
-"""Two flights on one machine do not hear each other."""
+"""Two flights on one machine do not receive each other's messages."""
 
 import os
 

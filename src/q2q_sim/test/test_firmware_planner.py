@@ -272,7 +272,7 @@ def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded:
 
 
 def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(grounded: Pilot) -> None:
-    """Axes constant, linear, cubic and of degree 7, in two segments, beside scipy's BPoly."""
+    """Axes constant, linear, cubic and of degree 7, in two segments, against scipy's BPoly."""
     memory = pytest.importorskip("cflib.crazyflie.mem")
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     cubic, seventh = [0.5, 1.0, 1.5], [0.1, 0.2, 0.4, 0.8, 1.0, 1.1, 1.2]

@@ -19,7 +19,7 @@ from q2q_sim.firmware.supervisor.rules import Condition, Rule, State, next_state
 from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
 
 LOOK_S = 0.04
-"""The supervisor looks 25 times a second."""
+"""The supervisor looks 25 times per second."""
 
 
 def state(pilot: Pilot) -> State:

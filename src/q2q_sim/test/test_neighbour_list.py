@@ -28,7 +28,7 @@ def _swarm(count: int, side: float, seed: int) -> Swarm:
 
 
 def _fly(swarm: Swarm, *, anew: bool = False) -> np.ndarray:
-    """Return the states after STEPS steps; `anew` makes the list anew at each."""
+    """Return the states after STEPS steps; `anew` rebuilds the list at each."""
     count = len(swarm.names)
     command = np.tile([CRAZYFLIE_2_0.hover_thrust, 0.05, 0.0, 0.0], (1, count, 1))
     drive = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0], (count, 1))

@@ -1,4 +1,4 @@
-"""Nearness over a flight, beside plain numpy over all pairs."""
+"""Nearness over a flight, against plain numpy over all pairs."""
 
 from itertools import combinations, permutations
 

@@ -62,7 +62,7 @@ def test_without_packets_it_levels_after_half_a_second_and_cuts_after_two() -> N
         kind = "cut" if applied[0] == 0.0 else "level" if applied[1] == 0.0 else "tilted"
         assert applied[0] in {0.0, 0.5}  # thrust stays until it is cut
         first[kind] += 1
-    # the watchdog is looked at once a tick: the tick after 0.5 s and after 2 s
+    # the watchdog is looked at once per tick: the tick after 0.5 s and after 2 s
     assert first == {"tilted": 51, "level": 150, "cut": 49}
 
 

@@ -1,4 +1,4 @@
-"""A recorded flight is flown again by its own law, and its air is told from another one."""
+"""A recorded flight is flown again by its own law, and its air is distinguished from another one."""
 
 from dataclasses import replace
 

@@ -5,7 +5,7 @@ fraction u of it upwards. With s(dz) the width of the downwash:
 
 paper (no delay; constants of q2q_model.downwash.jet.PAPER_LAW):
     P = A ((z0 + dz_ref) / (z0 + dz))^2 exp(-dxy^2 / 2 s^2),  s = s0 + ks dz
-measured (two real Crazyflies 2.1, feed-forward off; constants of MEASURED_LAW beside it, except ks):
+measured (two real Crazyflies 2.1, feed-forward off; constants of MEASURED_LAW next to it, except ks):
     P = A exp(-beta (dz - dz_ref)) exp(-dxy^2 / 2 s^2) T_j / (m g),  s = s0 + ks (dz - dz_ref)
     it travels down at the speed c: r_j and T_j are those at time t - tau, tau = dz / c
     A, beta and s0 are from the three-parameter fit; on the same flights (dc19) the R2 of the

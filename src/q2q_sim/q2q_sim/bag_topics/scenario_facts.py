@@ -31,7 +31,7 @@ def scenario_facts(scenario: Scenario, options: BlockChoices, seed: int, name: s
 
 
 def flown_scenario(facts: FlightFacts, bag: Path) -> Scenario:
-    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or beside it.
+    """Return the scenario of a bag's metadata: a name, or a file in the bag, at its path or next to it.
 
     It is as long as the flight was to last, where the metadata say so.
     """

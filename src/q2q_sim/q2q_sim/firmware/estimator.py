@@ -1,7 +1,7 @@
 """Onboard estimate of position and velocity from external positions, with its covariance.
 
 Source: firmware: modules/src/kalman_core/kalman_core.c, mm_position.c (state x, v; scalar updates on x), axis
-by axis, 100 times a second. The accelerometer is assumed exact, so the state is the *error* of the
+by axis, 100 times per second. The accelerometer is assumed exact, so the state is the *error* of the
 estimate e = x^ - x, which drifts with its own velocity:
 
     e' = e_v,  e_v' = 0,   P' = F P F',  F = [1 dt; 0 1]                       every 10 ms

@@ -148,7 +148,7 @@ def room_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
 
 
 def crazyswarm_nodes(given: Mapping[str, str]) -> list[NodeSpec]:
-    """Return q2q's nodes beside Crazyswarm2's server; with `twin` the simulator replaces its radios and room.
+    """Return q2q's nodes for Crazyswarm2's server; with `twin` the simulator replaces its radios and room.
 
     Raises:
         ValueError: a file is not given or missing, the bag exists, the model is unknown.
@@ -215,7 +215,7 @@ def _checked(given: Mapping[str, str]) -> Path:
 
 
 def _twin_facts(given: Mapping[str, str]) -> FlightFacts:
-    """Return the metadata of a flight beside Crazyswarm2; the vehicle is known if given, or a twin's."""
+    """Return the metadata of a flight with Crazyswarm2; the vehicle is known if given, or a twin's."""
     twin, vehicle = given["twin"] == YES, _bridged_vehicle(given)
     known = FlightFacts(vehicle.name, firmware_of(vehicle)) if twin or given["vehicle"] else FlightFacts()
     return replace(known, scenario=given["scenario"] if twin else "", model=given["model"])

@@ -8,7 +8,7 @@ On board, as in the Crazyflie firmware (crtp_commander_rpyt.c, commander.c):
 - 2 s without a packet: motors cut, and locked again;
 - thrust below 1000 PWM is set to 0, above 60000 to 60000.
 
-Watchdogs are checked once a tick. A packet carries angles as 32-bit floats in degrees and thrust as integer
+Watchdogs are checked once per tick. A packet carries angles as 32-bit floats in degrees and thrust as integer
 PWM; with `quantised` off it carries the exact command.
 """
 

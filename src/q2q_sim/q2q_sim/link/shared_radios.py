@@ -13,7 +13,7 @@ log data) are not retransmitted.
 |---|---|---|
 | latency | latency | [s], each way |
 | | loss | share of transmissions lost [-] |
-| rate | rate | packets a second of one radio [1/s]; 0 is no limit |
+| rate | rate | packets per second of one radio [1/s]; 0 is no limit |
 | | patience | [s] |
 | | per_radio | vehicles that share a radio |
 """

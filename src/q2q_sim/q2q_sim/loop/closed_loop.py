@@ -36,7 +36,7 @@ class LoopSettings:
     """What the loop itself depends on, whichever blocks fly."""
 
     mode: Mode = "aware"
-    """Ignoring: the controller is not told of the downwash."""
+    """Ignoring: the controller does not know of the downwash."""
     seed: int = 0
     air: FlownAir | None = None
     """Air in place of the scenario's air, or wake and disturbance."""

@@ -4,7 +4,7 @@
         |  ^
         +--+-- predictions, in turns, `delay` ticks later, some of them lost
 
-In a tick every MPC answers by what it has heard in earlier ticks, as the nodes do.
+In a tick every MPC answers by what it has received in earlier ticks, as the nodes do.
 """
 
 from collections.abc import Iterator

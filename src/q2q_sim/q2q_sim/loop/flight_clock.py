@@ -36,7 +36,7 @@ class FlightClock:
         self._start = 0.0
         self._sent: dict[int, float] = {}
         """Stamp [ns] of a frame without command -> when it was published [s]."""
-        self._latencies = array("d")  # a list would hold 32 bytes a tick, 11 MB an hour
+        self._latencies = array("d")  # a list would hold 32 bytes per tick, 11 MB per hour
         self._missed = 0
         self._ticks = 0
 

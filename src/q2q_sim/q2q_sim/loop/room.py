@@ -38,7 +38,7 @@ from q2q_sim.sensors.imu import Imu
 from q2q_sim.sensors.vicon import Flags, Vicon
 
 STEPS = PHYSICS_RATE // 100
-"""Physics steps a tick."""
+"""Physics steps per tick."""
 LARGEST = float(np.radians(np.finfo(np.float32).max))
 """Magnitude of a command [N, rad, rad/s] from which a packet does not hold it: float32, angles in degrees."""
 

@@ -126,7 +126,7 @@ def _worst(error: Array) -> float:
 
 
 def _closeness(pos: Array, dt: float, zone: Cylinder) -> tuple[float, float]:
-    """Return the least distance [m] and the time with any pair in the zone [s]."""
+    """Return the smallest distance [m] and the time with any pair in the zone [s]."""
     ticks, n, _ = pos.shape
     if n < 2 or ticks == 0:
         return float("nan"), float("nan")

@@ -50,7 +50,7 @@ PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
 
 ROOM, UNCOMPILED = 3, 4
-"""Kinds of air beside those of WakeLaw: a RoomAir, and a Wake outside the compiled loop."""
+"""Kinds of air besides those of WakeLaw: a RoomAir, and a Wake outside the compiled loop."""
 
 
 class Air(NamedTuple):

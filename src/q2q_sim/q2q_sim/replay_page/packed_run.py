@@ -19,7 +19,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.replay_page.replay_run import ReplayRun
 
 RATE_HZ = 50.0
-"""Highest rate of samples [Hz]: a browser draws 60 pictures a second and interpolates."""
+"""Highest rate of samples [Hz]: a browser draws 60 pictures per second and interpolates."""
 STEPS = {"pos": 5e-4, "quat": 5e-4, "ref": 5e-4, "mocap": 5e-4, "downwash": 5e-3, "thrust": 5e-3}
 """Rounding of each quantity, in its unit: half a millimetre, 0.06 degrees, 5 mm/s^2, half a percent."""
 MISSING = 65535

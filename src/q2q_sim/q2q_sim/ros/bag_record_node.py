@@ -65,7 +65,7 @@ class Recorder:
             raise ValueError("parameter bag is empty: give the folder to write, e.g. -p bag:=out/my_flight")
         self._node = node
         self._take_latched: dict[str, Callable[[], None]] = {}
-        """How to subscribe anew to a topic that is not known to be latched."""
+        """How to subscribe again to a topic that is not known to be latched."""
         self._foreign: dict[str, str] = {}
         """Topics of other software and their types, until their first message shows how they are offered."""
         self.health = Health()

@@ -87,7 +87,7 @@ class FlightDirector:
             rclpy.try_shutdown()
 
     def follow_clock(self) -> None:
-        """Count the ticks of a flight by /clock; diagnostics report them only once a second."""
+        """Count the ticks of a flight by /clock; diagnostics report them only once per second."""
         self._node.create_subscription(Clock, "/clock", self._on_clock, TICK)
 
     @property

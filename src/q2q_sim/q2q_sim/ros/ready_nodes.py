@@ -15,7 +15,7 @@ AGAIN_S = 2.0
 
 
 class ReadyNodes:
-    """Last answers of the nodes' services `~/ready`; asked anew at every look."""
+    """Last answers of the nodes' services `~/ready`; asked again at every look."""
 
     def __init__(self, node: Node, names: Sequence[str]) -> None:
         """Wait for the nodes `names` of the namespace of `node`."""

@@ -2,7 +2,7 @@
 
     parameter file -> start ROS -> nodes of `ros2 run q2q_sim stack` on one executor -> connect -> fly -> end
 
-ROS and every node are created anew for each flight, so that only loaded code remains from the one before.
+ROS and every node are created again for each flight, so that only loaded code remains from the one before.
 """
 
 from collections.abc import Iterator

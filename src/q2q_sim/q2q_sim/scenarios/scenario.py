@@ -47,7 +47,7 @@ class Scenario:
     in_air: "Scenario | None" = None
     """Flown in its place where the flight names another air."""
     as_written: "Scenario | None" = field(default=None, compare=False)
-    """As its document gives it, beside an `in_air`: what differs from it was changed since."""
+    """As its document gives it, kept if it has an `in_air`: what differs from it was changed since."""
     attitude: AttitudeLoop = "paper"
     """Loop that executes commands on board: section 5.1, or the emulated stock controller."""
     model: str = "none"

@@ -15,7 +15,7 @@
     room: ideal               # q2q_sim.scenarios.room_profiles; vicon, radio, imu, disturbance below override
     reading: stop_and_go      # of eq. (17): stop_and_go or free
     vehicles: {cf1: [{t: 0, pos: [0, 0, 1.5]}, ...], ...}   # without t: times as from `plan`
-    plan: mine.json           # in place of vehicles: a plan file, beside this file
+    plan: mine.json           # in place of vehicles: a plan file, next to this file
     overrides: {pid: {thrust_max: 6.6}}
     faults: [{kind: outlier, start: 10, duration: 0.1, vehicles: [cf1], size: 1}, ...]
 """
@@ -70,8 +70,8 @@ class _Document:
 
 
 def no_plan_file(named: str) -> SwarmPlan:
-    """Raise ValueError: a document without a file has no plan beside it."""
-    raise ValueError(f"plan = {named!r}: only the file of a scenario names a plan, which lies beside it")
+    """Raise ValueError: a document without a file has no plan next to it."""
+    raise ValueError(f"plan = {named!r}: only the file of a scenario names a plan, which lies next to it")
 
 
 def scenario_from_document(

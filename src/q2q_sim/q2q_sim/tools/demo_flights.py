@@ -82,7 +82,7 @@ def write_demo_page(runs: Sequence[FlightRun], out: Path) -> None:
 
 
 def replay_of(ignoring: FlightRun, aware: FlightRun) -> Markup:
-    """Return the replay of the passage in two flights beside each other."""
+    """Return the replay of the passage in two flights side by side."""
     vehicle = load_scenario(ignoring.request).vehicle
     start, end = passage_times(ignoring.flight)
     runs = [

@@ -36,7 +36,7 @@ SCENARIO, AIR, LOWER = "table6_room", "room", "cf1"
 BEGINS, ENDS = 14.0, 42.0
 """Part of the flight that is shown [s]: from before the passage until the lower vehicle is back."""
 SPEED, RATE = 4.0, 12.0
-"""Seconds of flight a second shown [1], pictures a second [1/s]."""
+"""Seconds of flight per second shown [1], pictures per second [1/s]."""
 ARM = 1.5 * 0.046
 """Half the length of a drawn vehicle [m]: 1.5 times the Crazyflie's arm, to be seen."""
 DPI = 72

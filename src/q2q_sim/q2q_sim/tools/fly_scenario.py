@@ -80,7 +80,7 @@ def request_of(args: Namespace) -> FlightRequest:
 
 
 def vehicle_change(own: Vehicle, flown: Vehicle) -> str:
-    """Return the flown vehicle as text, beside the scenario's own one that it replaces."""
+    """Return the flown vehicle as text, with the scenario's own one that it replaces."""
     if flown.name != own.name:
         return f"{flown.name}, not {own.name}"
     return f"{flown.name} with firmware {firmware_of(flown)}, not {firmware_of(own)}"

@@ -124,7 +124,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
 
 
 def _replay(flights: Sequence[Reported]) -> Part:
-    """Return the replay of the first flights beside each other, or why there is none."""
+    """Return the replay of the first flights side by side, or why there is none."""
     try:
         runs = [replay_run(one.flight, one.vehicle, verdict=one.verdict) for one in flights[:MOST_RUNS]]
         return Markup(replay_element(runs))

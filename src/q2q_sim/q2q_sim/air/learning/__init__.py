@@ -1,1 +1,1 @@
-"""Terms of a room's air learned from its recorded flights, one file a term."""
+"""Terms of a room's air learned from its recorded flights, one file per term."""

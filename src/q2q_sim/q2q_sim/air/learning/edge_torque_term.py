@@ -28,7 +28,7 @@ from q2q_sim.air.room_air import EdgeTorqueTerm, JetTerm
 OUTER = 0.15
 """Radius up to which rows count [m]: the scoring rule's."""
 LEAST_GAP = 0.15
-"""Least gap of rows [m]: closer, vehicles swap heights and turn hard."""
+"""Minimum gap of rows [m]: closer, vehicles swap heights and turn hard."""
 RADII = np.linspace(0.02, 0.12, 21)
 """Radii of the largest torque to choose from [m]."""
 FEWEST = 300
@@ -40,7 +40,7 @@ PATHS = ("edge_torque.peak_nm", "edge_torque.radius_m")
 def edge_torque_term(
     records: Sequence[AirRecord], jet: JetTerm, vehicle: Vehicle, load: float = 0.0
 ) -> LearnedTerm[EdgeTorqueTerm] | None:
-    """Return the torque beside that of a load of the rates [N m s].
+    """Return the torque in addition to that of a load of the rates [N m s].
 
     None with fewer than FEWEST rows of vehicles with a motor log under one other.
     """

@@ -26,7 +26,7 @@ from q2q_sim.air.room_air import RateLoadTerm
 FEWEST = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
 LEAST_RATE = 0.05
-"""Least rms rate of a vehicle [rad/s]: a hovering one does not show the load."""
+"""Minimum rms rate of a vehicle [rad/s]: a hovering one does not show the load."""
 
 
 def rate_load_term(records: Sequence[AirRecord], vehicle: Vehicle) -> LearnedTerm[RateLoadTerm] | None:

@@ -21,7 +21,7 @@ from q2q_sim.air.room_air import RotorDragTerm
 FEWEST = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""
 LEAST_SPEED = 0.1
-"""Least rms speed of a vehicle in its plane [m/s]: a hovering one does not show the drag."""
+"""Minimum rms speed of a vehicle in its plane [m/s]: a hovering one does not show the drag."""
 
 
 def rotor_drag_term(records: Sequence[AirRecord]) -> LearnedTerm[RotorDragTerm] | None:

@@ -6,7 +6,7 @@ end the first one's logs. Answers on channel 1 are command, block, error.
 | command | fields after it | error |
 |---|---|---|
 | 6 create | block, then type byte and variable uint16, repeated | EEXIST, ENOMEM, as append |
-| 7 append | the same | ENOENT, E2BIG (26 bytes a block), ENOMEM (128 variables) |
+| 7 append | the same | ENOENT, E2BIG (26 bytes per block), ENOMEM (128 variables) |
 | 2 delete, 4 stop | block | ENOENT |
 | 3 start | block, period [10 ms] | ENOENT |
 | 8 start | block, period uint16 [ms] | ENOENT |

@@ -6,7 +6,7 @@ Source: firmware: modules/src/platformservice.c; protocol 12: modules/interface/
 |---|---|---|
 | 0 | 1, arm | 1, done, armed |
 | 0 | 2: recover from a crash | 2, done, recovered |
-| 0 | 3, kind: tell the user | the same |
+| 0 | 3, kind: notify the user | the same |
 | 1 | 0 | 0, protocol version int32 |
 | 1 | 1; 2 | the same, then the firmware's version; the vehicle's name |
 """

@@ -10,7 +10,7 @@
 | aware + correction | yes | accelerometers |
 | MPC | yes, ahead | disturbance observer |
 | MPC + correction | yes, ahead | accelerometers |
-| distributed | yes, ahead | disturbance observer; one MPC a vehicle, which hears the others' predictions |
+| distributed | yes, ahead | disturbance observer; one MPC per vehicle, which gets the others' predictions |
 | Mellinger | no | integral, on board |
 | on board | yes | accelerometers, on board: the firmware app around Mellinger's controller |
 

@@ -39,7 +39,7 @@ def run(given: Namespace) -> int:
 
 
 def write(numbers: Numbers, out: Path, command: str) -> None:
-    """Write the page and, in `images` beside it, its plot."""
+    """Write the page and, in `images` next to it, its plot."""
     picture = Path("images") / f"{out.stem}.png"
     (out.parent / picture.parent).mkdir(parents=True, exist_ok=True)
     ablation_figure(numbers).savefig(out.parent / picture, dpi=DPI)

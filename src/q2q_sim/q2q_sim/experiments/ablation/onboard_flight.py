@@ -37,7 +37,7 @@ from q2q_sim.scenarios.scenario import Scenario
 LOST = 0.2
 """Share of broadcasts that do not arrive."""
 RADIO_RANGE = 5.0
-"""Of a broadcast [m]: other draws do not hear it."""
+"""Of a broadcast [m]: other draws do not receive it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Trace:
 def fly_on_board(
     scenario: Scenario, models: Sequence[LearnedModel], air: FlownAir, seed: int, *, apps: bool
 ) -> Trace:
-    """Return a flight by the vehicles' own firmware; `models` are those of their apps, one a vehicle."""
+    """Return a flight by the vehicles' own firmware; `models` are those of their apps, one per vehicle."""
     room = Room(scenario, seed, air)
     fleet = Fleet(room.swarm, scenario.vehicle, Build(), _apps(scenario, models, seed) if apps else None)
     choose_mellinger(fleet, scenario.vehicle)
@@ -88,7 +88,7 @@ def send_full_states(fleet: Fleet, wanted: SwarmSetpoint) -> None:
 
 
 def _apps(scenario: Scenario, models: Sequence[LearnedModel], seed: int) -> OnboardApps:
-    noise = sqrt(STEPS) * scenario.imu.acc_noise  # white, five samples a tick
+    noise = sqrt(STEPS) * scenario.imu.acc_noise  # white, five samples per tick
     conditions = AppConditions(LOST, noise, scenario.imu.acc_bias, RADIO_RANGE)
     libraries = [_library(model, scenario.vehicle) for model in models]
     return OnboardApps(libraries, scenario.vehicle, conditions, seed)

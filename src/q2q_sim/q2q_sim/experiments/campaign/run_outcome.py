@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from q2q_sim.monitors.policies import POLICIES, Violation
 
 CRASH = "crash"
-"""Name, beside the policies, of a run that raised an error: the worst violation."""
+"""Name, in addition to the policies, of a run that raised an error: the worst violation."""
 TWIN = "twin"
-"""Name, beside the policies, of a run through the nodes that differs from closed_loop."""
+"""Name, in addition to the policies, of a run through the nodes that differs from closed_loop."""
 DIED = "died alone"
 """Description of a run whose process died, alone with it."""
 

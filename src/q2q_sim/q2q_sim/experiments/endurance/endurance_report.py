@@ -2,8 +2,8 @@
 
 | quantity | flat |
 |---|---|
-| memory of each process | within 20 MB an hour |
-| handles and threads of each process | within 1 an hour |
+| memory of each process | within 20 MB per hour |
+| handles and threads of each process | within 1 per hour |
 | rate of the bag | within 5 % of its mean an hour |
 | clock, live | time of the flight within 36 ms of the wall clock an hour (10 ppm) |
 

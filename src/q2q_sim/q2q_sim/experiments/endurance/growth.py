@@ -58,7 +58,7 @@ def growth(kind: WatchedQuantity, t: Array, values: Array) -> Growth:
     """Return the growth of samples `values` at times `t` [s], (k,) each.
 
     Raises:
-        ValueError: fewer than two samples a block.
+        ValueError: fewer than two samples per block.
     """
     late = t >= t[0] + WARM_UP * (t[-1] - t[0])
     t, values = t[late], values[late]

@@ -35,7 +35,7 @@ from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 ACCIDENT = Limits().back
-"""Least loss of an accident [m]."""
+"""Minimum loss of an accident [m]."""
 ORDINARY = 0.5 * ACCIDENT
 """Largest loss before a cause is injected [m]."""
 TRIES = 100

@@ -67,7 +67,7 @@ def _bars(found: Explanation) -> Figure:
 
 
 def _replay(found: Explanation, recorded: RecordedCase) -> list[Part]:
-    """Return the replay of the flight beside that without the first cause, alone if there is none."""
+    """Return the replay of the flight next to that without the first cause, alone if there is none."""
     flights = {"as flown": recorded.flight}
     if found.shares:
         first = found.shares[0].cause

@@ -1,6 +1,6 @@
 """First cause of a loss: of the causes that it takes, the one that made the flight an unusual one.
 
-Causes often act together: a vehicle that hears no commands is carried off by gusts, and without either
+Causes often act together: a vehicle that receives no commands is carried off by gusts, and without either
 nothing happens. Their shares are then alike, whatever came first. A loss takes a cause if without it alone at
 most SPARED of it is left. Of these causes one is named before others
 

@@ -3,5 +3,5 @@
     attack (seed) -> runs with faults from a vector -> margins -> CMA-ES -> violation -> shrunk -> case file
 
 An attack is its seed and its number of runs: the same attack on any machine. Seeded bugs measure what the
-search can find beside blind drawing.
+search can find compared with blind drawing.
 """

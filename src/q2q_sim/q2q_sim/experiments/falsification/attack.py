@@ -2,7 +2,7 @@
 
 1. Survey: scenarios, rooms and controllers as random campaigns draw them, half of them with the safe
    replanner, with faults that coincide (`coincidence`).
-2. Descents: of the policies whose margin fell most in the survey, each from its run of least margin, CMA-ES
+2. Descents: of the policies whose margin fell most in the survey, each from its run of minimum margin, CMA-ES
    (N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772) moves the vector of the faults down
    the margin of that policy alone: margins of all policies in one number would hide each other.
 

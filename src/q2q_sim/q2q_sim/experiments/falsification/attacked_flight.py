@@ -1,8 +1,8 @@
 """One run of a guided campaign: its violations, and the margins of policies and stated properties.
 
-Beside the policies, properties are checked that the blocks state of their own output, and which random
-campaigns leave to other tests: filter_properties, guard_properties, brake_property, evasion_property,
-replanner_properties, and
+In addition to the policies, properties are checked that the blocks state of their own output, and which
+random campaigns leave to other tests: filter_properties, guard_properties, brake_property,
+evasion_property, replanner_properties, and
 
 | property | statement |
 |---|---|

@@ -1,7 +1,7 @@
 """Room of a licence: vehicles that fly by their own firmware, with motion capture, one fault and a log.
 
-Motion capture sends every vehicle its position 100 times a second, as a Crazyswarm2 server does, so that the
-program need not. One packet takes PACKET_S. A vehicle without link flies on by its firmware.
+Motion capture sends every vehicle its position 100 times per second, as a Crazyswarm2 server does, so that
+the program need not. One packet takes PACKET_S. A vehicle without link flies on by its firmware.
 """
 
 import math
@@ -35,7 +35,7 @@ from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.sensors.range_finder import RoomBox
 
 PACKET_S = 0.001
-"""Time that one packet takes: a Crazyradio sends some 1000 a second [s]."""
+"""Time that one packet takes: a Crazyradio sends some 1000 per second [s]."""
 NOTICED_S = 1.0
 """Time after which a radio reports a lost link [s]."""
 DECKS = ("bcFlow2", "bcLighthouse4", "bcMultiranger", "bcZRanger2")

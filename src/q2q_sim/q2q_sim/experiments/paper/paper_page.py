@@ -111,7 +111,7 @@ def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutc
 
 
 def write_pdf(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:
-    """Write paper.pdf into a folder: the table, then one picture a page."""
+    """Write paper.pdf into a folder: the table, then one picture per page."""
     cells = table_cells(numbers, outcomes)
     with PdfPages(out / "paper.pdf") as pdf:
         for start in range(0, len(cells), ROWS_A_PAGE):

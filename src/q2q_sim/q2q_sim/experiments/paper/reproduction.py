@@ -1,4 +1,4 @@
-"""Reproduction of every table and figure of the paper with the project's own flights, beside its numbers.
+"""Reproduction of every table and figure of the paper with the project's own flights, next to its numbers.
 
 Finished experiments are cached in OUT/cache and not run again until the code changes; interrupted runs
 resume.

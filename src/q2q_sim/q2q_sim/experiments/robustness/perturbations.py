@@ -10,7 +10,7 @@ PASSAGE = "table6_room"
 GAP = 0.5
 """Height difference of the passage [m], at which delays are compared."""
 SHORTEST = 1e-3
-"""Least believed delay [s]."""
+"""Minimum believed delay [s]."""
 HASTE = 0.5
 """Times of the waypoints over those of the scenario [-]."""
 

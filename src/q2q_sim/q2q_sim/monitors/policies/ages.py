@@ -27,7 +27,7 @@ def action(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally though not in any frame for longer than a fallback may take.
 
     Stamps are the only clock: frames with jumping stamps cannot be dated, so the time without observation
-    starts anew after a clock jump. Vehicles whose names are exchanged are observed as each other: which of
+    starts again after a clock jump. Vehicles whose names are exchanged are observed as each other: which of
     them is missing is unknown then.
     """
     limit = circumstances.limits.action

@@ -1,7 +1,7 @@
 """Margins of the policies: how far a flight stays from violating each, for a search of the worst.
 
 The margin of a policy is the robustness of its property, as in signal temporal logic (Fainekos and Pappas,
-2009): the least distance from the limit over vehicles and time, here divided by the limit. It is negative
+2009): the smallest distance from the limit over vehicles and time, here divided by the limit. It is negative
 if the policy is violated, and infinite where nothing was judged.
 
     |value| <= limit:   margin = min (limit - value) / limit

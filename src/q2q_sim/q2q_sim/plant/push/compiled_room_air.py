@@ -18,7 +18,7 @@ from q2q_sim.plant.push.past_states import ROOM_WIDTH
 from q2q_sim.random_streams import stream
 
 LEAST_WORK = 0.5
-"""Least work of a motor over the mean of a vehicle's four that is drawn [-]."""
+"""Minimum work of a motor over the mean of a vehicle's four that is drawn [-]."""
 FARTHEST = 5.0
 """Largest value of a unit process that is searched [-]."""
 NO_JET = JetTerm(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2)), 0.0, 1.0, 0.0, 0.0)

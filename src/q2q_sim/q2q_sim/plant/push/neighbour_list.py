@@ -1,4 +1,4 @@
-"""Vehicles that may soon be in a jet: a list for each source, made anew when somebody has moved, compiled.
+"""Vehicles that may soon be in a jet: a list for each source, rebuilt when a vehicle has moved, compiled.
 
 A vehicle can be in the jet of a source only within `reach` of it (jet_reach.py). The list holds
 all that would be within reach if both moved by SLACK and slopes and speeds rose by STEEPER and FASTER: until
@@ -20,9 +20,9 @@ from q2q_sim.plant.push.jet_reach import Extremes, JetReach, SearchBound, reach,
 from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
 
 SLACK = 0.15
-"""Way that a vehicle may go before the list is made anew [m]: 75 steps at 1 m/s."""
+"""Way that a vehicle may go before the list is rebuilt [m]: 75 steps at 1 m/s."""
 STEEPER, FASTER = 0.1, 0.5
-"""Growth of the largest slope [-] and speed [m/s] before it is made anew."""
+"""Growth of the largest slope [-] and speed [m/s] before it is rebuilt."""
 NEIGHBOURS = 64
 """Places in the list for each vehicle: more than find room within reach."""
 
@@ -147,7 +147,7 @@ def _reorder(near: NeighbourList, rows: Rows) -> None:
 
 @compiled(**HOT)
 def update(near: NeighbourList, places: Array, rows: Rows, bound: SearchBound, past: Extremes) -> bool:
-    """Sort `rows`, and make the list anew if it no longer holds.
+    """Sort `rows`, and rebuild the list if it no longer holds.
 
     Args:
         near: list.

@@ -1,4 +1,4 @@
-// Unpacks the archive beside it, makes its modules importable by name, and loads the last: the element.
+// Unpacks the archive next to it, makes its modules importable by name, and loads the last: the element.
 const archive = document.querySelector("script.q2q-replay-archive").textContent;
 
 async function unpacked(base64) {

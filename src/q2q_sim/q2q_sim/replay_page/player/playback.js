@@ -1,4 +1,4 @@
-// Time of the replay: playing or paused, at a speed; its listeners are told of every change.
+// Time of the replay: playing or paused, at a speed; its listeners are informed of every change.
 
 export class Playback {
   #listeners = [];

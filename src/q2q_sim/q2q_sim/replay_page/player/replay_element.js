@@ -14,7 +14,7 @@ const MANY = 6; // vehicles above which zones and samples are hidden at first
 const LONGEST_STEP = 0.1; // of the time between two pictures, as after the page was hidden [s]
 const SLOW = 1 / 34; // time between two pictures above which fewer pixels are drawn [s]
 const NO_WEBGL = "This browser shows no room in three dimensions (WebGL is off); the curves play.";
-const JUDGED = 8; // pictures after which that is judged anew
+const JUDGED = 8; // pictures after which that is judged again
 
 /** Define the element with its style. */
 export function defineElement(style) {

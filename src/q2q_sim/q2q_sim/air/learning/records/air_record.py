@@ -34,7 +34,7 @@ ALONE = 0.3
 THRUST = "thrust_est"
 """Log column of the thrust by duty and voltage [N]."""
 MANY_GAPS = 0.1
-"""Share of a vehicle's rows that are gaps from which on that is told."""
+"""Share of a vehicle's rows that are gaps from which on that is reported."""
 
 
 @dataclass(frozen=True, slots=True)

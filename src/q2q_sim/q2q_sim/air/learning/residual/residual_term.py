@@ -36,7 +36,7 @@ PATHS = ("residual.floor_mps2", "residual.slope", "residual.time_s")
 def residual_term(
     groups: Sequence[HeldOutGroup], absorption: AbsorptionTerm | None
 ) -> LearnedTerm[ResidualTerm] | None:
-    """Return the residual of flights beside jets of others; None with fewer than FEWEST exposed rows."""
+    """Return what jets of other flights leave unexplained; None with fewer than FEWEST exposed rows."""
     wakes = [wake for one in groups for wake in wake_residuals(one.records, one.jet, absorption)]
     rows = sum(int(wake.one.exposed.sum()) for wake in wakes)
     if rows < FEWEST:

@@ -49,7 +49,7 @@ from q2q_sim.monitors.policies import Violation
 FAST = 0.4
 """Speed from which braking is judged [m/s]: the reckoned one may be wrong by (1 - SHARE) of it, 0.3 m/s."""
 SHARE = 0.25
-"""Least share of the braking that the true speed asks for [-]."""
+"""Minimum share of the braking that the true speed asks for [-]."""
 STILL = 1e-9
 """Speed that has no direction [m/s]."""
 

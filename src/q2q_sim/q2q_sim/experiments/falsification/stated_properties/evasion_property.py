@@ -12,7 +12,7 @@ the change of its commanded acceleration to the next tick, less that of its setp
 
 It is judged for the PID, whose command follows its setpoint at once, where nothing has deceived the dead
 reckoning of either and the last frame of neither came late or again (hidden_motion): its state steps with the
-next one. Nor is it where a vehicle was lost shortly before. The margin is the least distance from these
+next one. Nor is it where a vehicle was lost shortly before. The margin is the smallest distance from these
 limits, at most 1; beyond NEAR it is the larger one of those from NEAR and from the limit.
 """
 

@@ -39,7 +39,7 @@ STILL = 1e-3
 
 
 class _Nearest(NamedTuple):
-    """Tick of least distance from the zone [m]."""
+    """Tick of smallest distance from the zone [m]."""
 
     distance: float
     t: float

@@ -1,4 +1,4 @@
-"""Signals of a run as arrays, one row a tick in the order in which they were made, whatever their stamps."""
+"""Signals of a run as arrays, one row per tick in the order in which they came, whatever their stamps."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -66,7 +66,7 @@ def over_ticks(signals: Sequence[Signal], attribute: str) -> Array:
 
 
 def run_ticks(topics: Mapping[str, Sequence[Signal]]) -> RunTicks:
-    """Return the ticks of a run from its signals by topic, as `closed_loop` makes them: one each a tick."""
+    """Return the ticks of a run from its signals by topic, as `closed_loop` makes them: one each per tick."""
     truth = tuple(one for one in topics["truth"] if isinstance(one, SwarmState))
     commands = tuple(one for one in topics["command"] if isinstance(one, SwarmCommand))
     return RunTicks(

@@ -16,7 +16,7 @@ class StatedOutcome(NamedTuple):
 
     violations: tuple[Violation, ...] = ()
     margin: float = math.inf
-    """Least distance from the limit, as a part of it; infinite where nothing was judged [-]."""
+    """Minimum distance from the limit, as a part of it; infinite where nothing was judged [-]."""
 
 
 def affected_by_kinds(names: Names, faults: tuple[Fault, ...], kinds: tuple[str, ...]) -> Mask:

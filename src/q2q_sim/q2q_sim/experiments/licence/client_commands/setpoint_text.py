@@ -30,7 +30,7 @@ def setpoint_text(one: Setpoint) -> str:
 
 
 def _yaw(one: Setpoint) -> list[str]:
-    """Return the yaw and the yaw rate (that of a full state is beside its attitude), unless they are 0."""
+    """Return the yaw and the yaw rate (of a full state: that next to its attitude), unless they are 0."""
     yaw, rate = one.attitude_deg[2], one.rate_deg[2]
     if one.yaw == Mode.ABS and yaw != 0.0:
         return [f"yaw {yaw:.0f} deg"]

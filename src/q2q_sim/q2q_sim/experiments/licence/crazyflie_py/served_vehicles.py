@@ -43,7 +43,7 @@ class ServedVehicle:
 
     @property
     def start(self) -> Start:
-        """Return where it stands unless told otherwise."""
+        """Return where it stands unless set otherwise."""
         return self.initial[0], self.initial[1], 0.0
 
 

@@ -18,7 +18,7 @@ from q2q_sim.experiments.licence.program.link_host import LinkHost
 
 SCHEMES = ("radio", "usb", "udp", "tcp", "serial")
 DRIVERS = ("UsbDriver", "SerialDriver", "UdpDriver", "PrrtDriver", "TcpDriver")
-"""Drivers of cflib beside that of the radio."""
+"""Drivers of cflib besides that of the radio."""
 POLL_S = 0.1
 """Time between two polls of a vehicle by its radio [s]."""
 
