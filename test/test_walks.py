@@ -50,6 +50,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/flights/first_order_lag.py",
     "q2q_model/flights/interpolated_gaps.py",
     "q2q_model/flights/reference_remarks.py",
+    "q2q_model/flights/same_flight.py",
     "q2q_model/flights/sampled_reference.py",
     "q2q_model/flights/unit_check.py",
     "q2q_model/flights/up_axis.py",

@@ -90,13 +90,29 @@ def test_evaluate_scores_the_model_by_flight_and_pooled(found: Path, capsys: pyt
     assert scores["pooled"]["r2_exposed"] > 0.9
     output = capsys.readouterr()
     assert re.search(
-        r"table2_1 .*, a flight of this name is in the fit: not held out if it is this one$",
+        r"table2_1 .*, this flight is in the fit: not held out$",
         output.out,
         re.MULTILINE,
     )
     pooled = rf"^pooled +R2 +0\.\d+, 20 ms ahead 0\.\d+, rmse 0\.\d+ m/s\^2, {scores['pooled']['n']} rows"
     assert re.search(pooled, output.out, re.MULTILINE)
     assert "push of 1 flight is from imu and command, with a thrust lag of 0.07 s" in output.err
+
+
+@needs_bags
+def test_evaluate_knows_a_fitted_flight_by_its_contents_or_its_name(
+    found: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    shutil.copytree(FLIGHTS[0], tmp_path / "renamed")
+    assert evaluate.main(["--model", str(found / "model.q2q"), str(tmp_path / "renamed")]) == 0
+    assert re.search(
+        r"^renamed .*, this flight is in the fit: not held out$", capsys.readouterr().out, re.MULTILINE
+    )
+    model = load(found / "model.q2q")
+    assert model.fit is not None
+    save(tmp_path / "old.q2q", replace(model, fit=replace(model.fit, digests=())))
+    assert evaluate.main(["--model", str(tmp_path / "old.q2q"), str(FLIGHTS[0])]) == 0
+    assert "a flight of this name is in the fit: not held out if it is this one" in capsys.readouterr().out
 
 
 @needs_bags

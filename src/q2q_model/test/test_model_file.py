@@ -101,7 +101,7 @@ def test_a_jet_of_an_old_version_is_read_as_one_without_the_parameters_that_came
     ("change", "says"),
     [
         ({"format": "onnx"}, 'should be "q2q-model"'),
-        ({"version": 4}, "version 4 is unknown"),
+        ({"version": 5}, "version 5 is unknown"),
         ({"zone": ...}, "entry 'zone' is missing"),
         (
             {"model": {"type": "os.system", "parameters": {}}},

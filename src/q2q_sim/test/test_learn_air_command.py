@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter
+from q2q_model.flights.same_flight import flight_digest
+from q2q_model.recordings.recording_files import recording_of_table
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import air_path
 from q2q_sim.air.learning.jet.jet_table import momentum_share
@@ -43,6 +45,7 @@ def test_a_vehicle_alone_gives_an_air_without_a_jet_that_says_so(
     assert (air.jet, air.absorption, air.residual, air.edge_torque) == (None, None, None, None)
     assert air.wind is not None
     assert air.flights == ("lone",)
+    assert air.digests == (flight_digest(recording_of_table(flight).flight),)
     assert "no jet, absorption, residual or edge torque" in capsys.readouterr().err
     assert "wind.gust_std_mps2" in json.loads((tmp_path / "lone.json").read_text())["values"]
 

@@ -1,9 +1,37 @@
-"""Whether a flight is among those that a model or an air was fitted to, by its name."""
+"""Whether a flight is among those that a model or an air was fitted to, by its content or by its name."""
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Sequence
+from hashlib import sha256
 
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+
+COPY_IN_FIT = "this flight is in the fit: not held out"
 IN_FIT = "a flight of this name is in the fit: not held out if it is this one"
-"""Remark: files of models and airs name their flights, and strangers may have one name (`bag`)."""
+"""Remark: a name alone may be a stranger's (`bag`), and so may one beside other contents."""
+
+
+def flight_digest(flight: Flight) -> str:
+    """Return the SHA-256 of a flight's vehicles, stamps and recorded positions, whatever its name is."""
+    pos = flight.mocap_pos if np.isfinite(flight.mocap_pos).any() else flight.pos
+    found = sha256("\0".join(flight.names).encode())
+    for values in (flight.t, np.where(np.isnan(pos), np.nan, pos)):
+        found.update((values + 0.0).astype("<f8").tobytes())
+    return found.hexdigest()
+
+
+def fit_remarks(flights: Iterable[Flight], names: Sequence[str], digests: Collection[str]) -> dict[str, str]:
+    """Return by their names a remark on the flights that are, or may be, among fitted ones.
+
+    Args:
+        flights: flights that are not to be in the fit.
+        names: names of the fitted flights.
+        digests: their digests; none in files of models and airs that are older than these.
+    """
+    flights = list(flights)
+    named = {one.name: IN_FIT for one in flights if is_among(one.name, names)}
+    return named | {one.name: COPY_IN_FIT for one in flights if digests and flight_digest(one) in digests}
 
 
 def is_among(name: str, fitted: Iterable[str]) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.flights.flight_log import FlightLog, log_at
+from q2q_model.flights.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.downwash_evidence import DownwashEvidence, largest_gap
@@ -124,7 +125,7 @@ def identify(
         loading=dict(spread).get("loading") or loading_of(model, pushed),
         residual=(residual := fit_residual(model, pushed)),
         zone=zone,
-        file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, evidence)),
+        file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, recordings)),
         remarks=tuple(chain(*holes, remarks, notes, no_decay, omitted, failed, unfit, on_zone, doubted)),
     )
 
@@ -153,13 +154,14 @@ def _file(
     return ModelFile(interaction=model, zone=zone or Cylinder(), gains=loop, fit=fit, residual=process)
 
 
-def _fit(best: Trial, train: Score, evidence: Sequence[DownwashEvidence]) -> Fit:
+def _fit(best: Trial, train: Score, recordings: Sequence[Recording]) -> Fit:
     return Fit(
         method=best.candidate.name,
-        flights=tuple(one.name for one in evidence),
+        flights=tuple(one.flight.name for one in recordings),
         train_mse_m2=train.mse_m2,
         heldout_mse_m2=best.held_out.mse_m2,
         heldout_r2=best.held_out.r2,
+        digests=tuple(flight_digest(one.flight) for one in recordings),
     )
 
 

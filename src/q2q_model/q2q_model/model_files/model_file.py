@@ -3,7 +3,7 @@
 A `.q2q` file is JSON and holds data only: its `type` entries choose among the classes named here, and nothing
 in it is executed. A SHA-256 checksum over the other entries detects a truncated, edited or damaged file.
 
-    {"format": "q2q-model", "version": 3, "checksum": "...",
+    {"format": "q2q-model", "version": 4, "checksum": "...",
      "model": {"type": "jet", "parameters": {...}},
      "zone": {"type": "cylinder", "parameters": {"eps": 0.1, "d": 1.1}},
      "gains": {"k_p": ..., "k_d": ..., ...} | null,
@@ -29,8 +29,9 @@ from q2q_model.model_files.model_bounds import check_model
 from q2q_model.model_files.model_names import ModelFileError
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
-FORMAT = FileFormat(name="q2q-model", noun="q2q model", version=3, maker="identify")
-"""Version 1 lacks a jet's std_floor, version 2 its velocity_share, loading and absorption: their defaults."""
+FORMAT = FileFormat(name="q2q-model", noun="q2q model", version=4, maker="identify")
+"""Version 1 lacks a jet's std_floor, version 2 its velocity_share, loading and absorption, version 3 the
+digests of flights: their defaults."""
 
 MODELS: Mapping[str, type[NoInteraction | Jet | EnvelopeNetwork]] = {
     "none": NoInteraction,
@@ -63,6 +64,8 @@ class Fit:
     """Mean square error of the altitude trajectories [m^2], loss (16) over samples."""
     heldout_mse_m2: RoleScores = field(default_factory=RoleScores)
     heldout_r2: RoleScores = field(default_factory=RoleScores)
+    digests: tuple[str, ...] = ()
+    """Digests of the flights, by which copies of other names are known (flights.same_flight)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,8 +82,8 @@ class OnlineIdentification:
 
 def refined_fit(base: Fit | None, gain: float) -> Fit:
     """Return the fit of a refined model: the flights of its base, which are not held out, and no score."""
-    method, flights = (base.method, base.flights) if base else ("model without a fit", ())
-    return Fit(f"{method}, times {gain:.3f} in flight", flights)
+    known = base or Fit("model without a fit", ())
+    return Fit(f"{known.method}, times {gain:.3f} in flight", known.flights, digests=known.digests)
 
 
 def refine_online(base: ModelFile, vehicle: Vehicle, out: Path) -> str:

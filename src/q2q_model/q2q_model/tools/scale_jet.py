@@ -23,9 +23,10 @@ def run(args: Namespace) -> int:
     new = QuadrotorSize(args.mass, args.rotor_radius)
     below = None if args.below_mass is None else QuadrotorSize(args.below_mass, args.below_rotor_radius)
     jet = scaled_jet(known.interaction, flown, new, below)
-    flights = () if known.fit is None else known.fit.flights
+    base = known.fit or Fit("", ())
+    fit = Fit(f"{args.model}, scaled by momentum theory", base.flights, digests=base.digests)
     zone = scaled_zone(known.zone, jet, new.rotor_radius / flown.rotor_radius)
-    save(args.out, ModelFile(jet, zone, fit=Fit(f"{args.model}, scaled by momentum theory", flights)))
+    save(args.out, ModelFile(jet, zone, fit=fit))
     print(
         f"induced velocity {new.induced_velocity:.2f} m/s (flown: {flown.induced_velocity:.2f}), "
         f"disk loading {new.disk_loading:.1f} kg/m^2 ({flown.disk_loading:.1f})\n"

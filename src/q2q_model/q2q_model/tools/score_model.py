@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.same_flight import IN_FIT, is_among
+from q2q_model.flights.same_flight import fit_remarks
 from q2q_model.identification.push.push_samples import (
     FEWEST_FREE,
     FLOOR,
@@ -19,6 +19,7 @@ from q2q_model.identification.push.push_samples import (
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.model_files.find_model import find_model
+from q2q_model.model_files.model_file import Fit
 from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags, topic_map
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.tools.bag_vehicle import common_vehicle
@@ -35,7 +36,8 @@ def run(args: Namespace) -> int:
     samples = _samples(recordings, flown.vehicle)
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
-    taught = {name for name in scores if is_among(name, model.fit.flights if model.fit else ())}
+    fit = model.fit or Fit("", ())
+    taught = fit_remarks((one.flight for one in recordings), fit.flights, fit.digests)
     text = {
         "thrust_lag_s": flown.vehicle.thrust_lag,
         "flights": {name: asdict(one) | {"in_fit": name in taught} for name, one in scores.items()},
@@ -49,7 +51,7 @@ def run(args: Namespace) -> int:
     for note in notes:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
-        print(_line(name, one) + (f", {IN_FIT}" if name in taught else ""))
+        print(", ".join([_line(name, one), *filter(None, [taught.get(name)])]))
     print(_line("pooled", pooled))
     return 0
 

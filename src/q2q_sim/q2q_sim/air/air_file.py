@@ -3,10 +3,10 @@
 A `.air` file is JSON and holds data only; a checksum detects a truncated, edited or damaged file. A term that
 is null is switched off.
 
-    {"format": "q2q-air", "version": 1, "checksum": "...",
+    {"format": "q2q-air", "version": 2, "checksum": "...",
      "air": {"jet": {"gaps_m": [...], "radii_m": [...], "push_mps2": [[...], ...], ...},
              "residual": {"floor_mps2": ..., "slope": ..., "time_s": ...}, "wind": null, ...,
-             "flights": [...], "intervals": {"residual.time_s": [low, high], ...}}}
+             "flights": [...], "digests": [...], "intervals": {"residual.time_s": [low, high], ...}}}
 """
 
 from pathlib import Path
@@ -21,7 +21,8 @@ from q2q_model.documents.plain_values import PlainValueError, from_plain, to_pla
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.room_air import RoomAir
 
-FORMAT = FileFormat(name="q2q-air", noun="q2q air", version=1, maker="learn_air")
+FORMAT = FileFormat(name="q2q-air", noun="q2q air", version=2, maker="learn_air")
+"""Version 1 lacks the digests of flights."""
 
 
 def save(path: Path, air: RoomAir) -> None:

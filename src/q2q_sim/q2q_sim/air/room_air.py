@@ -235,11 +235,13 @@ class RoomAir:
     rate_load: RateLoadTerm | None = None
     flights: tuple[str, ...] = ()
     """Flights it was learned from."""
+    digests: tuple[str, ...] = ()
+    """Their digests, by which copies of other names are known (q2q_model.flights.same_flight)."""
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """95 % interval of each fitted value, by its path, e.g. "residual.time_s"."""
 
 
-TERMS = tuple(entry.name for entry in fields(RoomAir) if entry.name not in ("flights", "intervals"))
+TERMS = tuple(one.name for one in fields(RoomAir) if one.name not in ("flights", "digests", "intervals"))
 """Fields of RoomAir that can be switched off."""
 
 
@@ -253,7 +255,7 @@ def without_terms(air: RoomAir, terms: tuple[str, ...]) -> RoomAir:
         if term not in TERMS:
             raise AirError(f"unknown term {term!r} of an air: terms are {', '.join(TERMS)}")
     kept = {name: None if name in terms else getattr(air, name) for name in TERMS}
-    return RoomAir(**kept, flights=air.flights, intervals=air.intervals)
+    return RoomAir(**kept, flights=air.flights, digests=air.digests, intervals=air.intervals)
 
 
 def ends_of_jet(jet: JetTerm, absorption: AbsorptionTerm | None) -> Array:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from q2q_model.flights.same_flight import flight_digest
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
@@ -87,7 +88,8 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         vehicle=_term(vehicles),
         rotor_drag=_term(drag),
         rate_load=_term(load),
-        flights=tuple(record.name for record in records),
+        flights=tuple(taught := {record.name: None for record in records}),
+        digests=tuple(flight_digest(one.flight) for one in recordings if one.flight.name in taught),
         intervals={one.path: ends for one in values if (ends := one.ends)},
     )
     return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air, vehicle)))

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.same_flight import IN_FIT, is_among
+from q2q_model.flights.same_flight import fit_remarks
 from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir
@@ -36,13 +36,16 @@ from q2q_sim.plant.swarm import vehicle_of_room
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     tracked, single = _flyable(recordings, vehicle)
-    taught = air.flights if isinstance(air, RoomAir) else ()
+    known = air if isinstance(air, RoomAir) else RoomAir()
+    taught = fit_remarks((one.flight for one in recordings), known.flights, known.digests)
+    for name, remark in taught.items():
+        _say(f"{name}: {remark}")
     done = _all_flown(tracked, air, vehicle, args.draws, only=len(recordings) == 1)
     if not done and not single:
         raise ValueError(f"none of the {len(recordings)} flights can be flown again")
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
     if args.json:
-        write_json(as_json(done, alone, taught), args.json)
+        write_json(as_json(done, alone, tuple(taught)), args.json)
     if args.out:
         print(f"page: {write_page(done, alone, Path(args.air).name, args.out)}")
     if alone:
@@ -95,7 +98,7 @@ def _leaving_out(*, only: bool) -> Iterator[None]:
 
 def _flown_alone(flight: FlightAlone, air: FlownAir, vehicle: Vehicle, draws: int) -> ComparedAlone:
     one = compared_alone(flight, vehicle, air, range(draws))
-    print(_line(f"{flight.name}, height", comparison([one.vertical])) + _fit_note(flight.name, air))
+    print(_line(f"{flight.name}, height", comparison([one.vertical])))
     return one
 
 
@@ -104,13 +107,8 @@ def _flown(flight: TrackedFlight, air: FlownAir, vehicle: Vehicle, draws: int) -
     one = validate_flight(flight, vehicle_of_room(air, vehicle), make, range(draws))
     if not one.has_wake:
         _say(f"{flight.name} has no row under another vehicle: only its clear air is compared")
-    line = _line(flight.name, comparison(one.under if one.has_wake else one.clear))
-    print(line + _fit_note(flight.name, air))
+    print(_line(flight.name, comparison(one.under if one.has_wake else one.clear)))
     return one
-
-
-def _fit_note(name: str, air: FlownAir) -> str:
-    return f", {IN_FIT}" if isinstance(air, RoomAir) and is_among(name, air.flights) else ""
 
 
 def _line(name: str, one: Comparison) -> str:

@@ -100,7 +100,7 @@ def as_json(
     Args:
         flights: flights of several vehicles.
         alone: flights of one vehicle.
-        taught: names of the flights that the air was learned from.
+        taught: names of the flights that the air was learned from, or may have been.
     """
     return {
         "flights": {
