@@ -1,4 +1,4 @@
-"""Time bags beside mcap-ros2-support, and the mocap filter beside one vehicle at a time."""
+"""Time bags against mcap-ros2-support, and the mocap filter against one vehicle at a time."""
 
 import sys
 from collections.abc import Callable

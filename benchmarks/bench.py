@@ -79,7 +79,7 @@ def _refusal(args: Namespace) -> str | None:
 
 
 def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
-    """Run areas in processes of their own, and beside them those of another checkout; keep what there is."""
+    """Run areas in processes of their own, and those of another checkout; keep what there is."""
     rows: list[Row] = []
     failed = []
     for area in chosen:

@@ -1,4 +1,4 @@
-"""Rows of another checkout beside ours, for a table of before and after from one run on one machine.
+"""Rows of another checkout next to ours, for a table of before and after from one run on one machine.
 
 Areas run here and there by turns, there by that checkout's own scripts/bench, which sets itself up. Rows are
 matched by name; an indented name belongs to the last one before it that is not, and the k-th row of a name to

@@ -1,7 +1,7 @@
 """Time one tick of every block of a flight, in turn as `closed_loop` runs them: with caches as cold as there.
 
 table6 and a swarm are flown aware of the downwash, in ideal rooms, without replanning. A block's figure is
-the median over the flight's ticks; beside it the least. Lockstep adds up these and the transport. The
+the median over the flight's ticks, and the minimum. Lockstep adds up these and the transport. The
 reference is the tick itself: how often a block could run within the 10 ms that a tick has in real time.
 """
 

@@ -1,7 +1,7 @@
 """Time pure runs of a campaign: flown by closed_loop and judged, in processor time of one core.
 
 Runs are those of successive seeds, by controller and replanner, in a process like those of campaigns, after
-one run of each kind that loads its code. Beside them is real time: the length of the same flights.
+one run of each kind that loads its code. The reference is real time: the length of the same flights.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ FIRST_SEED = 100_000
 
 
 def run() -> list[Row]:
-    """Return runs a second and the time of a run, of each controller and replanner."""
+    """Return runs per second and the time of a run, of each controller and replanner."""
     rows = []
     freeze_imports()
     for (controller, replan), runs in RUNS.items():

@@ -1,4 +1,4 @@
-"""Time controllers: one MPC step, its solver beside others on the same problem, swarms, PID, explicit law."""
+"""Time controllers: one MPC step, its solver against others, swarms, PID, explicit law."""
 
 from dataclasses import dataclass
 from time import perf_counter

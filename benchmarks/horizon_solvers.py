@@ -33,7 +33,7 @@ Program = dict[str, casadi.MX]
 
 
 def rows_of_solvers(params: MpcParams) -> list[Row]:
-    """Return the time of our solve beside those of others, and the cost that each reaches."""
+    """Return the time of our solve and those of others, and the cost that each reaches."""
     problem = pair_problem(params)
     pattern = solve(problem).pattern
     ours = least_time(lambda: solve(problem, pattern), 200)

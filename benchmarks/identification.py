@@ -1,4 +1,4 @@
-"""Time the fast training loss beside the paper's, and the fits beside what the paper does.
+"""Time the fast training loss against the paper's, and the fits against what the paper does.
 
 One run, one core, the same flights: six passes as in Table 2, with a known loop and downwash. The paper's
 way is measured by the iteration (q2q_model.identification.networks.torch_training, torch, Dormand-Prince) and

@@ -1,4 +1,4 @@
-"""Time planning: section 4.1 beside the paper's networks, minimum snap beside a QP, swarms that cross a room.
+"""Time planning: section 4.1 against networks, minimum snap against a QP, swarms that cross a room.
 
 Everything is timed in processor time of this process, references in the same run. A room of N vehicles has
 free air in proportion to N: they start on a jittered grid, 0.8 m apart, and each flies straight to another's
@@ -61,7 +61,7 @@ def run() -> list[Row]:
 
 
 def _section_4_1(longest: float) -> list[Row]:
-    """Return our plan beside that of networks and SLSQP, both around the paper's zone."""
+    """Return our plan and that of networks and SLSQP, both around the paper's zone."""
     ours = least_time(lambda: avoid_zones(SECTION_4_1, ZONE), 1, repeats=3)
     found = avoid_zones(SECTION_4_1, ZONE)
     neural = plan_neural(SECTION_4_1, ZONE, longest)
@@ -86,7 +86,7 @@ def _neural_rows(neural: NeuralPlan, infimum: float) -> list[Row]:
 
 
 def _minimum_snap() -> list[Row]:
-    """Return minimum snap through many waypoints beside a QP over the polynomials' coefficients."""
+    """Return minimum snap through many waypoints and a QP over the polynomials' coefficients."""
     generator, rows = np.random.default_rng(0), []
     for count in (3, 10, 100):
         points = generator.uniform([-1.0, -1.0, 0.5], [1.0, 1.0, 2.5], (count, 3))

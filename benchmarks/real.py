@@ -152,7 +152,7 @@ def _residuals(flight: _Flight, jet: Jet, stranger: Jet) -> list[_Residuals]:
 
 
 def _rows(name: str, residuals: Sequence[_Residuals]) -> list[Row]:
-    """Return R2 now, beside the network's where it was on, and ahead; none without exposed rows."""
+    """Return R2 now, with the network's where it was on, and ahead; none without exposed rows."""
     y = np.concatenate([np.empty(0), *(one.y for one in residuals)])
     if not y.size:
         return []

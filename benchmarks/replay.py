@@ -1,7 +1,7 @@
-"""Replay pages in a headless Chromium that draws by the processor: size, first picture, pictures a second.
+"""Replay pages in a headless Chromium that draws by the processor: size, first picture, pictures per second.
 
-The pages are those of docs/replay.md: the most vehicles for which 30 pictures a second and a first one within
-1 s are wanted, and two vehicles in three runs beside each other. A browser with a graphics card is faster.
+The pages are those of docs/replay.md: the most vehicles for which 30 pictures per second and a first one
+within 1 s are wanted, and two vehicles in three runs side by side. A browser with a graphics card is faster.
 """
 
 import shutil
@@ -29,7 +29,7 @@ PAGES: tuple[tuple[str, tuple[Mode, ...]], ...] = (
 )
 """Scenario and modes of each page."""
 LARGEST_MB, LATEST_S, FEWEST_HZ = 2.0, 1.0, 30.0
-"""Size, first picture and pictures a second that are wanted."""
+"""Size, first picture and pictures per second that are wanted."""
 SETTLING_MS, COUNTED_S = 3000, 5.0
 """Time in which the page chooses how many pixels it draws, and time in which pictures are counted."""
 PICTURES = "document.querySelector('q2q-replay')?.state?.pictures ?? 0"
@@ -53,11 +53,11 @@ def page_rows(browser: Browser, folder: Path, name: str, modes: tuple[Mode, ...]
     file.write_text(replay_html([flown(name, mode) for mode in modes], name), encoding="utf-8")
     size = 1e-6 * file.stat().st_size
     first, rate = played(browser, file)
-    label = f"{name}, {len(modes)} beside each other" if len(modes) > 1 else name
+    label = f"{name}, {len(modes)} side by side" if len(modes) > 1 else name
     return [
         Row(f"{label}: size of the page", size, "MB", f"at most {LARGEST_MB:g} MB", LARGEST_MB / size),
         Row(f"{label}: first picture", first, "s", f"within {LATEST_S:g} s", LATEST_S / first),
-        Row(f"{label}: pictures a second", rate, "1/s", f"at least {FEWEST_HZ:g} / s", rate / FEWEST_HZ),
+        Row(f"{label}: pictures per second", rate, "1/s", f"at least {FEWEST_HZ:g} / s", rate / FEWEST_HZ),
     ]
 
 
@@ -69,7 +69,7 @@ def flown(name: str, mode: Mode) -> ReplayRun:
 
 
 def played(browser: Browser, file: Path) -> tuple[float, float]:
-    """Return the time until the first picture [s], and the pictures a second from then on [1/s]."""
+    """Return the time until the first picture [s], and the pictures per second from then on [1/s]."""
     page = browser.new_context(offline=True, viewport=WINDOW).new_page()
     begin = perf_counter()
     page.goto(file.as_uri(), wait_until="commit")

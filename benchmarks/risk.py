@@ -83,7 +83,7 @@ class Strays:
     vertical: Array
     """[m], (n,)"""
     nearest: float
-    """Least distance of two vehicles [m]."""
+    """Minimum distance of two vehicles [m]."""
 
 
 def strays(count: int, zone: Zone, seed: int, attitude: AttitudeLoop = "paper") -> Strays | None:

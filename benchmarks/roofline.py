@@ -44,7 +44,7 @@ def peak_flops() -> float:
 
 
 def peak_traffic() -> float:
-    """Return bytes a second, read and written, of all cores."""
+    """Return bytes per second, read and written, of all cores."""
     arrays = [np.ones((2, COPIED // 8)) for _ in range(CORES)]
     return CORES * 2.0 * COPIED / _fastest(lambda k: np.copyto(arrays[k][0], arrays[k][1]))
 

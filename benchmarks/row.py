@@ -1,4 +1,4 @@
-"""Line of a benchmark: a figure of q2q beside a reference measured in the same run."""
+"""Line of a benchmark: a figure of q2q with a reference measured in the same run."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Time the whole road for swarms of many sizes: live and in lockstep, one process a node and `stack`.
+"""Time all nodes for swarms of many sizes: live and in lockstep, one process per node and `stack`.
 
 Vehicles fly in pairs on a grid of 2 m, the upper half a metre over the lower, which feels its downwash.
 CPU is that of all nodes, simulator and recorder among them, in cores (1 is one core fully used), between a

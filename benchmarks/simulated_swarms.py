@@ -11,7 +11,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 
 STEPS = 5
-"""Physics steps a call: one tick."""
+"""Physics steps per call: one tick."""
 TILT = 0.02
 """Commanded roll [rad], of either sign in turn, so that none stands still."""
 

@@ -1,13 +1,13 @@
-"""Time the bare simulator: drone-steps a second for 1 to 1000 vehicles, compiled beside plain numpy.
+"""Time the bare simulator: drone-steps per second for 1 to 1000 vehicles, compiled against plain numpy.
 
 A drone-step is one vehicle moved by one 2 ms physics step: attitude loop, rotors, rigid body and the downwash
 of all its neighbours. Vehicles start as `swarmN` does (two rings, half a metre above each other, 0.6 m apart)
 and tilt in turn, so that downwash is near. Both simulators take the same steps, by turns in the same run, and
-each counts its fastest round in processor time, so that other programs disturb little. Beside them, how much
+each counts its fastest round in processor time, so that other programs disturb little. In addition, how much
 faster than real time one core flies the swarm.
 
 Many swarms at once fly for a second from their start: one by one as swarms and in one call on one core, in
-processor time, and in one call on all cores, by the wall clock. Beside them the share of the machine's peak
+processor time, and in one call on all cores, by the wall clock. In addition, the share of the machine's peak
 arithmetic and memory traffic, measured in the same run (roofline).
 """
 
@@ -30,7 +30,7 @@ from simulated_swarms import STEPS, scenario_of, start_of, swarm_flight, swarm_o
 SIZES = (1, 2, 10, 100, 1000)
 ROUNDS = 7
 COMPILED_STEPS = 100_000
-"""Drone-steps a round of the compiled simulator, about 50 ms; numpy takes far fewer."""
+"""Drone-steps per round of the compiled simulator, about 50 ms; numpy takes far fewer."""
 NUMPY_CALLS = {1: 20, 2: 20, 10: 20, 100: 5, 1000: 1}
 """Calls a round of the numpy twin."""
 BATCHES = ((500, 2), (100, 10), (10, 100), (2, 1000))
@@ -41,7 +41,7 @@ BATCH_ROUNDS = 3
 
 
 def run() -> list[Row]:
-    """Return drone-steps a second of each size in the paper's and the measured wake."""
+    """Return drone-steps per second of each size in the paper's and the measured wake."""
     rows = []
     for wake in (WakeLaw.PAPER, WakeLaw.MEASURED):
         for count in SIZES:
@@ -55,7 +55,7 @@ def run() -> list[Row]:
 
 
 def _room_rows() -> list[Row]:
-    """Return drone-steps a second in the shipped air of a room, beside the measured wake."""
+    """Return drone-steps per second in the shipped air of a room, against the measured wake."""
     rows, room = [], find_air("room")
     for count in SIZES:
         flights = [swarm_flight(count, air) for air in (room, WakeLaw.MEASURED)]
@@ -73,7 +73,7 @@ def _room_rows() -> list[Row]:
 
 
 def _batch_rows() -> list[Row]:
-    """Return drone-steps a second of many swarms at once, beside the same one by one, and the roofline."""
+    """Return drone-steps per second of many swarms at once, against the same one by one, and the roofline."""
     flops, traffic = peak_flops(), peak_traffic()
     rows = [
         Row(f"machine: matrix product, {CORES} cores", flops / 1e9, "GFLOP/s"),
@@ -94,7 +94,7 @@ def _batch_rows() -> list[Row]:
 
 
 def _batch_rates(swarms: int, count: int) -> tuple[float, float, float]:
-    """Return drone-steps a second of swarms one by one, together on one core, and together on all cores."""
+    """Return drone-steps per second of swarms one by one, together on one core, and together on all cores."""
     room, scenario = find_air("room"), scenario_of(count)
     assert isinstance(room, RoomAir)
     _, commands, drive = swarm_flight(count, room)
@@ -119,7 +119,7 @@ def _batch_rates(swarms: int, count: int) -> tuple[float, float, float]:
 
 
 def _rates(count: int, wake: WakeLaw) -> tuple[float, float]:
-    """Return drone-steps a second of the compiled and the plain simulator."""
+    """Return drone-steps per second of the compiled and the plain simulator."""
     swarm, commands, drive = swarm_flight(count, wake)
     state = swarm.state.copy()
     air = still_air(state, wake, swarm.body)

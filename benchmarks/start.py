@@ -53,7 +53,7 @@ NODES = (
 
 
 def run() -> list[Row]:
-    """Return a row a command, each beside its reference in this run."""
+    """Return a row per command, each with its reference in this run."""
     plain = _best(lambda: _ended(sys.executable, "-c", "pass"))
     heavy = _best(lambda: _ended(sys.executable, "-c", "import rclpy, numba"))
     first = _best(lambda: _first_line("scripts/fly", SCENARIO))

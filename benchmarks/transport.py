@@ -1,4 +1,4 @@
-"""Time the road through DDS: lockstep against real time, live latency and missed ticks.
+"""Time the control loop through DDS: lockstep against real time, live latency and missed ticks.
 
 The reference of lockstep is the wall clock: a ratio of 6 means six times faster than real time. The second
 reference is the same flight without ROS (`closed_loop`), which shows what the transport costs. Flights named

@@ -181,7 +181,7 @@ def write(app: Sphinx) -> None:
 
 
 def remove(app: Sphinx, _: Exception | None) -> None:
-    """Remove the pages: they are read from the source anew each time."""
+    """Remove the pages: they are read from the source each time."""
     shutil.rmtree(Path(app.srcdir) / FOLDER, ignore_errors=True)
 
 

@@ -1,4 +1,4 @@
-"""Budgets of test files (test/budgets.toml): dear files start first, and a run names those that took longer.
+"""Budgets of test files (test/budgets.toml): slow files start first, and a run names those that took longer.
 
 Tests that start last decide when the last worker ends, so they are the short ones. xdist's worksteal gives
 each worker a block of the tests, hence the deal: a block takes every n-th file.
@@ -47,7 +47,7 @@ def overruns(reports: Iterable[pytest.TestReport]) -> list[str]:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put the dear files first where several workers share the tests of more than a change."""
+    """Put the slow files first where several workers share the tests of more than a change."""
     workers = int(getattr(config, "workerinput", {}).get("workercount", 1))
     if workers > 1 and not config.getoption("changed"):
         place = {test: k for k, test in enumerate(dealt([item.nodeid for item in items], workers))}
@@ -55,7 +55,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def dealt(tests: Iterable[str], workers: int) -> list[str]:
-    """Return the tests in as many blocks as workers, each from a dear file to a cheap one."""
+    """Return the tests in as many blocks as workers, each from a slow file to a fast one."""
     files: dict[str, list[str]] = {}
     for test in tests:
         files.setdefault(file_of(test), []).append(test)

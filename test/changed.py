@@ -41,7 +41,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Put the touched test files in the place of all; workers of xdist are told them."""
+    """Put the touched test files in the place of all; workers of xdist get them."""
     if not config.getoption("changed"):
         return
     if hasattr(config, "workerinput"):

@@ -49,7 +49,7 @@ def transplant(module: ModuleType, tree: ast.Module) -> None:
             for inner, value in vars(new).items():
                 _take_code(vars(old).get(inner), value)
         elif hasattr(old, "py_func") or not _take_code(old, new):
-            _rebind(name, old, getattr(new, "py_func", new))  # what was compiled is not compiled anew
+            _rebind(name, old, getattr(new, "py_func", new))  # what was compiled is not compiled again
 
 
 def _take_code(old: object, new: object) -> bool:

@@ -1,4 +1,4 @@
-"""Benchmarks as a whole, nothing measured: areas fail alone, and another checkout's rows are beside ours."""
+"""Benchmarks as a whole, nothing measured: areas fail alone, and another checkout's rows are next to ours."""
 
 import json
 import sys

@@ -30,7 +30,7 @@ REFUSED = "stack: no parameter 2.5"
 
 
 def lines_of_a_start(script: Path) -> list[str]:
-    """Return what a node prints that keeps its machine code beside its script."""
+    """Return what a node prints that keeps its machine code next to its script."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(script.parent / "numba")}
     command = [sys.executable, str(script)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)

@@ -13,7 +13,7 @@ FOREIGN = {"probe": b"\x7fELF\xff", "probe.sh": b"#!/bin/sh\n"}
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Path:
-    """Return a workspace whose package has a program and a script of its own beside its console scripts."""
+    """Return a workspace whose package has a program and a script of its own next to its console scripts."""
     (tmp_path / "build/toy/toy.egg-info").mkdir(parents=True)
     installed = tmp_path / "install/toy/lib/toy"
     installed.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""A live controller hears from the flight procedure that its commands begin to be flown."""
+"""A live controller learns from the flight procedure that its commands begin to be flown."""
 
 from dataclasses import replace
 

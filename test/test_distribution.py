@@ -59,7 +59,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def contents(wheel: Path) -> set[str]:
-    """Return the files of a wheel beside its metadata."""
+    """Return the files of a wheel without its metadata."""
     return {name for name in ZipFile(wheel).namelist() if ".dist-info/" not in name}
 
 

@@ -128,7 +128,7 @@ class Reader:
                 self.shell_session.start(node, line)
                 self.shell_session.await_spinning(node)
                 continue
-            own = line.replace("ROS_DOMAIN_ID=42", f"ROS_DOMAIN_ID={self._domain}")  # others fly beside us
+            own = line.replace("ROS_DOMAIN_ID=42", f"ROS_DOMAIN_ID={self._domain}")  # others fly, too
             look_at(self.shell_session.run(own), f"{block.where}: {line}", text)
 
 

@@ -1,4 +1,4 @@
-"""A node that hears predictions of its own vehicle from another node says so, and hears itself in silence."""
+"""A node that receives predictions of its own vehicle from another node says so, and its own in silence."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace

@@ -41,7 +41,7 @@ def test_libraries_of_an_overlay_that_was_sourced_after_the_set_up_are_kept(chec
 
 
 def test_on_wheels_the_libraries_of_another_ros_are_left_out_and_others_kept(checkout: Checkout) -> None:
-    """Which of two libraries of a name was loaded was drawn anew at each start: half of them failed."""
+    """Which of two libraries of a name was loaded was drawn again at each start: half of them failed."""
     made_on(checkout, "wheels")
     humble = {"AMENT_PREFIX_PATH": "/home/me/ws/install/other:/opt/ros/humble"}
     libraries = "/opt/ros/humble/lib:/opt/cuda/lib:/home/me/ws/install/other/lib:/opt/ros/humble/lib/x86"

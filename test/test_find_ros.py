@@ -25,7 +25,7 @@ def add_environment(root: Path) -> Path:
 
 
 def test_shells_of_other_checkouts_are_no_sourced_ros(checkout: Checkout) -> None:
-    """The .venv of the second checkout was removed, and made anew on that of the first."""
+    """The .venv of the second checkout was removed, and rebuilt on that of the first."""
     first, second = checkout.root.parent / "first one", checkout.root.parent / "second"
     environments = [add_environment(root) for root in (first, second)]
     overlay = f"{first}/install/q2q_msgs"

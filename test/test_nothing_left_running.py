@@ -38,7 +38,7 @@ if __name__ == "__main__":
     print(pool.submit(os.getpid).result(), flush=True)
     os.read(os.pipe()[0], 1)
 """
-"""Command that waits for ever beside its pool."""
+"""Command that waits for ever next to its pool."""
 INTERRUPTED_POOL = """
 import os, signal, sys
 from concurrent.futures.process import BrokenProcessPool

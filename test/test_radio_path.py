@@ -1,6 +1,6 @@
 """The radio path: controller, radio pilot, cflib's encoders, link model, CRTP endpoint, firmware.
 
-Section 5.2's flight (50 s, Q2 passes over Q1) in simulated time, beside the direct link of the same room.
+Section 5.2's flight (50 s, Q2 passes over Q1) in simulated time, and by the direct link of the same room.
 """
 
 from dataclasses import dataclass, replace
@@ -168,7 +168,7 @@ def _compensated_share(thrust_share: float) -> float:
 def test_rpyt_setpoints_over_the_air_fly_the_room_as_the_direct_link_does() -> None:
     """The direct link flies the same room with the thrust that the firmware's battery compensation loses.
 
-    What the link explains beside it: rounding to PWM stands for 0.2 mm (0.1 mN on 0.65 kg over K_p 0.81), the
+    What the link explains besides: rounding to PWM stands for 0.2 mm (0.1 mN on 0.65 kg over K_p 0.81), the
     tick for 10 ms more of delay, in which nothing climbs by more than 0.2 mm.
     """
     vehicle = _room().vehicle

@@ -1,4 +1,4 @@
-"""A controller reports, once a second, who is far from its setpoint: of a plan that begins elsewhere."""
+"""A controller reports, once per second, who is far from its setpoint: of a plan that begins elsewhere."""
 
 from dataclasses import replace
 

@@ -182,7 +182,7 @@ def test_without_a_network_an_update_leaves_the_set_up_of_the_files_before(bare:
 def test_an_update_that_filled_the_disk_after_a_retry_is_made_when_its_files_are_as_before(
     bare: Checkout,
 ) -> None:
-    """Retries are told as a missing network is, and pip may have removed packages by then."""
+    """Retries are reported as a missing network is, and pip may have removed packages by then."""
     requirements = bare.root / "requirements/run.txt"
     before = requirements.read_text()
     set_pip(bare, "exit 0")

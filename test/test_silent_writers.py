@@ -1,4 +1,4 @@
-"""What a live controller does beside its ticks: answer for a writer that died, and an emergency."""
+"""What a live controller does between its ticks: answer for a writer that died, and an emergency."""
 
 import os
 import signal
@@ -49,7 +49,7 @@ run("writer", build)
 
 
 class Scene:
-    """A live controller, whose wall clock the test sets, and the writer that it hears."""
+    """A live controller, whose wall clock the test sets, and the writer that it receives from."""
 
     def __init__(self, build: Callable[[Node], TickWiring[SwarmCommand]]) -> None:
         rclpy.init()

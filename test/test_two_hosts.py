@@ -70,7 +70,7 @@ def test_a_discovery_server_stands_in_for_multicast(tmp_path: Path) -> None:
 
 
 def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> None:
-    """Fly with the simulator and the recorder on one host, and the road on the other."""
+    """Fly with the simulator and the recorder on one host, and the control loop on the other."""
     scenario = library.load(request.scenario)
     env = {name: value for name, value in os.environ.items() if name != "ROS_LOCALHOST_ONLY"}
     env |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_DOMAIN_ID": "77"} | more

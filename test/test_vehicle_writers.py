@@ -1,4 +1,4 @@
-"""Time at which the publishers of vehicles are made: before flight if known, else one vehicle a tick."""
+"""Time at which the publishers of vehicles are made: before flight if known, else one vehicle per tick."""
 
 from dataclasses import dataclass, field
 

@@ -94,7 +94,7 @@ def timed_blocks(scene: Scene) -> list[TimedBlock]:
 
 
 def _by_pairs(name: str, scene: Scene, make: Callable[[Names], Made]) -> TimedBlock:
-    """Return a block made for all vehicles, beside one made for the first pair."""
+    """Return a block made for all vehicles, and one made for the first pair."""
     names = scene.scenario.names
     keeps, whole = make(names)
     _, single = make(names[:PAIR])

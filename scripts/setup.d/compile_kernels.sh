@@ -11,7 +11,7 @@ kernels_hash() {
   } | sha256sum
 }
 
-# The stamp is beside the machine code, of which shells may choose different folders, and checkouts the same.
+# The stamp is next to the machine code, of which shells may choose different folders, and checkouts the same.
 KERNELS_STAMP=$NUMBA_CACHE_DIR/q2q${ROOT//\//-}
 kernels_are_compiled() { [ "$(cat "$KERNELS_STAMP" 2>/dev/null)" = "$(kernels_hash)" ]; }
 

@@ -1,4 +1,4 @@
-"""Write the installed console scripts anew, so that they start at once and from any folder.
+"""Rewrite the installed console scripts, so that they start at once and from any folder.
 
 setuptools' own look their function up among all installed packages, a tenth of a second of it, and begin with
 `#!"/a b/bin/python"` where the checkout's path has a space, which no kernel reads. pip's form of that line (a
