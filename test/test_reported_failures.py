@@ -15,8 +15,8 @@ from std_srvs.srv import Empty
 from q2q_control.ros import pid_node
 from q2q_model.diagnostics.health import Health, HealthReport, Level, health_report
 from q2q_model.node.warm_up import synthetic_signal
+from q2q_model.ros.node.publisher_conflicts import TopicConflict
 from q2q_model.ros.node.tick_wiring import TickWiring
-from q2q_model.ros.node.topic_writers import SeveralWriters
 from q2q_model.signals.cdr import decode, encode
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
@@ -158,7 +158,7 @@ class Writer:
 
 def test_a_second_writer_of_an_input_is_reported_once_and_graded_until_it_is_gone() -> None:
     graph, health = Graph(["replanner"]), Health()
-    writers = SeveralWriters(graph, "reference_safe")
+    writers = TopicConflict(graph, "reference_safe")
     message = "reference_safe: 2 nodes write it (replanner, replanner_2); 1 may: stop the others"
     for names, found in ((1, ""), (2, message), (2, message), (1, ""), (2, message)):
         graph.writers[:] = ["replanner_2", "replanner"][-names:]

@@ -4,8 +4,8 @@ import pytest
 
 from q2q_model.node.connections import (
     Connections,
+    conflicting_topics,
     connections_from_text,
-    other_writers,
     undelivered_topics,
     unmatched_topics,
 )
@@ -61,9 +61,9 @@ def test_signals_that_other_nodes_write_are_named_with_all_who_write_them() -> N
         "mocap_filter": Connections((), {"/state": 2}),
     }
     writers = {"/mocap": ["simulator"], "/clock": ["simulator", "other"], "/state": ["mocap_filter"]}
-    assert other_writers(nodes, writers.__getitem__) == ""
+    assert conflicting_topics(nodes, writers.__getitem__) == ""
     writers["/mocap"] = ["simulator", "forgotten"]
-    message = other_writers(nodes, writers.__getitem__)
+    message = conflicting_topics(nodes, writers.__getitem__)
     assert message == "/mocap is written by 2 nodes (forgotten, simulator)"
     writers["/mocap"] = ["simulator", "simulator"]
-    assert other_writers(nodes, writers.__getitem__).endswith("by 2 nodes (simulator, simulator)")
+    assert conflicting_topics(nodes, writers.__getitem__).endswith("by 2 nodes (simulator, simulator)")

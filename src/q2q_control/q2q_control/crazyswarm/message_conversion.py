@@ -55,8 +55,8 @@ def legacy_twists(command: SwarmCommand, scale: RpytScale, backend: str) -> Arra
 
 def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> MocapFrame:
     """Return the frame of the known vehicles given once; an incomplete orientation becomes NaN."""
-    doubled = doubled_names(poses, vehicles)
-    known = [one for one in poses if one.name in vehicles and one.name not in doubled]
+    duplicates = duplicate_names(poses, vehicles)
+    known = [one for one in poses if one.name in vehicles and one.name not in duplicates]
     quat = np.array([one.quat for one in known]).reshape(len(known), 4)
     whole = np.isfinite(quat).all(axis=1, keepdims=True)
     return MocapFrame(
@@ -67,10 +67,10 @@ def frame_of(stamp_ns: int, poses: Sequence[NamedPose], vehicles: Names) -> Moca
     )
 
 
-def doubled_names(poses: Sequence[NamedPose], vehicles: Names) -> Names:
+def duplicate_names(poses: Sequence[NamedPose], vehicles: Names) -> Names:
     """Return the known vehicles that have more than one pose: either may be another vehicle's."""
-    doubled = given_twice(one.name for one in poses)
-    return tuple(name for name in vehicles if name in doubled)
+    duplicates = given_twice(one.name for one in poses)
+    return tuple(name for name in vehicles if name in duplicates)
 
 
 def poses_of(state: SwarmState) -> list[NamedPose]:

@@ -1,6 +1,5 @@
 """Vehicles of the node `radio`: their links, the pilot, and what each tick sends."""
 
-from collections.abc import Sequence
 from contextlib import ExitStack
 
 from q2q_control.flight_procedure.flown_ticks import FlownTick, FlownTicks
@@ -92,18 +91,6 @@ class RadioVehicles:
                 self.pilot.fly_rpyt(tick.command.names, rpyt_setpoints(tick.command, self._scale), now)
         elif tick.setpoint is not None and tick.flown:
             self.pilot.fly_full_states(tick.setpoint.names, full_states(tick.setpoint, tick.downwash), now)
-
-
-def other_publishers(node: str, publishers: Sequence[Sequence[str]]) -> str:
-    """Return the names of other nodes that publish the same topics; empty if there are none.
-
-    Args:
-        node: name of this node, which publishes each topic once.
-        publishers: the publishing nodes of each topic.
-    """
-    found = {name for names in publishers for name in names}
-    same_name = {node} if max(map(len, publishers), default=0) > 1 and found <= {node} else set()
-    return ", ".join(sorted((found - {node}) | same_name))
 
 
 def _open_links(params: RadioNodeParams) -> dict[str, CflibLink]:

@@ -8,7 +8,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from q2q_control.crazyswarm.configured_vehicles import poses_version, server_vehicles, vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
-from q2q_control.crazyswarm.message_conversion import doubled_names, frame_of, poses_of
+from q2q_control.crazyswarm.message_conversion import duplicate_names, frame_of, poses_of
 from q2q_control.flight_procedure.flown_ticks import FlownTicks
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act
@@ -20,7 +20,7 @@ from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
-from q2q_model.ros.node.topic_writers import TopicWriters
+from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
 from q2q_model.ros.topics.subscriptions import subscribe_signals
@@ -35,7 +35,7 @@ POSES_OUT = QoSProfile(
 )
 """QoS of poses_out: Crazyswarm2's servers request a deadline of 10 ms, which the writer must offer."""
 
-DOUBLED = "given twice: left out, as either pose may be another vehicle's; check its markers"
+DUPLICATE = "given twice: left out, as either pose may be another vehicle's; check its markers"
 
 
 class Crazyswarm:
@@ -53,7 +53,7 @@ class Crazyswarm:
         self._names = vehicle_names(self._settings)
         self._health = Health()
         self._ticks = FlownTicks(self._settings.mode, self._health, aware=self._settings.aware)
-        self._writers = TopicWriters(node, self._ticks.topics, self._health)
+        self._inputs = PublisherConflicts(node, self._ticks.topics, self._health)
         self._poses: PoseTypes | None = None
         self._params = declare(node, FlightProcedureParams()), declare(node, LandingParams())
         self._services: ProcedureServices | None = None
@@ -93,7 +93,7 @@ class Crazyswarm:
         """Wire the procedure, without which nothing is flown, then what it lets through."""
         services = self._wire_procedure()
         self._wire_commands()
-        services.refuse_flights(lambda: self._commands.rivals() or self._writers.look())
+        services.refuse_flights(lambda: self._commands.conflicts() or self._inputs.look())
 
     def _wire_commands(self) -> None:
         vehicle = vehicle_by_name(self._settings.vehicle, self._settings.firmware)
@@ -118,7 +118,7 @@ class Crazyswarm:
         return services
 
     def _facts(self) -> dict[str, str]:
-        self._writers.look()
+        self._inputs.look()
         return {}
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:
@@ -143,8 +143,8 @@ class Crazyswarm:
             self._health.refuse(f"{self._settings.poses_in}: {refusal}")
             return
         poses = [self._poses.read(one) for one in message.poses]
-        if doubled := doubled_names(poses, self._names):
-            self._health.refuse(f"{self._settings.poses_in}: {', '.join(doubled)} {DOUBLED}")
+        if duplicates := duplicate_names(poses, self._names):
+            self._health.refuse(f"{self._settings.poses_in}: {', '.join(duplicates)} {DUPLICATE}")
         self._mocap.publish(encode(frame_of(stamp_ns, poses, self._names), stamp_ns))
 
     def _send_poses(self, stamp_ns: int, state: SwarmState) -> None:

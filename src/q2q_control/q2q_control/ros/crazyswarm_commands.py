@@ -6,11 +6,11 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from q2q_control.crazyswarm.message_conversion import legacy_twists
-from q2q_control.radio.radio_vehicles import other_publishers
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
-from q2q_model.ros.node.topic_writers import writers_of
+from q2q_model.node.conflicting_nodes import conflicting_nodes
+from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint
 
@@ -36,11 +36,11 @@ class CrazyswarmCommands:
             name: node.create_publisher(self._full_state, f"{name}/{topic}", QUEUE) for name in names
         }
 
-    def rivals(self) -> str:
+    def conflicts(self) -> str:
         """Return which other nodes publish setpoints of these vehicles, and what to do; empty if none do."""
         topics = [f"{name}/{topic}" for name in self._writers for topic in (FULL_STATE, LEGACY)]
-        writers = [writers_of(self._node, topic) for topic in topics]
-        others = other_publishers(self._node.get_fully_qualified_name().strip("/"), writers)
+        writers = [publishers_of(self._node, topic) for topic in topics]
+        others = conflicting_nodes(self._node.get_fully_qualified_name().strip("/"), writers)
         advice = "stop them, or set legacy_hz:=0 on a controller"
         return f"other nodes publish setpoints of these vehicles ({others}): {advice}" if others else ""
 

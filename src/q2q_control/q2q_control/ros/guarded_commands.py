@@ -24,9 +24,9 @@ from q2q_control.flight_procedure.hand_over import (
     reporter_name,
 )
 from q2q_control.inputs.far_setpoints import FarSetpointMonitor
+from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.node.tick_wiring import TickWiring
-from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S, stamp_from_time
@@ -89,7 +89,7 @@ class GuardedCommands:
             self._guard.begin_flight()
 
     def _end_absent_procedures(self) -> None:
-        publishing = writers_of(self._node, STATUS_TOPIC)
+        publishing = publishers_of(self._node, STATUS_TOPIC)
         self._hand_overs.end_absent({reporter_name(f"/{node}") for node in publishing})
 
     def _look_for_far_setpoints(self) -> None:

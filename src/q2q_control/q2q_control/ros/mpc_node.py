@@ -143,7 +143,7 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
     came = expect_latched(node, node.create_subscription(Plan, PLAN, take, LATCHED))
     wiring.listen("reference_safe", unplanned.look)
     wiring.listen("reference_safe", compare)
-    wiring.expect_one_writer(PLAN)
+    wiring.expect_one_publisher(PLAN)
 
 
 def _warm_up(

@@ -13,8 +13,8 @@ from q2q_control.mpc.prediction.neighbours import SILENT
 from q2q_control.mpc.prediction.own_predictions import OwnPredictions
 from q2q_control.mpc.prediction.time_slots import BroadcastSchedule
 from q2q_control.ros.prediction_message import decode_prediction, encode_prediction
+from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.node.tick_wiring import TickWiring
-from q2q_model.ros.node.topic_writers import writers_of
 from q2q_model.ros.topics.qos import MANY_WRITERS, TICK_WRITER
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts
@@ -79,7 +79,7 @@ class PredictionExchange:
 
     def _look_for_neighbours(self) -> None:
         """Report which neighbours are silent, and that others fly own vehicles."""
-        self._wiring.health.doubts[f"{PREDICTIONS} doubled"] = self._doubled()
+        self._wiring.health.doubts[f"{PREDICTIONS} conflicts"] = self._conflicts()
         silent = self._mpc.silent_neighbours(self._state.t) if self._state is not None else ()
         names = ", ".join(silent)
         report = f"{PREDICTIONS}: none of {names} for {SILENT} periods: followed without, is its MPC running?"
@@ -88,15 +88,17 @@ class PredictionExchange:
         self._silent = silent
         self._wiring.health.doubts[PREDICTIONS] = report if silent else ""
 
-    def _doubled(self) -> str:
+    def _conflicts(self) -> str:
         """Return which own vehicles another node predicts, empty for none; warn of it the first time."""
-        doubled = self._own.take_doubled()
-        if not doubled:
+        conflicts = self._own.take_conflicts()
+        if not conflicts:
             return ""
-        writers = ", ".join(writers_of(self._node, PREDICTIONS))
-        report = f"{PREDICTIONS}: another node flies {', '.join(doubled)}, too; stop one ({writers} write it)"
-        if doubled not in self._warned:
-            self._warned.add(doubled)
+        writers = ", ".join(publishers_of(self._node, PREDICTIONS))
+        report = (
+            f"{PREDICTIONS}: another node flies {', '.join(conflicts)}, too; stop one ({writers} write it)"
+        )
+        if conflicts not in self._warned:
+            self._warned.add(conflicts)
             self._node.get_logger().warning(report)
         return report
 

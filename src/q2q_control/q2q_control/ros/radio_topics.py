@@ -12,7 +12,7 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32, Header
 
 from q2q_control.radio.link import LinkHealth, OnboardPose
-from q2q_control.radio.radio_vehicles import other_publishers
+from q2q_model.node.conflicting_nodes import conflicting_nodes
 from q2q_model.node.decimation import Decimation
 from q2q_model.signals.values import Names
 
@@ -50,7 +50,7 @@ class RadioTopics:
     def other_radios(self) -> str:
         """Return the names of other nodes that publish these vehicles' batteries; empty if there are none."""
         found = [self._node.get_publishers_info_by_topic(f"{name}/battery") for name in self._batteries]
-        return other_publishers(self._node.get_name(), [[one.node_name for one in some] for some in found])
+        return conflicting_nodes(self._node.get_name(), [[one.node_name for one in some] for some in found])
 
 
 def _pose(pose: OnboardPose) -> Pose:

@@ -15,8 +15,8 @@ from q2q_control.ros.radio_topics import RadioTopics
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.steady_timer import steady_timer
-from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.subscriptions import subscribe_signals
 from q2q_model.signals.layout import Signal
 
@@ -43,8 +43,8 @@ class RadioNode:
             self._vehicles.executor,
             procedure,
         )
-        self._writers = TopicWriters(node, self._vehicles.ticks.topics, health)
-        self._services.refuse_flights(self._rivals)
+        self._inputs = PublisherConflicts(node, self._vehicles.ticks.topics, health)
+        self._services.refuse_flights(self._conflicts)
         self._vehicles.ticks.procedure = self._services
         subscribe_signals(node, self._vehicles.ticks.topics, self._take, health)
         node.create_service(Trigger, "~/stop", self._on_stop)
@@ -72,12 +72,12 @@ class RadioNode:
             self._topics.publish(name, link.health(), link.pose)
 
     def _facts(self) -> dict[str, str]:
-        self._writers.look()
+        self._inputs.look()
         return self._vehicles.phases()
 
-    def _rivals(self) -> str:
+    def _conflicts(self) -> str:
         others = self._topics.other_radios()
-        return f"another radio node runs: {others}" if others else self._writers.look()
+        return f"another radio node runs: {others}" if others else self._inputs.look()
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         self._services.emergency()

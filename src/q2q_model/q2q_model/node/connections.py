@@ -72,18 +72,20 @@ def undelivered_topics(nodes: Mapping[str, Connections]) -> dict[str, list[str]]
     return {name: topics for name, topics in missing.items() if topics}
 
 
-def other_writers(nodes: Mapping[str, Connections], writers_of: Callable[[str], Sequence[str]]) -> str:
-    """Return which signals nodes other than these write, with the names of all who do; empty if none does.
+def conflicting_topics(
+    nodes: Mapping[str, Connections], publishers_of: Callable[[str], Sequence[str]]
+) -> str:
+    """Return which signals nodes other than these publish, with the names of all who do; empty if none does.
 
     Args:
         nodes: nodes of a flight.
-        writers_of: returns the names of all nodes that write a topic, once for each publisher.
+        publishers_of: returns the names of all nodes that publish a topic, once for each publisher.
     """
     ours = Counter(topic for one in nodes.values() for topic in one.matched)
     found = {
         topic: writers
         for topic, count in ours.items()
-        if topic.rpartition("/")[2] in FLIGHT_FIELDS and len(writers := sorted(writers_of(topic))) > count
+        if topic.rpartition("/")[2] in FLIGHT_FIELDS and len(writers := sorted(publishers_of(topic))) > count
     }
     return "; ".join(
         f"{topic} is written by {len(writers)} nodes ({', '.join(writers)})"

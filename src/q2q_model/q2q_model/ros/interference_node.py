@@ -52,7 +52,7 @@ def build(node: Node) -> TickWiring[Interference]:
     wiring = TickWiring(node, {"state": SwarmState}, ("interference", Interference))
     age = Stopwatch(monotonic)
     wiring.add_diagnostic_values(lambda: {"model_age_s": f"{age.seconds():.0f}"})
-    wiring.expect_one_writer(MODEL)
+    wiring.expect_one_publisher(MODEL)
     node.create_subscription(String, MODEL, model_receiver(node, predictor, age, wiring.health), LATCHED)
     block = predictor if params.correct_vehicle == "none" else corrected_predictor(predictor, params, found)
     if isinstance(block, CorrectedPredictor):

@@ -88,7 +88,7 @@ def build(node: Node) -> TickWiring[SwarmSetpoint]:
         return setpoint
 
     wiring = TickWiring(node, {"mocap": MocapFrame}, ("reference", SwarmSetpoint))
-    wiring.expect_one_writer(PLAN)
+    wiring.expect_one_publisher(PLAN)
     wiring.warm_up(lambda frame: setpoint_at(plan, frame.t), lambda: None)
     wiring.start(update)
     return wiring

@@ -15,7 +15,7 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_sim.air.air_names import AirError
-from q2q_sim.link.doubled_commands import DoubledCommands
+from q2q_sim.link.conflicting_commands import ConflictingCommands
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
 from q2q_sim.loop.lockstep import CommandGate, ResendTimer
 from q2q_sim.loop.room import Room, Tick
@@ -93,7 +93,7 @@ class RoomFlight:
         self._started = self._is_over = False
         self.clock = FlightClock()
         self.health = Health()
-        self.doubled = DoubledCommands()
+        self.conflicts = ConflictingCommands()
 
     @property
     def is_flying(self) -> bool:
@@ -143,7 +143,7 @@ class RoomFlight:
             command = self._gate.offer(stamp_ns, offered)
         except ValueError as refusal:
             return self._refused(refusal)
-        self.doubled.take(stamp_ns, offered)
+        self.conflicts.take(stamp_ns, offered)
         if command is None or self._tick is None or (self._lockstep and self._command is not None):
             return NOTHING
         answered_ns = self._gate.stamp_of(command, stamp_ns)

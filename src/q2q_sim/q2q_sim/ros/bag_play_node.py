@@ -21,9 +21,9 @@ from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
-from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
@@ -99,7 +99,7 @@ class Player:
         self._health = Health()
         given = [CLOCK] * self._params.clock + [self._params.answer.strip("/")] * bool(self._params.answer)
         played = [topic.strip("/") for topic in wanted if has_one_writer(topic)]
-        self._rivals = TopicWriters(node, (*given, *played), self._health)
+        self._conflicts = PublisherConflicts(node, (*given, *played), self._health)
         publish_health(node, self._health, self._look)
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
@@ -114,7 +114,7 @@ class Player:
 
     def _look(self) -> Mapping[str, str]:
         """Look for other writers of what this node writes, or waits for; return no values."""
-        self._rivals.look()
+        self._conflicts.look()
         return {}
 
     def _wanted(self) -> dict[str, str]:

@@ -20,9 +20,9 @@ from std_srvs.srv import Trigger
 
 from q2q_model.node.connections import (
     Connections,
+    conflicting_topics,
     connections_from_text,
     missing_connections,
-    other_writers,
 )
 from q2q_model.ros.node.ready import DRAINED, SERVICE
 from q2q_model.ros.node.run import make_executor, start_ros
@@ -114,7 +114,7 @@ class FlightDirector:
             meanwhile()
             self._spin(POLL_S)
         deadline = monotonic() + LINGER_S
-        while self._started_ros and (strangers := other_writers(self._answers, self._writers_of)):
+        while self._started_ros and (strangers := conflicting_topics(self._answers, self._publishers_of)):
             if monotonic() > deadline:
                 raise TimeoutError(f"{strangers}: end them, or give this flight another ROS_DOMAIN_ID")
             self._spin(POLL_S)
@@ -150,7 +150,7 @@ class FlightDirector:
         try:
             return timing_from_text(self._summary)
         except ValueError as misfit:
-            writers = ", ".join(sorted(self._writers_of(SUMMARY))) or "a node that has left"
+            writers = ", ".join(sorted(self._publishers_of(SUMMARY))) or "a node that has left"
             raise ValueError(
                 f"{SUMMARY} of {writers} is {reprlib.repr(self._summary)}: {misfit}: "
                 "end other nodes that write it, or give this flight another ROS_DOMAIN_ID"
@@ -184,7 +184,7 @@ class FlightDirector:
         if monotonic() - self._moved_at > STILL_S:
             raise TimeoutError(f"no tick for {STILL_S:g} s after tick {self._ticks}; see the nodes' logs")
 
-    def _writers_of(self, topic: str) -> list[str]:
+    def _publishers_of(self, topic: str) -> list[str]:
         return [info.node_name for info in self._node.get_publishers_info_by_topic(topic)]
 
     def _waiting(self, clients: Mapping[str, Client]) -> list[str]:

@@ -25,10 +25,10 @@ from std_srvs.srv import Trigger
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
+from q2q_model.ros.node.publisher_conflicts import TopicConflict, publishers_of
 from q2q_model.ros.node.run import run
 from q2q_model.ros.node.signal_publisher import SignalPublisher
 from q2q_model.ros.node.steady_timer import steady_timer
-from q2q_model.ros.node.topic_writers import SeveralWriters, writers_of
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
 from q2q_model.ros.topics.subscriber_check import SubscriberCheck
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 
-COMMAND, CLOCK, CRTP, LOCKED, DOUBLED = "command", "/clock", "crtp", "locked", "doubled"
+COMMAND, CLOCK, CRTP, LOCKED, CONFLICTS = "command", "/clock", "crtp", "locked", "conflicts"
 BURST = 20
 """Ticks between two turns of the other callbacks; ten vehicles fly them in about 10 ms."""
 LOOK_S = 0.05
@@ -71,13 +71,13 @@ class Simulator:
             self._crtp = open_crtp(node, room, scenario)
         firmware = self._crtp.fly if self._crtp else None
         self._flight = RoomFlight(room, params, scenario.duration, perf_counter, firmware)
-        self._controllers = SeveralWriters(node, COMMAND, len(room.names))
+        self._controllers = TopicConflict(node, COMMAND, len(room.names))
         self._due: deque[Output] = deque()
         self._writers = {
             topic: SignalPublisher(node, topic, signal, TICK_WRITER) for topic, signal in OUTPUTS.items()
         }
         self._clock = node.create_publisher(Clock, CLOCK, TICK)
-        self._clocks = SeveralWriters(node, CLOCK)
+        self._clocks = TopicConflict(node, CLOCK)
         self._clock_check = SubscriberCheck((self._clock,))
         self._summary = node.create_publisher(String, FLIGHT_SUMMARY, LATCHED)
         if not params.crtp:
@@ -148,7 +148,7 @@ class Simulator:
 
     def _diagnostics(self) -> Mapping[str, str]:
         doubts = self._flight.health.doubts
-        for kind, doubt in ((LOCKED, self._flight.locked), (DOUBLED, self._doubled())):
+        for kind, doubt in ((LOCKED, self._flight.locked), (CONFLICTS, self._conflicts())):
             if doubt and doubt != doubts.get(kind):
                 self._node.get_logger().warning(doubt)
             doubts[kind] = doubt
@@ -158,14 +158,14 @@ class Simulator:
         doubts[CRTP] = self._crtp.warnings()
         return {**self._flight.clock.recent(), **self._crtp.diagnostics()}
 
-    def _doubled(self) -> str:
+    def _conflicts(self) -> str:
         """Return which vehicles two nodes command, and what to do; empty for none."""
-        doubled = self._flight.doubled.take_doubled()
-        writers = writers_of(self._node, COMMAND) if doubled else []
+        conflicts = self._flight.conflicts.take_conflicts()
+        writers = publishers_of(self._node, COMMAND) if conflicts else []
         if len(writers) < 2:
             return ""
         message = (
-            f"{COMMAND}: two nodes fly {', '.join(doubled)}: stop one, or give each `vehicles` of its own"
+            f"{COMMAND}: two nodes fly {', '.join(conflicts)}: stop one, or give each `vehicles` of its own"
         )
         return f"{message} ({', '.join(writers)} write it)"
 

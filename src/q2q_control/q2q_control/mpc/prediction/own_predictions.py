@@ -19,7 +19,7 @@ class OwnPredictions:
     def __init__(self) -> None:
         """Start without predictions."""
         self._sent: deque[int] = deque(maxlen=KEPT)
-        self._doubled: set[str] = set()
+        self._conflicts: set[str] = set()
 
     def send(self, stamp_ns: int) -> None:
         """Take the stamp of a prediction that the node sends [ns]."""
@@ -30,10 +30,10 @@ class OwnPredictions:
         if stamp_ns in self._sent:
             self._sent.remove(stamp_ns)
         else:
-            self._doubled.update(names)
+            self._conflicts.update(names)
 
-    def take_doubled(self) -> Names:
+    def take_conflicts(self) -> Names:
         """Return the own vehicles that others have predicted since the last call."""
-        doubled = tuple(sorted(self._doubled))
-        self._doubled.clear()
-        return doubled
+        conflicts = tuple(sorted(self._conflicts))
+        self._conflicts.clear()
+        return conflicts

@@ -16,8 +16,8 @@ from q2q_model.diagnostics.stopwatch import Stopwatch
 from q2q_model.node.warm_up import warm_up
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics_publisher import publish_health
+from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.signal_publisher import SignalPublisher
-from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK, TICK_WRITER
 from q2q_model.ros.topics.subscriptions import listener
@@ -63,8 +63,10 @@ class TickWiring(Generic[Made]):
         self._watch = Stopwatch(perf_counter)
         self._more: list[Callable[[], Mapping[str, str]]] = []
         self._checks: list[Callable[[], object]] = []
-        self.expect_one_writer(*inputs)
-        self.check_each_second(TopicWriters(node, (topic,), self.health, inf if shares_output else 1).look)
+        self.expect_one_publisher(*inputs)
+        self.check_each_second(
+            PublisherConflicts(node, (topic,), self.health, inf if shares_output else 1).look
+        )
         publish_health(node, self.health, self._facts)
 
     def warm_up(self, update: Callable[..., Made], reset: Callable[[], None], names: Names = ()) -> None:
@@ -97,9 +99,9 @@ class TickWiring(Generic[Made]):
         """Call `take(stamp_ns, signal)` for every message of an input, including incomplete ticks."""
         self._bus.listen(topic, take)
 
-    def expect_one_writer(self, *topics: str) -> None:
+    def expect_one_publisher(self, *topics: str) -> None:
         """Report once per second the topics that several nodes write."""
-        self.check_each_second(TopicWriters(self._node, topics, self.health).look)
+        self.check_each_second(PublisherConflicts(self._node, topics, self.health).look)
 
     def check_each_second(self, check: Callable[[], object]) -> None:
         """Call `check` before each report on `/diagnostics`: what it finds wrong is for `health`."""

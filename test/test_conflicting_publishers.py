@@ -18,8 +18,8 @@ from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_model.diagnostics.health import Health, Level
 from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
+from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.tick_wiring import TickWiring
-from q2q_model.ros.node.topic_writers import TopicWriters
 from q2q_model.signals.cdr import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Names, SwarmCommand
@@ -93,7 +93,7 @@ def test_the_bridge_begins_no_flight_by_two_controllers_but_would_land() -> None
 
 def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> None:
     node, health = SharedRoom(), Health()
-    inputs = TopicWriters(node, ("command", "state"), health)
+    inputs = PublisherConflicts(node, ("command", "state"), health)
     assert inputs.look() == ""
     node.writers = {"command": ("pid_2", "pid"), "state": ("mocap_filter",)}
     assert inputs.look() == inputs.look() == TWO
@@ -165,7 +165,7 @@ NAMESAKES = (
         (Player, "mocap"),
     ],
 )
-def test_a_node_that_runs_twice_reports_that_its_output_is_doubled(
+def test_a_node_that_runs_twice_reports_that_its_output_conflicts(
     build: Callable[[SharedRoom], object], topic: str, tmp_path: Path
 ) -> None:
     plan_file.save(tmp_path / "plan.json", flight_blocks.plan_of(library.load("table6")))

@@ -14,16 +14,16 @@ from q2q_sim.processes.domain import own_domain
 
 
 @pytest.mark.parametrize("namespace", ["", "room", "hall/room"])
-def test_only_other_nodes_are_rivals_in_any_namespace(namespace: str) -> None:
+def test_only_other_nodes_conflict_in_any_namespace(namespace: str) -> None:
     with own_domain():
         rclpy.init(args=[])
         try:
             node = Node("crazyswarm", namespace=namespace)
             scale = RpytScale(full_pwm_thrust=0.6)
             commands = CrazyswarmCommands(node, ("cf1",), (scale, "cpp"), full_state=False)
-            assert commands.rivals() == ""
+            assert commands.conflicts() == ""
             other = Node("pid", namespace=namespace)
             other.create_publisher(Twist, "cf1/cmd_vel_legacy", 1)
-            assert f"({namespace}/pid)".replace("(/", "(") in commands.rivals()
+            assert f"({namespace}/pid)".replace("(/", "(") in commands.conflicts()
         finally:
             rclpy.try_shutdown()

@@ -33,7 +33,7 @@ class ClockedNode(RoomNode):
         return Clock()
 
 
-def test_the_doubled_vehicle_alone_is_left_out_and_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_duplicate_vehicle_alone_is_left_out_and_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, module in interface_packages().items():
         monkeypatch.setitem(sys.modules, name, module)
     node = ClockedNode("crazyswarm", {"vehicles": ("cf1", "cf2")}, {})

@@ -1,4 +1,4 @@
-"""Writers of a node's topics: more of them than can be right are reported."""
+"""Conflicting publishers of a node's topics: more of them than can be right are reported."""
 
 from collections.abc import Iterable
 
@@ -7,26 +7,26 @@ from rclpy.node import Node
 from q2q_model.diagnostics.health import Health
 
 
-def writers_of(node: Node, topic: str) -> list[str]:
-    """Return the names of the nodes that write a topic, with their namespaces, sorted."""
+def publishers_of(node: Node, topic: str) -> list[str]:
+    """Return the names of the nodes that publish a topic, with their namespaces, sorted."""
     found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
     return sorted(f"{one.node_namespace}/{one.node_name}".strip("/") for one in found)
 
 
-class SeveralWriters:
-    """Warning, once for the same nodes, that too many nodes write a topic, or two of one name."""
+class TopicConflict:
+    """Warning, once for the same nodes, that too many nodes publish a topic, or two of one name."""
 
     def __init__(self, node: Node, topic: str, most: float = 1) -> None:
-        """Watch the writers of a topic, of which `most` are right, each of another name."""
+        """Watch the publishers of a topic, of which `most` are right, each of another name."""
         self._node, self.topic, self._most = node, topic, most
         self._warned: set[str] = set()
 
     def look(self) -> str:
-        """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
+        """Return what is wrong with the publishers now, empty if nothing is; warn of it the first time."""
         resolved = self._node.resolve_topic_name(self.topic)  # rclpy does not remap what it counts
         if self._node.count_publishers(resolved) <= 1:
             return ""
-        writers = writers_of(self._node, self.topic)
+        writers = publishers_of(self._node, self.topic)
         namesakes, too_many = len({*writers}) < len(writers), len(writers) > self._most
         if not (namesakes or too_many):
             return ""
@@ -40,15 +40,15 @@ class SeveralWriters:
         return message
 
 
-class TopicWriters:
-    """Writers of the inputs of a node, or of its output, which a second such node would double."""
+class PublisherConflicts:
+    """Conflicting publishers of the inputs of a node, or of its output."""
 
     def __init__(self, node: Node, topics: Iterable[str], health: Health, most: float = 1) -> None:
-        """Watch the writers of some topics, of which `most` are right; `health` has what is wrong."""
-        self._writers, self._health = [SeveralWriters(node, topic, most) for topic in topics], health
+        """Watch the publishers of some topics, of which `most` are right; `health` has what is wrong."""
+        self._topics, self._health = [TopicConflict(node, topic, most) for topic in topics], health
 
     def look(self) -> str:
-        """Return what is wrong with the writers now, empty if nothing is; warn of it the first time."""
-        found = {writers.topic: writers.look() for writers in self._writers}
+        """Return what is wrong with the publishers now, empty if nothing is; warn of it the first time."""
+        found = {one.topic: one.look() for one in self._topics}
         self._health.doubts |= found
         return "; ".join(filter(None, found.values()))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from q2q_model.signals.values import Names, SwarmCommand
-from q2q_sim.link.doubled_commands import RECENT, DoubledCommands
+from q2q_sim.link.conflicting_commands import RECENT, ConflictingCommands
 
 NAMES = ("cf1", "cf2")
 TICK_NS = 10_000_000
@@ -16,40 +16,40 @@ def command(thrust: float, names: Names = NAMES) -> SwarmCommand:
     return SwarmCommand(0.0, names, thrusts, level, level, level, np.zeros(len(names), np.uint8))
 
 
-def doubled(*commands: tuple[int, SwarmCommand]) -> Names:
-    """Return who is doubled after commands of these ticks."""
-    watch = DoubledCommands()
+def conflicts(*commands: tuple[int, SwarmCommand]) -> Names:
+    """Return who gets conflicting commands after commands of these ticks."""
+    watch = ConflictingCommands()
     for tick, one in commands:
         watch.take(tick * TICK_NS, one)
-    return watch.take_doubled()
+    return watch.take_conflicts()
 
 
 def test_vehicles_with_two_controllers_are_named_until_one_is_gone() -> None:
-    watch = DoubledCommands()
+    watch = ConflictingCommands()
     for tick in range(2):
         watch.take(tick * TICK_NS, command(0.3))
         watch.take(tick * TICK_NS, command(0.4))
-    assert watch.take_doubled() == ("cf2",)  # of cf1 both think the same
+    assert watch.take_conflicts() == ("cf2",)  # of cf1 both think the same
     watch.take(2 * TICK_NS, command(0.3))
-    assert watch.take_doubled() == ()
+    assert watch.take_conflicts() == ()
 
 
 def test_a_controller_of_some_vehicles_beside_one_of_all_is_found_in_either_order() -> None:
     one, both = command(0.4, ("cf2",)), command(0.3)
     for first, second in ((one, both), (both, one)):
-        assert doubled((0, first), (0, second), (1, first), (1, second)) == ("cf2",)
+        assert conflicts((0, first), (0, second), (1, first), (1, second)) == ("cf2",)
 
 
 def test_a_controller_that_answers_ticks_later_than_the_other_is_found() -> None:
     late = RECENT // 2 - 1
     ticks = [one for tick in range(99) for one in ((tick, command(0.3)), (tick - late, command(0.4)))]
-    assert doubled(*ticks) == ("cf2",)
+    assert conflicts(*ticks) == ("cf2",)
 
 
 def test_controllers_of_a_vehicle_each_and_commands_sent_again_are_right() -> None:
     shared = [(tick, command(0.1 * tick, (name,))) for tick in range(9) for name in NAMES]
-    assert doubled(*shared, *shared) == ()
+    assert conflicts(*shared, *shared) == ()
 
 
 def test_an_emergency_that_cuts_what_its_tick_commanded_is_one_controller() -> None:
-    assert doubled((0, command(0.3)), (1, command(0.3)), (1, command(0.0)), (2, command(0.0))) == ()
+    assert conflicts((0, command(0.3)), (1, command(0.3)), (1, command(0.0)), (2, command(0.0))) == ()

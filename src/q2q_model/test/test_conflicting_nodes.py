@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_control.radio.radio_vehicles import other_publishers
+from q2q_model.node.conflicting_nodes import conflicting_nodes
 
 
 @pytest.mark.parametrize(
@@ -17,4 +17,4 @@ from q2q_control.radio.radio_vehicles import other_publishers
 def test_other_nodes_and_namesakes_are_named_and_the_node_itself_is_not(
     publishers: list[list[str]], others: str
 ) -> None:
-    assert other_publishers("radio", publishers) == others
+    assert conflicting_nodes("radio", publishers) == others

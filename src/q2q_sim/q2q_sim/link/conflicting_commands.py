@@ -16,27 +16,27 @@ TWICE = 2
 """Ticks with commands that differ."""
 
 
-class DoubledCommands:
+class ConflictingCommands:
     """Commands of the recent ticks, and in how many of them each vehicle got two since the last look."""
 
     def __init__(self) -> None:
         self._recent: dict[int, dict[Names, SwarmCommand]] = {}  # by stamp [ns] and vehicles
-        self._doubled: Counter[str] = Counter()
+        self._conflicts: Counter[str] = Counter()
 
     def take(self, stamp_ns: int, command: SwarmCommand) -> None:
         """Take the command of a stamp [ns]."""
         earlier = self._recent.setdefault(stamp_ns, {})
         for one in earlier.values():
-            self._doubled.update(_at_odds(one, command))
+            self._conflicts.update(_at_odds(one, command))
         earlier[command.names] = command
         if len(self._recent) > RECENT:
             del self._recent[next(iter(self._recent))]
 
-    def take_doubled(self) -> Names:
+    def take_conflicts(self) -> Names:
         """Return the vehicles that two controllers have commanded since the last call, sorted."""
-        doubled = tuple(sorted(name for name, ticks in self._doubled.items() if ticks >= TWICE))
-        self._doubled.clear()
-        return doubled
+        conflicts = tuple(sorted(name for name, ticks in self._conflicts.items() if ticks >= TWICE))
+        self._conflicts.clear()
+        return conflicts
 
 
 def _at_odds(one: SwarmCommand, other: SwarmCommand) -> list[str]:
