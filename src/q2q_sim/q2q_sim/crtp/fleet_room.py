@@ -8,7 +8,7 @@ import numpy as np
 from q2q_control.onboard.native_app import compile_app
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
-from q2q_sim.crtp.start_places import spread_spots
+from q2q_sim.crtp.start_positions import spread_start_positions
 from q2q_sim.firmware.firmware import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.firmware.parameters.parameter_table import DECKS
@@ -75,7 +75,7 @@ def fleet_in(room: Room, scenario: Scenario, params: CrtpRoomParams) -> Fleet:
     if params.start == "ground":
         start = np.array([vehicle.points[0] for vehicle in scenario.waypoints])  # (n, 4)
         start[:, 2] = 0.0
-        start[:, :2] = spread_spots(start[:, :2])
+        start[:, :2] = spread_start_positions(start[:, :2])
         room.swarm.state[:] = state_at_rest(start, scenario.vehicle.mass)
     return Fleet(room.swarm, scenario.vehicle, params.build, apps_in(scenario, params.app, room.seed))
 

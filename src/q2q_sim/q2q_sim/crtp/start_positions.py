@@ -10,24 +10,24 @@ import numpy as np
 from q2q_model.signals.values import Array
 
 SPACING = 0.4
-"""Smallest distance of two spots [m]: twice a Crazyflie with guards, and clearance."""
+"""Smallest distance of two positions [m]: twice a Crazyflie with guards, and clearance."""
 
 
-def spread_spots(desired: Array) -> Array:
-    """Return spots (n, 2) at least SPACING apart, as near to `desired` (n, 2) [m] as the order allows."""
-    spots = np.array(desired, dtype=np.float64)
-    grid = _grid(len(spots))
-    for k in range(1, len(spots)):
-        if _room(spots[k : k + 1], spots[:k])[0]:
+def spread_start_positions(desired: Array) -> Array:
+    """Return positions (n, 2) at least SPACING apart, as near to `desired` (n, 2) [m] as the order allows."""
+    positions = np.array(desired, dtype=np.float64)
+    grid = _grid(len(positions))
+    for k in range(1, len(positions)):
+        if _room(positions[k : k + 1], positions[:k])[0]:
             continue
-        others = np.delete(spots, k, axis=0)
-        free = spots[k] + grid
-        spots[k] = free[np.argmax(_room(free, others))]
-    return spots
+        others = np.delete(positions, k, axis=0)
+        free = positions[k] + grid
+        positions[k] = free[np.argmax(_room(free, others))]
+    return positions
 
 
 def _room(candidates: Array, taken: Array) -> Array:
-    """Return which candidates (m, 2) are at least SPACING from all taken spots, (m,)."""
+    """Return which candidates (m, 2) are at least SPACING from all taken positions, (m,)."""
     gaps = np.hypot(*np.moveaxis(candidates[:, None] - taken, -1, 0))  # (m, taken)
     return np.asarray((gaps >= SPACING * (1.0 - 1e-9)).all(axis=1))
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
-from q2q_sim.crtp.start_places import SPACING, spread_spots
+from q2q_sim.crtp.start_positions import SPACING, spread_start_positions
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios import library
 
@@ -36,9 +36,9 @@ points = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 
 @given(st.lists(points, min_size=2, max_size=30))
 def test_any_crowd_is_put_apart(crowd: list[tuple[float, float]]) -> None:
-    assert nearest(spread_spots(np.array(crowd))) >= SPACING * (1.0 - 1e-6)
+    assert nearest(spread_start_positions(np.array(crowd))) >= SPACING * (1.0 - 1e-6)
 
 
 def test_those_that_stand_apart_stay_where_they_are() -> None:
     spots = np.array([[0.0, 0.0], [0.5, 0.0], [0.0, -0.41]])
-    np.testing.assert_array_equal(spread_spots(spots), spots)
+    np.testing.assert_array_equal(spread_start_positions(spots), spots)
