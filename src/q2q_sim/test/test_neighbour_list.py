@@ -9,7 +9,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.plant.body.state_row import ETA_Z, VEL
 from q2q_sim.plant.push.compiled_room_air import cell, knots_of
 from q2q_sim.plant.push.neighbour_list import NEIGHBOURS, NeighbourList, empty_list
-from q2q_sim.plant.push.past_states import LINE, ROOM_WIDTH, empty_ring
+from q2q_sim.plant.push.state_history_ring import LINE, ROOM_WIDTH, empty_ring
 from q2q_sim.plant.swarm import Swarm
 
 STEPS = 150

@@ -41,8 +41,8 @@ from q2q_sim.plant.body.state_row import (
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, compiled_room_air
 from q2q_sim.plant.push.order_by_x import Rows
-from q2q_sim.plant.push.past_states import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
 from q2q_sim.plant.push.room_air_push import room_air_push
+from q2q_sim.plant.push.state_history_ring import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
 from q2q_sim.plant.push.uncompiled_wake import UncompiledWake
 from q2q_sim.plant.push.wake_law_push import wake_law_push
 
@@ -59,7 +59,8 @@ class Air(NamedTuple):
     kind: int
     """A WakeLaw, ROOM or UNCOMPILED."""
     ring: Array
-    """x, y, z [m] and T / (m g) at each past step, (slots, n, 4); in a room all columns of past_states."""
+    """x, y, z [m] and T / (m g) at each past step, (slots, n, 4); in a room all columns of
+    state_history_ring."""
     rows: Rows
     """Rows by rising x at the last step, then the number of steps taken, (n + 1,); the present is slot
     steps % slots."""

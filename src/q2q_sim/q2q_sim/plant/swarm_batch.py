@@ -26,7 +26,7 @@ from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, Work, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir
 from q2q_sim.plant.push.neighbour_list import NeighbourList
-from q2q_sim.plant.push.past_states import empty_ring, remember
+from q2q_sim.plant.push.state_history_ring import empty_ring, remember
 from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
 
 AT_ONCE = 64

@@ -14,7 +14,7 @@ from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, SearchBound, bound_of
 from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
 from q2q_sim.plant.push.order_by_x import Rows
-from q2q_sim.plant.push.past_states import ROOM_WIDTH
+from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH
 from q2q_sim.random_streams import stream
 
 LEAST_WORK = 0.5
@@ -31,8 +31,8 @@ FALL, RADIUS, AWAY_X, AWAY_Y, PUSH, WEIGHT, STRENGTH, TRANSMITTED = 0, 1, 2, 3, 
 that carries its weight, blend of the roles times (g / dz)^2, that times T / (m g), and the share 1 - c of
 the jet that it transmits to those below."""
 TAU, PAST = FALL, 8
-"""Column of the age of the air [s] until the fall is known, and first of the source's columns in past_states
-when its air left."""
+"""Column of the age of the air [s] until the fall is known, and first of the source's columns of the state
+history when its air left."""
 JET_ROW_WIDTH = PAST + ROOM_WIDTH
 AT_ONCE = 64
 """Pairs whose pasts are read together: enough that waits for memory overlap, few enough for a first cache."""

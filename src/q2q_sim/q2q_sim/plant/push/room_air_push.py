@@ -64,7 +64,7 @@ from q2q_sim.plant.push.compiled_room_air import (
 from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
 from q2q_sim.plant.push.neighbour_list import update
 from q2q_sim.plant.push.order_by_x import Rows
-from q2q_sim.plant.push.past_states import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
+from q2q_sim.plant.push.state_history_ring import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
 
 TOUCHING = 1e-9
 """Distance from the axis below which its direction is taken as zero [m]."""

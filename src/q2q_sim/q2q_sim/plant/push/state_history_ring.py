@@ -1,4 +1,4 @@
-"""Ring of past states of the vehicles, one slot a physics step, for downwash that arrives late; compiled.
+"""State history of the vehicles as a ring, one slot a physics step, for downwash that arrives late; compiled.
 
 Between the step that writes a state and the one that reads it, many others leave the caches: `recall` asks
 memory for what the next step reads.
