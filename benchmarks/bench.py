@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 
 from area_process import AreaError, Bench
-from beside import bench_of, beside, has_area, table_beside
+from compare_checkout import bench_of, compare_rows, has_area, table_beside
 from q2q_model.commands.command_line import CommandLine, output_file, output_folder
 from row import Row
 
@@ -107,7 +107,7 @@ def _beside(area: str, ours: list[Row], checkout: Path) -> list[Row]:
             theirs = bench_of(checkout).rows(area)
         except AreaError as error:
             print(f"bench: in {checkout}: {error}", file=sys.stderr)
-    both = beside(ours, theirs)
+    both = compare_rows(ours, theirs)
     Console().print(table_beside(area, both))
     return both
 

@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from horizon_solvers import pair_problem, rows_of_solvers
-from least_time import least_time
+from processor_time import least_time
 from q2q_control.explicit.features import WIDTH, PairHorizon
 from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
 from q2q_control.explicit.situations import random_situations

@@ -15,7 +15,7 @@ import daqp
 import numpy as np
 from scipy.optimize import minimize
 
-from least_time import least_time
+from processor_time import least_time
 from q2q_control.mpc.axis_model import axis_model
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash

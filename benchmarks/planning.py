@@ -17,8 +17,8 @@ import numpy as np
 import osqp
 from scipy import sparse
 
-from least_time import least_time
 from neural_trajectory import NeuralPlan, plan_neural
+from processor_time import least_time
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at

@@ -14,7 +14,7 @@ import encounters
 import planning
 import risk
 from area_process import AreaError, read_rows
-from beside import beside, environment_outside
+from compare_checkout import compare_rows, environment_outside
 from q2q_planner.experiments.encounters import EncounterVerdict
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -108,7 +108,7 @@ def test_equal_names_are_matched_below_their_headings_and_in_order():
     ours = [Row(name, value, "s") for name, value in (("ten", 1), ("  cost", 2), ("its", 3), ("its", 4))]
     names = (("two", 10), ("  cost", 20), ("ten", 30), ("  cost", 40), ("its", 50))
     theirs = [Row(name, value, "s") for name, value in names]
-    assert [row.there for row in beside(ours, theirs)] == [30, 40, 50, None]
+    assert [row.there for row in compare_rows(ours, theirs)] == [30, 40, 50, None]
 
 
 def test_another_checkout_sees_no_path_of_ours():

@@ -48,7 +48,7 @@ def _inside(entry: str, root: Path) -> bool:
     return entry.startswith(os.sep) and Path(os.path.normpath(entry)).is_relative_to(root)
 
 
-def beside(ours: Sequence[Row], theirs: Sequence[Row]) -> list[Row]:
+def compare_rows(ours: Sequence[Row], theirs: Sequence[Row]) -> list[Row]:
     """Return our rows with the values of theirs."""
     there = {key: row.value for key, row in _keyed(theirs)}
     return [replace(row, there=there.get(key)) for key, row in _keyed(ours)]
