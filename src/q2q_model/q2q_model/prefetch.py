@@ -20,28 +20,28 @@ Intrinsic = tuple[Signature, Callable[[BaseContext, ir.IRBuilder, Signature, Val
 """Signature of a function in compiled code, and what writes it."""
 
 
-def ask_for(table: Array, i: int, j: int) -> None:
-    """Ask memory for the cache line of table[i, j, 0]; without compilation do nothing."""
+def prefetch(table: Array, i: int, j: int) -> None:
+    """Prefetch the cache line of table[i, j, 0]; without compilation do nothing."""
 
 
 @intrinsic  # type: ignore[untyped-decorator]  # numba has no types
-def _asked(_: BaseContext, table: types.Array, i: types.Integer, j: types.Integer) -> Intrinsic:
-    return types.void(table, i, j), _prefetch
+def _prefetched(_: BaseContext, table: types.Array, i: types.Integer, j: types.Integer) -> Intrinsic:
+    return types.void(table, i, j), _write_prefetch
 
 
-def _prefetch(context: BaseContext, builder: ir.IRBuilder, call: Signature, values: Values) -> ir.Value:
-    """Write LLVM's prefetch (to read, into all caches, of data)."""
+def _write_prefetch(context: BaseContext, builder: ir.IRBuilder, call: Signature, values: Values) -> ir.Value:
+    """Write a call of LLVM's prefetch (to read, into all caches, of data)."""
     array = context.make_array(call.args[0])(context, builder, values[0])
     place = [values[1], values[2], context.get_constant(types.intp, 0)]
     pointer = cgutils.get_item_pointer(context, builder, call.args[0], array, place)
     pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
     number = ir.IntType(32)
     kind = ir.FunctionType(ir.VoidType(), [pointer.type, number, number, number])
-    prefetch = builder.module.declare_intrinsic("llvm.prefetch", [pointer.type], kind)
-    builder.call(prefetch, [pointer, number(0), number(3), number(1)])
+    function = builder.module.declare_intrinsic("llvm.prefetch", [pointer.type], kind)
+    builder.call(function, [pointer, number(0), number(3), number(1)])
     return context.get_dummy_value()
 
 
-@overload(ask_for, jit_options=HOT, strict=False)  # type: ignore[untyped-decorator]
-def _ask_for(*_: types.Type) -> Callable[[Array, int, int], None]:
-    return lambda table, i, j: _asked(table, i, j)  # noqa: PLW0108  numba compiles it
+@overload(prefetch, jit_options=HOT, strict=False)  # type: ignore[untyped-decorator]
+def _compiled_prefetch(*_: types.Type) -> Callable[[Array, int, int], None]:
+    return lambda table, i, j: _prefetched(table, i, j)  # noqa: PLW0108  numba compiles it

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import BORROWING, HOT, compiled
-from q2q_model.prefetch import ask_for
+from q2q_model.prefetch import prefetch
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.room_air import RoomAir
@@ -80,9 +80,9 @@ def prefetch_swarms(airs: Air, first: int, end: int) -> None:
     """Ask memory for what swarms from `first` to `end` read at once: their present, and random numbers."""
     n, slots, steps = airs.rows.shape[1] - 1, airs.ring.shape[1], airs.room.unit.shape[2]
     for s in range(first, end):
-        ask_for(airs.room.unit[s], RESIDUAL, airs.rows[s, n] % steps)
+        prefetch(airs.room.unit[s], RESIDUAL, airs.rows[s, n] % steps)
         for i in range(n):
-            ask_for(airs.ring[s], airs.rows[s, n] % slots, i)
+            prefetch(airs.ring[s], airs.rows[s, n] % slots, i)
 
 
 class SwarmBatchInputs(NamedTuple):

@@ -1,7 +1,7 @@
 """State history of the vehicles as a ring, one slot a physics step, for downwash that arrives late; compiled.
 
-Between the step that writes a state and the one that reads it, many others leave the caches: `recall` asks
-memory for what the next step reads.
+Between the step that writes a state and the one that reads it, many others leave the caches: `recall`
+prefetches what the next step reads.
 """
 
 import math
@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.prefetch import ask_for
+from q2q_model.prefetch import prefetch
 from q2q_model.signals.values import Array
 from q2q_sim.plant.body.state_row import F1, F2, F3, F4, QW, QX, QY, QZ, VX, VY, X, Y, Z
 from q2q_sim.plant.push.order_by_x import Rows
@@ -37,7 +37,7 @@ def empty_ring(shape: tuple[int, ...]) -> Array:
 
 @compiled(**HOT)
 def recall(ring: Array, now: int, vehicle: int, late: float, columns: Array) -> None:
-    """Write a vehicle's columns `late` steps ago (ROOM_WIDTH,), and ask for those that the next step needs.
+    """Write a vehicle's columns `late` steps ago (ROOM_WIDTH,), and prefetch those that the next step needs.
 
     `now` is the present's slot.
     """
@@ -46,7 +46,7 @@ def recall(ring: Array, now: int, vehicle: int, late: float, columns: Array) -> 
     new = 1.0 - old
     a = now - whole if now >= whole else now - whole + ring.shape[0]
     b = a - 1 if a > 0 else ring.shape[0] - 1
-    ask_for(ring, a + 1 if a + 1 < ring.shape[0] else 0, vehicle)
+    prefetch(ring, a + 1 if a + 1 < ring.shape[0] else 0, vehicle)
     for k in range(ROOM_WIDTH):
         columns[k] = new * ring[a, vehicle, k] + old * ring[b, vehicle, k]
 
@@ -58,7 +58,7 @@ def remember(state: Array, ring: Array, rows: Rows, weight: float) -> None:
     rows[n] += 1
     slot, following = rows[n] % slots, (rows[n] + 1) % slots
     for i in range(n):
-        ask_for(ring, following, i)
+        prefetch(ring, following, i)
         ring[slot, i, X], ring[slot, i, Y], ring[slot, i, Z] = state[i, X], state[i, Y], state[i, Z]
         ring[slot, i, THRUST_RATIO] = (state[i, F1] + state[i, F2] + state[i, F3] + state[i, F4]) / weight
         if ring.shape[2] == ROOM_WIDTH:
