@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from fresh_checkout import ROOT
 
-from q2q_control.explicit.distillation import DistillationParams, distil, policy_of
+from q2q_control.explicit.distillation import DistillationParams, control_policy, distil
 from q2q_control.explicit.encounter_flight import fly as fly_encounters
 from q2q_control.explicit.encounter_flight import teacher_policy
 from q2q_control.explicit.explicit_solver import explicit_solver
@@ -180,7 +180,7 @@ def controlled_explicitly(signals: RecordedSignal) -> None:
     teacher = Teacher(MpcParams(), TEXTBOOK_065, known, TEXTBOOK_065.thrust_max)
     law = distil(teacher, DistillationParams(situations=20, encounters=2, length=10, iterations=5), rng)
     shown = random_encounters(3, 20, teacher.params.step, rng)
-    for policy in (policy_of(law, teacher), teacher_policy(teacher)):
+    for policy in (control_policy(law, teacher), teacher_policy(teacher)):
         fly_encounters(shown, policy, teacher)
     setup = MpcSetup(solver=explicit_solver(law))
     block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)

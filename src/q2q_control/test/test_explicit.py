@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from q2q_control.explicit.c_export import c_source
-from q2q_control.explicit.distillation import DistillationParams, distil, policy_of
+from q2q_control.explicit.distillation import DistillationParams, control_policy, distil
 from q2q_control.explicit.encounter_flight import fly, teacher_policy
 from q2q_control.explicit.explicit_solver import explicit_solver
 from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features
@@ -223,7 +223,7 @@ def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part()
 
 def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_horizon():
     shown = random_encounters(30, 100, PARAMS.step, np.random.default_rng(10))  # distilled from other seeds
-    ours = fly(shown, policy_of(taught(), TEACHER), TEACHER).cost
+    ours = fly(shown, control_policy(taught(), TEACHER), TEACHER).cost
     theirs = fly(shown, teacher_policy(TEACHER), TEACHER).cost
     assert np.median(ours / theirs) <= 1.05
     assert ours.sum() <= 1.05 * theirs.sum()  # made up by the hard ones, where the bound matters

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from q2q_control.explicit.encounter_flight import Policy, fly, teacher_policy
+from q2q_control.explicit.encounter_flight import ControlPolicy, fly, teacher_policy
 from q2q_control.explicit.features import WIDTH, Features, features
 from q2q_control.explicit.law import ExplicitLaw, evaluate
 from q2q_control.explicit.situations import Situations, random_encounters, random_situations
@@ -60,7 +60,7 @@ def distil(teacher: Teacher, params: DistillationParams, rng: np.random.Generato
         return law
     for by_law in (False, True):
         encounters = random_encounters(params.encounters, params.length, step, rng)
-        policy = policy_of(law, teacher) if by_law else teacher_policy(teacher)
+        policy = control_policy(law, teacher) if by_law else teacher_policy(teacher)
         situations.append(fly(encounters, policy, teacher, lambda shape: _gusts(shape, rng)).visited)
         law = fit_weights(law, training_set(situations, teacher), params.iterations)
     return law
@@ -71,8 +71,8 @@ def _meets_bounds(law: ExplicitLaw, situations: Situations, teacher: Teacher) ->
     return bool(np.count_nonzero(gates > GATE_MIN) >= FEWEST)
 
 
-def policy_of(law: ExplicitLaw, teacher: Teacher) -> Policy:
-    """Return the law as a policy: each vehicle of a pair by itself."""
+def control_policy(law: ExplicitLaw, teacher: Teacher) -> ControlPolicy:
+    """Return the law as a control policy: each vehicle of a pair by itself."""
 
     def policy(situations: Situations) -> Array:
         pair = pair_horizon(situations, teacher)

@@ -17,7 +17,7 @@ from q2q_control.explicit.situations import Encounters, Situations
 from q2q_control.explicit.teacher import Teacher, downwash_between, solve_situations
 from q2q_model.signals.values import Array
 
-Policy = Callable[[Situations], Array]
+ControlPolicy = Callable[[Situations], Array]
 """Map from K situations to commands (K, 2) [m/s^2]."""
 Nudges = Callable[[tuple[int, ...]], Array]
 """Map from the shape (E, 2, 3) of states to disturbances of them [SI]."""
@@ -33,8 +33,8 @@ class EncounterFlight:
     """Every stage of every encounter."""
 
 
-def teacher_policy(teacher: Teacher) -> Policy:
-    """Return the receding horizon as a policy; it linearises along its prediction of the stage before."""
+def teacher_policy(teacher: Teacher) -> ControlPolicy:
+    """Return the receding horizon as a control policy; it linearises along its prediction of the stage before."""
     kept: list[Array] = []
 
     def policy(situations: Situations) -> Array:
@@ -47,7 +47,7 @@ def teacher_policy(teacher: Teacher) -> Policy:
 
 
 def fly(
-    encounters: Encounters, policy: Policy, teacher: Teacher, nudges: Nudges = np.zeros
+    encounters: Encounters, policy: ControlPolicy, teacher: Teacher, nudges: Nudges = np.zeros
 ) -> EncounterFlight:
     """Return a flight of all encounters, each starting on its references apart from `nudges`."""
     model, (low, high) = teacher.altitude_model, teacher.bounds
