@@ -20,7 +20,8 @@ from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
 from q2q_control.mpc.solver.group_solve import Modes
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.solver.riccati import solve
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import Array, Interference, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import TEXTBOOK_065, Vehicle

@@ -21,7 +21,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
 
 from q2q_control.failsafe.ladder import FallbackParams
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_control.ros.controller_wiring import ControllerNodeParams
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.node_parameters import declare, on_change

@@ -7,7 +7,8 @@ from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.mpc.mpc import Mpc
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.signals.values import (
     CommandStatus,

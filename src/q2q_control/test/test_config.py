@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_control.pid.gains_file import load_gains, soft_altitude
-from q2q_control.pid.pid import PidParams
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FOLDER = Path(__file__).parents[1] / "config"

@@ -12,7 +12,7 @@ from q2q_control.failsafe.blind_flight.dead_reckoning import (
     LAG_S,
     THRUST_LAG_S,
 )
-from q2q_control.pid.pid import PidParams
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY

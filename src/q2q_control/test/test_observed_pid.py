@@ -8,7 +8,8 @@ import pytest
 from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
 from q2q_control.inputs.alignment import align
 from q2q_control.pid.observed_pid import ObservedPid
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
 from q2q_model.signals.values import Array, Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065

@@ -21,8 +21,9 @@ from q2q_control.inputs.alignment import (
     YAW_RATE,
     Aligned,
 )
-from q2q_control.pid.pid import Pid, PidParams, pid_gains, pid_limits
+from q2q_control.pid.pid import Pid, pid_gains, pid_limits
 from q2q_control.pid.pid_kernel import pid_rows
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler, yaw_from_quat
 from q2q_model.signals.values import (
     Array,

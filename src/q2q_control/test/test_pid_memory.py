@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from pid_swarms import only, swarm
 
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.signals.values import (
     Array,
     CommandStatus,

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from pid_swarms import swarm
 
-from q2q_control.pid.pid import Pid, PidParams, pid_gains
+from q2q_control.pid.pid import Pid, pid_gains
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 

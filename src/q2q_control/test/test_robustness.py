@@ -16,7 +16,8 @@ from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.observed_pid import ObservedPid
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor

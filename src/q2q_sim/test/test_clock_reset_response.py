@@ -6,7 +6,8 @@ import pytest
 from q2q_control.failsafe.guard import Guard
 from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.mpc.prediction.neighbours import HeardPredictions, PredictedPaths
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.pid.pid import PidParams
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from q2q_control.pid.pid import PidParams
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.shipped_folder import shipped_folder, shipped_or_given
 from q2q_model.documents.yaml_text import load_yaml

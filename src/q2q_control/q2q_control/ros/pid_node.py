@@ -16,7 +16,8 @@ from rclpy.node import Node
 from q2q_control.disturbance.tracker import TrackerParams
 from q2q_control.pid.gains_file import soft_altitude
 from q2q_control.pid.observed_pid import ObservedPid
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS

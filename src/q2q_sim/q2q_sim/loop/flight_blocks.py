@@ -15,7 +15,8 @@ from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.observed_pid import ObservedPid
-from q2q_control.pid.pid import Pid, PidParams
+from q2q_control.pid.pid import Pid
+from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import peak_downwash
