@@ -20,7 +20,7 @@ from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter as Given
 
-from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
 from q2q_control.ros.controller_wiring import ControllerNodeParams

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Empty
 
-from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.ros import guarded_commands, mpc_node, pid_node
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.node.tick_wiring import TickWiring

@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cost_growth.scene import BEFORE, Scene, Tick
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.pid import Pid
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.predictor import InteractionPredictor

@@ -11,8 +11,8 @@ from q2q.identified_model import ModelChoice, flown_model
 from q2q.planned_path import plan_for
 from q2q.scenario_choice import AirName, ScenarioChoice, scenario
 from q2q_control.controller import Controller
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import time_from_stamp

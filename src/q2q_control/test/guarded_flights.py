@@ -3,8 +3,8 @@
 import numpy as np
 
 from q2q_control.controller import Controller
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.mpc.mpc import Mpc
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.pid.pid import Pid

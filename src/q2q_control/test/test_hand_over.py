@@ -7,8 +7,8 @@ import pytest
 
 from q2q_control.controller import Controller
 from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.flight_procedure.hand_over import HandOver, HandOvers
 from q2q_control.flight_procedure.steps import Step
 from q2q_control.mpc.mpc import Mpc

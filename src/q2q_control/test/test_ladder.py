@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_control.failsafe.ladder import FallbackParams, fallback_command, landed_or_cut
+from q2q_control.failsafe.fallback_params import FallbackParams
+from q2q_control.failsafe.ladder import fallback_command, landed_or_cut
 from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 

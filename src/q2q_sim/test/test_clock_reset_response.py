@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.mpc.prediction.neighbours import HeardPredictions, PredictedPaths
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams

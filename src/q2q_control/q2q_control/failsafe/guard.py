@@ -47,7 +47,8 @@ from q2q_control.controller import Controller
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadReckonedBraking, is_blind
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
-from q2q_control.failsafe.ladder import FallbackParams, fallback_command, landed_or_cut
+from q2q_control.failsafe.fallback_params import FallbackParams
+from q2q_control.failsafe.ladder import fallback_command, landed_or_cut
 from q2q_control.failsafe.nominal_tick import SOUND, StateAndCommand, TickTimes, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_model.signals.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector

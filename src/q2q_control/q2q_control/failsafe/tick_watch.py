@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 

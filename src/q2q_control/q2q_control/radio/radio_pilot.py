@@ -35,7 +35,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.flight_procedure.procedure_params import LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth, VehicleLink

@@ -12,8 +12,8 @@ from rclpy.node import Node
 from std_srvs.srv import Empty
 
 from q2q_control.controller import Controller
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard, on_time
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 from q2q_control.failsafe.tick_watch import TickWatch

@@ -10,8 +10,8 @@ In a tick every MPC answers by what it has received in earlier ticks, as the nod
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.prediction.neighbours import PredictedPaths

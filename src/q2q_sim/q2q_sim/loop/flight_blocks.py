@@ -9,8 +9,8 @@ from typing import Literal
 
 from q2q_control.controller import Controller
 from q2q_control.disturbance.tracker import TrackerParams
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams

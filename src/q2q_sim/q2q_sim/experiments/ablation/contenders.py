@@ -24,8 +24,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from q2q_control.controller import Controller
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.ladder import FallbackParams
 from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_sim.experiments.ablation.learned_models import LearnedModel

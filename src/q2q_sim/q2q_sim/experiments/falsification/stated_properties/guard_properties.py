@@ -9,7 +9,7 @@
 
 import numpy as np
 
-from q2q_control.failsafe.ladder import FallbackParams
+from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, TrackStatus

@@ -1,0 +1,50 @@
+"""Ages at which the fallback phases change (q2q_control.failsafe.ladder)."""
+
+from dataclasses import dataclass
+
+from q2q_control.attitude.command_limits import LONGEST_HOLD_S
+from q2q_model.tunable import check_bounds, tunable
+
+
+@dataclass(frozen=True, slots=True)
+class FallbackParams:
+    """Ages at which the fallback phases change."""
+
+    degraded_s: float = tunable(
+        0.05, "age of a state from which it counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
+    )
+    hold_s: float = tunable(
+        0.03, "live: time without a tick until the last command is repeated", unit="s", low=0.0, high=1.0,
+        read_only=True,
+    )  # fmt: skip
+    level_s: float = tunable(
+        LONGEST_HOLD_S,
+        "live: time without a tick until level hover",
+        unit="s",
+        low=0.0,
+        high=1.0,
+        read_only=True,
+    )
+    land_s: float = tunable(
+        1.0, "age from which a vehicle sinks", unit="s", low=0.1, high=60.0, read_only=True
+    )
+    cut_s: float = tunable(
+        5.0,
+        "age from which its motors are off, until a new flight",
+        unit="s",
+        low=0.1,
+        high=120.0,
+        read_only=True,
+    )
+    land_share: float = tunable(
+        0.94, "share of hover thrust while sinking blind", low=0.5, high=1.0, read_only=True
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse values out of bounds or out of order."""
+        check_bounds(self)
+        if not self.hold_s <= self.level_s <= self.land_s <= self.cut_s:
+            raise ValueError(
+                f"hold_s {self.hold_s}, level_s {self.level_s}, land_s {self.land_s}, cut_s {self.cut_s}: "
+                "these must rise"
+            )
