@@ -8,7 +8,7 @@ from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
 from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone
 from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 
@@ -101,7 +101,7 @@ def flown(name: str, motion: Motion, wake: Wake, seed: int) -> AirRecord:
     push = NOISE * rng.standard_normal(motion.pos.shape[:2])
     everywhere = np.arange(motion.t.size)
     for i in range(record.vehicles):
-        eta = wake_push(record, i, everywhere, wake.jet, wake.absorption)
+        eta = learned_downwash(record, i, everywhere, wake.jet, wake.absorption)
         push[:, i] -= eta
         if wake.residual is not None:
             size = wake.residual.floor_mps2 * np.minimum(eta / INSIDE, 1.0) + wake.residual.slope * eta

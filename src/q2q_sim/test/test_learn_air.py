@@ -17,8 +17,8 @@ from q2q_sim.air.learning.ground_term import ONE_ROTOR, ground_term
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS, push_in_table
 from q2q_sim.air.learning.jet.jet_term import jet_alone, jet_term
+from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
 from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup, held_out_groups
-from q2q_sim.air.learning.jet.wake_push import wake_push
 from q2q_sim.air.learning.records.air_record import AirRecord, Motors
 from q2q_sim.air.learning.records.motor_curve import USUAL_POWER
 from q2q_sim.air.learning.residual.residual_term import residual_term
@@ -76,7 +76,7 @@ def test_the_jet_and_its_travel_are_found() -> None:
     assert_within(found.values, "jet.carried", known.carried)
     assert_within(found.values, "jet.slope", known.slope)
     other, rows = still_record("other", orbit(40.0, (0.6, 1.05), 9)), np.arange(4000)
-    learned, true = (wake_push(other, 0, rows, jet, None) for jet in (found.term, known))
+    learned, true = (learned_downwash(other, 0, rows, jet, None) for jet in (found.term, known))
     assert np.mean((learned - true) ** 2) < 0.02 * np.mean(true**2)  # R2 0.98 on a flight of its own
     assert found.term.push_mps2.min() >= 0.0
     assert abs(found.term.upper_ratio) < 0.05  # the upper vehicle of these flights feels nothing

@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_sim.bag_topics.playback import Playback, check_answer, check_start, tick_topics
+from q2q_sim.bag_topics.playback import Playback, check_answer, check_start, played_tick_topics
 
 SECONDS = range(0, 4_000_000_000, 1_000_000_000)
 
@@ -42,11 +42,11 @@ def test_answers_are_topics_of_ticks_that_are_played() -> None:
 
 def test_ticks_are_those_of_the_namespace_of_the_answer() -> None:
     rooms = ["/a/mocap", "/b/mocap", "/a/state"]
-    assert tick_topics(rooms, "a/interference") == {"/a/mocap"}
-    assert tick_topics(rooms, "/b/interference") == {"/b/mocap"}
-    assert tick_topics(["mocap", "/a/mocap"], "/interference") == {"mocap"}
+    assert played_tick_topics(rooms, "a/interference") == {"/a/mocap"}
+    assert played_tick_topics(rooms, "/b/interference") == {"/b/mocap"}
+    assert played_tick_topics(["mocap", "/a/mocap"], "/interference") == {"mocap"}
     for elsewhere in ("", "interference", "c/interference"):
-        assert tick_topics(rooms, elsewhere) == {"/a/mocap", "/b/mocap"}
+        assert played_tick_topics(rooms, elsewhere) == {"/a/mocap", "/b/mocap"}
 
 
 def test_answers_and_ticks_may_be_in_a_namespace() -> None:

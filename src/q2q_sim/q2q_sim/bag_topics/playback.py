@@ -52,7 +52,7 @@ def check_start(stamps: Iterable[int], start: float) -> None:
         since = later - first
 
 
-def tick_topics(played: Iterable[str], answer: str) -> set[str]:
+def played_tick_topics(played: Iterable[str], answer: str) -> set[str]:
     """Return the topics of ticks: that in the namespace of `answer`, or where there is none, in any."""
     ticks = {topic for topic in played if topic.rpartition("/")[2] == TICK_TOPIC}
     room = answer.strip("/").rpartition("/")[0]
@@ -77,5 +77,5 @@ def check_answer(answer: str, played: Iterable[str]) -> None:
             f"parameter answer = {answer!r}: the bag has it and would answer itself; play only what your "
             f"nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
         )
-    if not tick_topics(topics, answer):
+    if not played_tick_topics(topics, answer):
         raise ValueError(f"parameter answer: the ticks are the messages on {TICK_TOPIC}, which is not played")

@@ -25,7 +25,7 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
         NodeDiedError, TimeoutError: a node did not start or ended early.
     """
     made = folder / "replayed"
-    specs = node_specs(bag, model, made, read_flight(bag).names)
+    specs = replay_node_specs(bag, model, made, read_flight(bag).names)
     with running_nodes(specs, folder) as running:
         running.processes.expect_exit(PLAYER)  # it exits after the bag
         running.director.start(PLAYER)
@@ -35,7 +35,7 @@ def replay(bag: Path, model: str, folder: Path) -> Flight:
     return read_flight(made)
 
 
-def node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -> list[NodeSpec]:
+def replay_node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -> list[NodeSpec]:
     """Return the nodes of a replay with their parameters."""
     return [
         NodeSpec("q2q_sim", RECORDER, {"bag": str(made), "stamps": "header"}),

@@ -29,7 +29,14 @@ from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.cdr import header_stamp_ns
 from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.playback import PAUSE_S, Playback, answer_type, check_answer, check_start, tick_topics
+from q2q_sim.bag_topics.playback import (
+    PAUSE_S,
+    Playback,
+    answer_type,
+    check_answer,
+    check_start,
+    played_tick_topics,
+)
 from q2q_sim.bag_topics.topics import has_one_writer, is_latched
 from q2q_sim.loop.lockstep import ResendTimer
 
@@ -82,7 +89,7 @@ class Player:
             node.get_logger().warning(repair)
         wanted = self._wanted()
         check_answer(self._params.answer, wanted)
-        self._ticks = tick_topics(wanted, self._params.answer)
+        self._ticks = played_tick_topics(wanted, self._params.answer)
         waited = self._ticks if self._params.answer else set(wanted)
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         recorded = self._reader.latched

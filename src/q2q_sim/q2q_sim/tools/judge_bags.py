@@ -56,7 +56,7 @@ class JudgedBag:
 def run(args: Namespace) -> int:
     """Check the named bags; return 1 if a policy is violated, else 2 if a bag has nothing to judge."""
     found = {
-        str(bag): judge_bag(trace_in(bag), circumstances_of(bag, args.scenario, args.vehicle))
+        str(bag): judge_bag(trace_in(bag), circumstances_of_bag(bag, args.scenario, args.vehicle))
         for bag in args.bags
     }
     if args.json:
@@ -89,7 +89,7 @@ def judge_bag(trace: FlightTrace, circumstances: Circumstances) -> JudgedBag:
     )
 
 
-def circumstances_of(bag: Path, scenario: str, vehicle: str) -> Circumstances:
+def circumstances_of_bag(bag: Path, scenario: str, vehicle: str) -> Circumstances:
     """Return the circumstances of a flight, by a scenario if one is given; its vehicle is that of the bag.
 
     A bag that names none has the scenario's, or the default one, and a line on stderr says so.

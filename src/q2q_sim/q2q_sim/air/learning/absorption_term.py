@@ -14,7 +14,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import jet_place
 from q2q_sim.air.learning.jet.jet_table import push_in_table
-from q2q_sim.air.learning.jet.wake_push import absorption_factor, travel_of
+from q2q_sim.air.learning.jet.learned_downwash import absorption_factor, travel_of
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_two
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread

@@ -12,7 +12,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.learning.jet import wake_rows
-from q2q_sim.air.learning.jet.wake_push import travel_of
+from q2q_sim.air.learning.jet.learned_downwash import travel_of
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import cell_sums, estimate_spread

@@ -16,7 +16,7 @@ from q2q_sim.experiments.endurance.endurance_report import (
     is_flat,
     measured_growths,
 )
-from q2q_sim.experiments.endurance.long_flight import LongFlight, fly_long, write_scenario
+from q2q_sim.experiments.endurance.long_flight import LongFlight, fly_long, write_long_scenario
 from q2q_sim.node_flights.scenario_flight import FlightRequest
 from q2q_sim.processes.interruption import Interruption
 
@@ -49,6 +49,6 @@ def _flown(args: Namespace) -> LongFlight:
             bar.update(task, completed=share)
             return perf_counter()
 
-        scenario = write_scenario(Path(place), args.vehicles, 60.0 * args.minutes)
+        scenario = write_long_scenario(Path(place), args.vehicles, 60.0 * args.minutes)
         request = FlightRequest(str(scenario), live=args.live, stack=not args.live)
         return fly_long(request, args.vehicles, Path(place) / "flight", follow)

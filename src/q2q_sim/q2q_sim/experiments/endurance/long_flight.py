@@ -105,7 +105,7 @@ def folder_size(folder: Path) -> int:
     return sum(one.stat().st_size for one in folder.glob("*"))
 
 
-def write_scenario(folder: Path, vehicles: int, duration: float) -> Path:
+def write_long_scenario(folder: Path, vehicles: int, duration: float) -> Path:
     """Write the scenario of a long flight; return its file."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "endurance.yaml"

@@ -94,11 +94,11 @@ def summary(found: Sequence[ReplayedErrors]) -> ErrorSummary:
         p95=float(p95),
         worst=float(errors.max()),
         diverged=sum(one.diverged for one in found),
-        interval=median_interval([one.errors for one in found]),
+        interval=pooled_median_interval([one.errors for one in found]),
     )
 
 
-def median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
+def pooled_median_interval(flights: Sequence[Array]) -> tuple[float, float] | None:
     """Return the 95 % interval of the pooled median by a bootstrap over flights; None below three."""
     if len(flights) < FEWEST:
         return None

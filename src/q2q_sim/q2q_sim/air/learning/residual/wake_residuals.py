@@ -7,7 +7,7 @@ import numpy as np
 
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
-from q2q_sim.air.learning.jet.wake_push import wake_push
+from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, autocovariance, flight_lags
 from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
@@ -52,7 +52,7 @@ def _wake(
 ) -> WakeResiduals:
     rows = np.flatnonzero(one.exposed)
     eta = np.zeros(one.y.size)
-    eta[rows] = wake_push(record, one.vehicle, rows, jet, absorption)
+    eta[rows] = learned_downwash(record, one.vehicle, rows, jet, absorption)
     clear = record.clear[:, one.vehicle]
     lags = flight_lags(record.motion.t, LAGS)
     own = np.zeros(lags.ticks.size)

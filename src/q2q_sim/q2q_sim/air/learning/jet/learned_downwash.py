@@ -20,7 +20,7 @@ def travel_of(jet: JetTerm) -> Travel:
     return Travel(1.0 / jet.travel_speed_mps, jet.carried, jet.slope)
 
 
-def wake_push(
+def learned_downwash(
     record: AirRecord, i: int, rows: Rows, jet: JetTerm, absorption: AbsorptionTerm | None
 ) -> Array:
     """Return |eta| of vehicle i at rows (k,), [m/s^2]."""
