@@ -8,7 +8,7 @@ import pytest
 
 from q2q_model.bag import BagReader
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import campaign_flight, engine, random_run
+from q2q_sim.experiments.campaign import campaign_flight, parallel_runs, random_run
 from q2q_sim.experiments.campaign.campaign_flight import JUDGED
 from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
 from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, cut_document, draw_run
@@ -153,8 +153,10 @@ def test_an_interrupted_campaign_goes_on_and_a_violation_is_reported(
         flown.append(seed)
         return ended(seed, *([BROKEN] if seed == 12 else []))
 
-    monkeypatch.setattr(engine, "_local", lambda work, numbers, *_: map(work, numbers))  # in this process
-    monkeypatch.setattr(engine, "fly_and_judge", fly)
+    monkeypatch.setattr(
+        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
+    )  # in this process
+    monkeypatch.setattr(parallel_runs, "fly_and_judge", fly)
     asked = ["--seed", "10", "--out", str(tmp_path)]
     assert campaign.main(["--runs", "2", *asked]) == 0
     with (tmp_path / "runs.jsonl").open("a") as log:
@@ -245,7 +247,9 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
         flown.append(run.seed)
         return AttackedFlight((BROKEN,) if run.seed == 37 else (), {"room": -float(len(flown))})
 
-    monkeypatch.setattr(engine, "_local", lambda work, numbers, *_: map(work, numbers))  # in this process
+    monkeypatch.setattr(
+        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
+    )  # in this process
     monkeypatch.setattr(attack_record, "fly_attacked", fly)
     monkeypatch.setattr(bug_score, "fly_attacked", lambda _: AttackedFlight(()))
     asked = ["--guided", "--runs", "110", "--bug-runs", "3", "--out", str(tmp_path)]

@@ -10,7 +10,7 @@ import pytest
 
 from q2q_model.signals.values import Array
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import engine
+from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification import attack_record
 from q2q_sim.experiments.falsification.attack import LENGTH, attack_runs
@@ -48,7 +48,9 @@ def test_attacks_of_another_search_are_not_resumed(tmp_path: Path, monkeypatch: 
         flown.append(run)
         return AttackedFlight(())
 
-    monkeypatch.setattr(engine, "_local", lambda work, numbers, *_: map(work, numbers))  # in this process
+    monkeypatch.setattr(
+        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
+    )  # in this process
     monkeypatch.setattr(attack_record, "fly_attacked", fly)
     asked = ["--guided", "--runs", "1", "--bug-runs", "0", "--out", str(tmp_path)]
     log = tmp_path / "attacks.jsonl"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.experiments.campaign import engine
+from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 
 TWO = ParallelRuns("local", 2)
@@ -41,14 +41,14 @@ def test_only_work_that_kills_its_process_alone_counts_as_died(
 ) -> None:
     (tmp_path / "deadly_work.py").write_text(DEADLY)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(engine, "freeze_imports", gc.freeze)  # without the imports of a campaign
+    monkeypatch.setattr(parallel_runs, "freeze_imports", gc.freeze)  # without the imports of a campaign
     work = import_module("deadly_work").work
     done = spread_work(ParallelRuns("local", jobs), work, range(6), lambda number: -number)
     assert sorted(done) == [-3, 0, 1, 2, 4, 5]
 
 
 def test_an_error_of_work_is_raised_as_it_is_by_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "freeze_imports", gc.freeze)
+    monkeypatch.setattr(parallel_runs, "freeze_imports", gc.freeze)
     with pytest.raises(OSError, match="Bad file descriptor"):
         list(spread_work(TWO, os.close, [9999], lambda _: pytest.fail("counted as died")))
 

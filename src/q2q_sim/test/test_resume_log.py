@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from q2q_sim.commands import campaign
-from q2q_sim.experiments.campaign import engine
+from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 from q2q_sim.experiments.falsification import attack_record
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
@@ -21,8 +21,10 @@ def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(
         statuses.append(campaign.main(asked))
         return RunOutcome(seed, through_nodes=False, what="made up", violations=(), seconds=0.0)
 
-    monkeypatch.setattr(engine, "_local", lambda work, numbers, *_: map(work, numbers))  # in this process
-    monkeypatch.setattr(engine, "fly_and_judge", fly)
+    monkeypatch.setattr(
+        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
+    )  # in this process
+    monkeypatch.setattr(parallel_runs, "fly_and_judge", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
     assert "runs.jsonl is written by another run: wait for it" in capsys.readouterr().err
@@ -40,7 +42,9 @@ def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
         statuses.append(campaign.main(asked))
         return AttackedFlight(())
 
-    monkeypatch.setattr(engine, "_local", lambda work, numbers, *_: map(work, numbers))  # in this process
+    monkeypatch.setattr(
+        parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
+    )  # in this process
     monkeypatch.setattr(attack_record, "fly_attacked", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
