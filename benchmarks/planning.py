@@ -22,7 +22,8 @@ from processor_time import least_time
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
+from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, minimum_snap_plan, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint

@@ -5,7 +5,8 @@ import pytest
 
 from q2q_model.geometry.zone import Ellipsoid
 from q2q_planner.experiments.crowded_room import RoomSize, random_swap
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.avoidance.near_samples import cut_corners
 from q2q_planner.offline.certificate.convex_zone import zone_around
 

@@ -10,8 +10,9 @@ from scipy.optimize import nnls
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import derive
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.deviation_space import deform, deviation_space
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.avoidance.least_deformation import least_deviations, nonnegative_qp
 from q2q_planner.offline.avoidance.near_samples import LOOK
 from q2q_planner.offline.avoidance.separating_planes import Planes, watch_pairs

@@ -12,7 +12,8 @@ from numpy.polynomial import Polynomial
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_planner.commands.plan import main
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
+from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.certificate.branch_and_bound import TOLERANCE
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan

@@ -14,7 +14,8 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint

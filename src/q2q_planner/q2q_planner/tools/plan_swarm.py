@@ -13,7 +13,8 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.plan_file import PlanFacts
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, avoid_zones
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
+from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.certificate.rounding_bound import NOT_BOUNDED

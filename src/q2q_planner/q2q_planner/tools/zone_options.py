@@ -9,7 +9,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_names import NONE
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.certificate.convex_zone import LARGEST
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash

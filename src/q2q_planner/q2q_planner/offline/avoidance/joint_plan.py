@@ -16,14 +16,13 @@ pair in conflict, its time and depth, or the vehicle that crosses a wall.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 
 from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_model.tunable import check_bounds, tunable
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.avoidance_problem import Problem
 from q2q_planner.offline.avoidance.convexification import Attempt, Start, search
 from q2q_planner.offline.avoidance.deviation_space import deviation_space
@@ -32,37 +31,7 @@ from q2q_planner.offline.certificate.certificate import Certificate, as_certifie
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
-from q2q_planner.offline.walls import WallProof, Walls, prove_within
-
-
-@dataclass(frozen=True, slots=True)
-class AvoidanceParams:
-    """Parameters of the search; none of them weakens the proof."""
-
-    pieces: int = tunable(5, "pieces between two waypoints; more give a freer curve", low=2, high=40)
-    margin: float = tunable(2e-4, "distance kept from the zone", unit="m", low=1e-6, high=1.0)
-    steps: int = tunable(40, "most convex steps from one start", low=1, high=1000)
-    starts: int = tunable(2, "starts tried: as the pairs pass, mirrored, then at random", low=1, high=100)
-    seed: int = tunable(0, "seed of the random starts", low=0)
-    within: tuple[float, ...] = tunable(
-        (), "box that all vehicles stay within: smallest x, y, z, largest x, y, z; none if empty", unit="m"
-    )
-
-    def __post_init__(self) -> None:
-        """Raise ValueError if a number is out of bounds, or `within` is no box."""
-        if not all(map(isfinite, self.within)):
-            raise ValueError(f"AvoidanceParams.within = {self.within}: allowed is any finite number")
-        check_bounds(self)
-        if self.walls is None and self.within:
-            raise ValueError(f"AvoidanceParams.within has {len(self.within)} numbers: give 6, or none")
-
-    @property
-    def walls(self) -> Walls | None:
-        """Return the box of `within`, or None."""
-        if len(self.within) != 6:
-            return None
-        x, y, z, far_x, far_y, far_z = self.within
-        return Walls((x, y, z), (far_x, far_y, far_z))
+from q2q_planner.offline.walls import WallProof, prove_within
 
 
 @dataclass(frozen=True, slots=True)

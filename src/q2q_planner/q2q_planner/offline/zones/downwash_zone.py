@@ -23,7 +23,8 @@ from q2q_model.downwash.level_set import LevelSet, level_set, peak_downwash
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP, AltitudeLoop
-from q2q_planner.offline.avoidance.joint_plan import AvoidanceParams, AvoidancePlan, avoid_zones
+from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
+from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.minimum_snap.minimum_snap import Reading, minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
