@@ -12,7 +12,7 @@ from q2q_model.recordings.recorded_flight import Recording
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.experiments.validation.flight_alone import flight_alone, is_alone
-from q2q_sim.experiments.validation.onboard_law import OnboardLaw, ReadFlight, feedback, read_law
+from q2q_sim.experiments.validation.recorded_law import ReadFlight, RecordedLaw, feedback, read_law
 from q2q_sim.experiments.validation.tracked_flight import tracked_flight
 
 DT = 0.01
@@ -20,8 +20,8 @@ T = DT * np.arange(2000)[:, None, None]
 STEP_S = 8.0
 """Time of a step [s]."""
 LATE = 11
-"""Rows by which the vehicles point late: those of test_onboard_law."""
-LAW = OnboardLaw(
+"""Rows by which the vehicles point late: those of test_recorded_law."""
+LAW = RecordedLaw(
     k_p=np.array([40.0, 40.0, 20.0]),
     k_d=np.array([20.0, 20.0, 10.0]),
     k_i=np.full(3, 0.6),
