@@ -34,7 +34,10 @@ class EncounterFlight:
 
 
 def teacher_policy(teacher: Teacher) -> ControlPolicy:
-    """Return the receding horizon as a control policy; it linearises along its prediction of the stage before."""
+    """Return the receding horizon as a control policy.
+
+    It linearises along its prediction of the stage before.
+    """
     kept: list[Array] = []
 
     def policy(situations: Situations) -> Array:
