@@ -40,7 +40,7 @@ from q2q_sim.plant.body.state_row import (
 )
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, compiled_room_air
-from q2q_sim.plant.push.order_by_x import Rows
+from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.room_air_push import room_air_push
 from q2q_sim.plant.push.state_history_ring import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
 from q2q_sim.plant.push.uncompiled_wake import UncompiledWake

@@ -17,7 +17,7 @@ class AvoidanceParams:
     starts: int = tunable(2, "starts tried: as the pairs pass, mirrored, then at random", low=1, high=100)
     seed: int = tunable(0, "seed of the random starts", low=0)
     within: tuple[float, ...] = tunable(
-        (), "box that all vehicles stay within: least x, y, z, largest x, y, z; none if empty", unit="m"
+        (), "box that all vehicles stay within: smallest x, y, z, largest x, y, z; none if empty", unit="m"
     )
 
     def __post_init__(self) -> None:

@@ -13,7 +13,6 @@ from q2q_sim.air.unit_processes import KINDS, block_steps
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, SearchBound, bound_of
 from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
-from q2q_sim.plant.push.order_by_x import Rows
 from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH
 from q2q_sim.random_streams import stream
 

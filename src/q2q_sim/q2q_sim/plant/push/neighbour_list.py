@@ -16,8 +16,8 @@ from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import BLEND
 from q2q_sim.plant.body.state_row import X, Y, Z
+from q2q_sim.plant.push.insertion_sort import Rows, sort_by_x
 from q2q_sim.plant.push.jet_reach import Extremes, JetReach, SearchBound, reach, reach_of
-from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
 
 SLACK = 0.15
 """Way that a vehicle may go before the list is rebuilt [m]: 75 steps at 1 m/s."""

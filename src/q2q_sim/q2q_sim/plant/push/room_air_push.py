@@ -61,9 +61,9 @@ from q2q_sim.plant.push.compiled_room_air import (
     cell,
     table_push,
 )
+from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_reach import JetReach, reach, reach_of, update_extremes
 from q2q_sim.plant.push.neighbour_list import update
-from q2q_sim.plant.push.order_by_x import Rows
 from q2q_sim.plant.push.state_history_ring import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall
 
 TOUCHING = 1e-9

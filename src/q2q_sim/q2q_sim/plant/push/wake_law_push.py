@@ -9,7 +9,7 @@ from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array
 from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, pair_eta, wake_delay, wake_reach
 from q2q_sim.plant.body.state_row import ETA_Z, Four, X, Y, Z
-from q2q_sim.plant.push.order_by_x import Rows, sort_by_x
+from q2q_sim.plant.push.insertion_sort import Rows, sort_by_x
 from q2q_sim.plant.push.state_history_ring import THRUST_RATIO
 
 

@@ -1,4 +1,4 @@
-"""Order of vehicles by x: insertion sort from the order of the last step, which hardly changes."""
+"""Insertion sort of vehicles by x, from the order of the last step, which hardly changes."""
 
 import numpy as np
 from numpy.typing import NDArray
