@@ -9,13 +9,13 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.controllers.attitude_of import legacy_degrees
 from q2q_sim.firmware.controllers.columns import (
     Power,
     frame_row,
     fresh_memory,
     setpoint_row,
 )
+from q2q_sim.firmware.controllers.state_attitude import legacy_degrees
 from q2q_sim.firmware.firmware_tick import Controllers, fly_tick
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.plant.body.state_row import QUAT

@@ -16,9 +16,9 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.commander.commander import Commander, Priority
 from q2q_sim.firmware.commander.planner import MOVING, Planner, PlanState
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three, setpoint_of
-from q2q_sim.firmware.controllers.attitude_of import DEG, legacy_degrees
 from q2q_sim.firmware.controllers.choice import FirmwareController, choose, refusal_of, start_controller
 from q2q_sim.firmware.controllers.columns import MOTOR, SETPOINT_WIDTH, Power, setpoint_row
+from q2q_sim.firmware.controllers.state_attitude import DEG, legacy_degrees
 from q2q_sim.firmware.estimator import DT, Estimator
 from q2q_sim.firmware.motors.airframe import Airframe
 from q2q_sim.firmware.motors.battery import VOLT_FULL, Battery

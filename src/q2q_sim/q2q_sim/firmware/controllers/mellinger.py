@@ -27,7 +27,6 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.commander.setpoint import Three
-from q2q_sim.firmware.controllers.attitude_of import Nine, axes, legacy_degrees, yaw_of
 from q2q_sim.firmware.controllers.columns import (
     CONTROL,
     I_MOMENT,
@@ -68,6 +67,7 @@ from q2q_sim.firmware.controllers.columns import (
     SET_VEL,
     Z_AXIS_SETPOINT,
 )
+from q2q_sim.firmware.controllers.state_attitude import Nine, axes, firmware_yaw, legacy_degrees
 from q2q_sim.firmware.controllers.truncation import truncate
 
 DT = 1.0 / 500.0
@@ -123,7 +123,7 @@ def yaw_setpoint(row: Array, setpoint: Array) -> float:
         return float(setpoint[SET_ATTITUDE + 2] * RAD)
     if setpoint[MODE_QUAT] == 1.0:
         q = SET_QUAT
-        return float(yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3]))
+        return float(firmware_yaw(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3]))
     return 0.0
 
 

@@ -28,10 +28,10 @@ def legacy_degrees(row: Array) -> Three:
     x, y, z, w = row[6], row[7], row[8], row[9]
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
-    return DEG * roll, -DEG * pitch, DEG * yaw_of(x, y, z, w)
+    return DEG * roll, -DEG * pitch, DEG * firmware_yaw(x, y, z, w)
 
 
 @compiled
-def yaw_of(x: float, y: float, z: float, w: float) -> float:
-    """Return yaw [rad] of a quaternion."""
+def firmware_yaw(x: float, y: float, z: float, w: float) -> float:
+    """Return yaw [rad] of a quaternion, as the firmware computes it."""
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
