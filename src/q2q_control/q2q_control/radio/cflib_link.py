@@ -17,7 +17,7 @@ from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
-from q2q_model.node.claim import claim
+from q2q_model.node.exclusive_use import claim
 from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
 from q2q_model.vehicle.vehicle_uri import resolved_uri
 

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from q2q_model.node.claim import claim
+from q2q_model.node.exclusive_use import claim
 
 WHAT = f"link {os.getpid()}" + 200 * " long"
 
@@ -22,7 +22,7 @@ def test_a_claim_is_refused_to_others_until_it_is_closed() -> None:
 
 
 def test_a_claim_ends_with_its_process() -> None:
-    lines = f"from q2q_model.node.claim import claim; print(claim({WHAT!r}).fileno() > 0)"
+    lines = f"from q2q_model.node.exclusive_use import claim; print(claim({WHAT!r}).fileno() > 0)"
     ended = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True)
     assert ended.stdout == "True\n"
     claim(WHAT).close()

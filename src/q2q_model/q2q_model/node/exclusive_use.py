@@ -1,4 +1,4 @@
-"""Claim of something that one program of a machine may use at a time, as a link to a vehicle.
+"""Exclusive use of something by one program of a machine, as of a link to a vehicle: its claim.
 
 A socket in Linux's abstract namespace holds it (unix(7)): it leaves no file, and ends with its process.
 Programs in other network namespaces, as containers without the host's network, are not seen.
