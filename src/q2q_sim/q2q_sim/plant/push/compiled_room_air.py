@@ -11,6 +11,7 @@ from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
 from q2q_sim.air.unit_processes import KINDS, block_steps
 from q2q_sim.plant.body.quadcopter import Body
+from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, SearchBound, bound_of
 from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
 from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH
