@@ -21,6 +21,7 @@ MUTATED = (
             f"q2q_control.failsafe.{name}"
             for name in (
                 "ladder",
+                "fallback_params",
                 "stamp_delay",
                 "stalled_stamps",
                 "blind_flight.elapsed_time",
