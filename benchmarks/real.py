@@ -23,8 +23,8 @@ from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual import predicted_residual
 from q2q_model.identification.selection.candidates import MARGIN
-from q2q_model.recordings.bag_recordings import recordings_of_bags
-from q2q_model.recordings.recorded_flight import Recording
+from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.tools.import_table import flight_table, read_columns, write_bag

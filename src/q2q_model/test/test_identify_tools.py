@@ -15,7 +15,7 @@ from q2q_model.commands import evaluate, identify
 from q2q_model.identification.push.along_flight import eta_along
 from q2q_model.identification.push.recorded_push import motion_of
 from q2q_model.model_files.model_file import load, save
-from q2q_model.recordings.bag_recordings import bags_among, recordings_of_bags
+from q2q_model.recordings.recordings_of_bags import bags_among, recordings_of_bags
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"

@@ -9,7 +9,7 @@ import pytest
 from q2q_model.bag import BagError, BagWriter, write_log_row
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.identification.push.recorded_push import LOG_MASS, motion_of, push_of_log
-from q2q_model.recordings.recording_files import recording_of_bag
+from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_model.signals.values import MocapFrame
 
 T = 1.7e9 + 0.01 * np.arange(200)

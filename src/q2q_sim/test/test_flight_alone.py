@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_model.recordings.recording_files import recording_of_table
+from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.comparison import comparison

@@ -16,7 +16,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import ModelFile
-from q2q_model.recordings.bag_recordings import recordings_of_bags
+from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_planner.offline.minimum_snap.minimum_snap import plan_cost

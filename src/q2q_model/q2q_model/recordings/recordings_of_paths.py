@@ -5,10 +5,10 @@ from pathlib import Path
 
 from q2q_model.bag import TopicMap
 from q2q_model.flights.tables.table_file import TABLES
-from q2q_model.recordings.bag_recordings import recordings_of_bags
 from q2q_model.recordings.distinct_flights import distinct_flights, reject_duplicates
-from q2q_model.recordings.recorded_flight import Recording
-from q2q_model.recordings.recording_files import flights_among, recording_of_table
+from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.recording_reader import flights_among, recording_of_table
+from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 
 
 def recordings_of_paths(

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import write_json
-from q2q_model.recordings.bag_recordings import topic_map
+from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
 from q2q_model.tools.vehicle_of_flights import vehicle_of_flights
 from q2q_sim.air.air_file import save

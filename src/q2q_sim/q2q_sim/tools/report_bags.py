@@ -11,9 +11,9 @@ import numpy as np
 from q2q_model.bag import TopicMap
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
-from q2q_model.recordings.bag_recordings import topic_map
 from q2q_model.recordings.filtered_states import with_filtered_states
-from q2q_model.recordings.recording_files import flight_of_bag
+from q2q_model.recordings.recording_reader import flight_of_bag
+from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.vehicle.constants import Vehicle

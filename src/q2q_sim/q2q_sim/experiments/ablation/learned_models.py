@@ -24,7 +24,7 @@ from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual_fit import fit_residual
-from q2q_model.recordings.recording_files import recording_of_table
+from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.air.air_names import FLIGHTS
 from q2q_sim.experiments.ablation.ablation_cases import LAW

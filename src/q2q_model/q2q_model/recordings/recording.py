@@ -1,4 +1,4 @@
-"""Recorded flight with its log, as read from a bag or a file."""
+"""Recording: a flight with its log, as read from a bag or a table."""
 
 from dataclasses import dataclass
 

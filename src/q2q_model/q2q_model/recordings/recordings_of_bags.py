@@ -13,8 +13,8 @@ from q2q_model.bag import (
 )
 from q2q_model.forked import forked
 from q2q_model.recordings.distinct_flights import distinct_flights, reject_duplicates
-from q2q_model.recordings.recorded_flight import Recording
-from q2q_model.recordings.recording_files import recording_of_bag
+from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.recording_reader import recording_of_bag
 
 
 def recordings_of_bags(
