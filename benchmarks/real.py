@@ -23,7 +23,7 @@ from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual import predicted_residual
 from q2q_model.identification.selection.candidates import MARGIN
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1

@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_limits
 from q2q_model.commands import identify as identify_command
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.identification import ProcedureParams, identify, recorded_altitudes
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.commands import bag_import

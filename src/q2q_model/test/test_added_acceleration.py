@@ -22,7 +22,7 @@ from q2q_model.identification.identification import (
 )
 from q2q_model.identification.push.jet_fit import JetForm, fit_to_altitudes
 from q2q_model.identification.selection.cross_validation import score_on
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

@@ -24,7 +24,7 @@ from q2q_model.identification.selection.candidates import (
 )
 from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
 from q2q_model.model_files.model_file import RoleScores
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, SwarmState
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

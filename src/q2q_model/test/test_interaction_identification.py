@@ -37,7 +37,7 @@ from q2q_model.identification.selection.candidates import (
     fit_jet,
     score_candidates,
 )
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 
 

@@ -7,7 +7,7 @@ import pytest
 from synthetic_air import Wake, orbit, wide_jet
 from synthetic_air import flown as flown_under
 
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term

@@ -8,7 +8,7 @@ import pytest
 
 from q2q_model.flights.flight import flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply, rotate
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import MocapFrame
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.estimators.estimate_errors import (

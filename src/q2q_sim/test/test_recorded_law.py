@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from q2q_model.geometry.rotations import quat_from_euler
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag, recording_of_table
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY

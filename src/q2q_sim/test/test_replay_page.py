@@ -14,7 +14,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.model_files.find_model import find_model
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
 from q2q_sim.commands.replay_page import main

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.push.sensor_check import MOST_OFFSET
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 LIMITED = 0.1

@@ -41,7 +41,7 @@ from q2q_model.identification.selection.candidates import (
 )
 from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
 from q2q_model.model_files.model_file import Fit, ModelFile
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 

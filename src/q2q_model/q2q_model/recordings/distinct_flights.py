@@ -12,7 +12,7 @@ import numpy as np
 from q2q_model.bag import BagError
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 
 
 def reject_duplicates(paths: Sequence[Path]) -> None:

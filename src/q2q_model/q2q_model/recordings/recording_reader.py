@@ -11,7 +11,7 @@ from q2q_model.flights.tables.flight_table import flight_table, log_of, signals_
 from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.recordings.filtered_states import with_filtered_states
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 
 
 def flights_among(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:

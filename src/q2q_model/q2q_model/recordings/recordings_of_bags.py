@@ -13,7 +13,7 @@ from q2q_model.bag import (
 )
 from q2q_model.forked import forked
 from q2q_model.recordings.distinct_flights import distinct_flights, reject_duplicates
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag
 
 

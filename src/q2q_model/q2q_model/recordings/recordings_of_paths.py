@@ -6,7 +6,7 @@ from pathlib import Path
 from q2q_model.bag import TopicMap
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.recordings.distinct_flights import distinct_flights, reject_duplicates
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import flights_among, recording_of_table
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 

@@ -12,7 +12,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.identification.push.recorded_push import push_record
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag, recording_of_table
 from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle

@@ -28,7 +28,7 @@ from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.gains.altitude_record import UP, check_upright
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, CommandStatus, Mask
 from q2q_model.vehicle.constants import Vehicle
 

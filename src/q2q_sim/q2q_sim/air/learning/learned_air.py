@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from q2q_model.flights.same_flight import flight_digest
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term

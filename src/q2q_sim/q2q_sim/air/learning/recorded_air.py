@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.flights.tables.table_file import TABLES
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import flights_among, recording_of_bag, recording_of_table
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

@@ -27,7 +27,7 @@ from q2q_model.geometry.rotations import (
     rotate_inverse,
 )
 from q2q_model.identification.push.push_samples import FLOOR
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.estimator import DT

@@ -5,7 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_sim.experiments.estimators.estimate_errors import ReplayedErrors, replayed_errors
 from q2q_sim.experiments.estimators.estimator_table import (
     error_table,

@@ -15,7 +15,7 @@ import numpy as np
 from q2q_model.flights.interpolated_gaps import resample
 from q2q_model.flights.sampled_reference import setpoint_positions
 from q2q_model.geometry.rotations import normalised, yaw_from_quat
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.find_air import FlownAir

@@ -16,7 +16,7 @@ from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, scored_rows
 from q2q_model.identification.push.recorded_push import push_record
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, Mask, Names, Rows
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.learning.records.air_record import air_records

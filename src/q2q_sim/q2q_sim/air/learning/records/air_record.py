@@ -25,7 +25,7 @@ from q2q_model.identification.push.push_samples import (
     push_samples,
 )
 from q2q_model.identification.push.recorded_push import push_record
-from q2q_model.recordings.recording import Recording
+from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
