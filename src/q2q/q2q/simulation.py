@@ -8,7 +8,6 @@ from q2q.argument_checks import check_flags, check_whole_number
 from q2q.checked_controller import CheckedController
 from q2q.flight_result import FlightResult
 from q2q.identified_model import ModelChoice, flown_model
-from q2q.planned_path import plan_for
 from q2q.scenario_choice import AirName, ScenarioChoice, scenario
 from q2q_control.controller import Controller
 from q2q_control.failsafe.fallback_params import FallbackParams
@@ -74,8 +73,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
     choice = BlockChoices(mode, _name_of(controller), replan, correct)
     residual = known.residual or REAL_FLIGHTS
-    path = None if plan is None else plan_for(flown, plan)
-    blocks = blocks_of(flown, choice, known.interaction, path, residual)
+    blocks = blocks_of(flown, choice, known.interaction, plan, residual)
     if not isinstance(controller, str):
         blocks = _with_controller(blocks, controller, flown)
     signals: list[RecordedSignal] = []

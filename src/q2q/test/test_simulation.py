@@ -132,7 +132,10 @@ def test_a_given_plan_is_flown():
 def test_a_plan_is_flown_by_name_not_by_row():
     own = q2q.plan(STACK)
     turned = replace(own, names=own.names[::-1], trajectories=own.trajectories[::-1])
-    np.testing.assert_array_equal(q2q.fly(STACK, plan=turned).arrays.ref_pos, q2q.fly(STACK).arrays.ref_pos)
+    expected = q2q.fly(STACK).arrays
+    for flight in (q2q.fly(STACK, plan=turned), q2q.fly(replace(q2q.scenario(STACK), plan=turned))):
+        np.testing.assert_array_equal(flight.arrays.ref_pos, expected.ref_pos)
+        np.testing.assert_array_equal(flight.arrays.thrust, expected.thrust)
 
 
 def test_a_plan_of_other_vehicles_or_from_elsewhere_is_refused():
@@ -145,6 +148,8 @@ def test_a_plan_of_other_vehicles_or_from_elsewhere_is_refused():
     ):
         with pytest.raises(ValueError, match=message):
             q2q.fly(STACK, plan=wrong)
+        with pytest.raises(ValueError, match=message):
+            q2q.fly(replace(q2q.scenario(STACK), plan=wrong))
     with pytest.raises(TypeError, match=r"plan = 3: what q2q.plan returns is expected"):
         q2q.fly(STACK, plan=3)
 

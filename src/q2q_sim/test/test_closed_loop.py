@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
+from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
 from q2q_sim.loop.flight_blocks import Mode
+from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.room_profiles import ROUGH
@@ -167,3 +169,11 @@ def test_a_flight_that_is_not_recorded_is_the_same_flight(mode: Mode) -> None:
         np.testing.assert_array_equal(answer.state.vel, recorded.vel[k])
         np.testing.assert_array_equal(answer.reference_safe.pos, recorded.safe_pos[k])
         np.testing.assert_array_equal(answer.command.thrust, recorded.thrust[k])
+
+
+def test_a_recording_has_each_signal_under_its_vehicles_name() -> None:
+    recording = FlightRecording(("cf1", "cf2"), 1)
+    thrust, zeros, status = np.array([2.0, 1.0]), np.zeros(2), np.zeros(2, dtype=np.uint8)
+    turned = SwarmCommand(0.0, ("cf2", "cf1"), thrust, zeros, zeros, zeros, status)
+    recording.command(0, turned)
+    np.testing.assert_array_equal(recording.flight("made").thrust, [[1.0, 2.0]])

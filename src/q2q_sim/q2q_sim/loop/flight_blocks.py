@@ -34,6 +34,7 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_sim.loop.flown_plan import plan_for
 from q2q_sim.scenarios.block_overrides import block_params
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
@@ -101,9 +102,10 @@ def plan_of(scenario: Scenario, zone: Zone | None = None) -> SwarmPlan:
 
     Raises:
         InfeasibleError: no such plan was found.
+        ValueError: its own is for other vehicles, or begins elsewhere.
     """
     if zone is None and scenario.plan is not None:
-        return scenario.plan
+        return plan_for(scenario, scenario.plan)
     if zone is None:
         return minimum_snap_plan(scenario.waypoints, scenario.reading)
     return avoid_zones(scenario.waypoints, zone, scenario.reading).plan
@@ -170,8 +172,12 @@ def blocks_of(
         model: of the predictor and the controller.
         plan: replaces the scenario's own.
         residual: of the model, for a controller that corrects.
+
+    Raises:
+        TypeError: the plan is none.
+        ValueError: it is for other vehicles, or begins elsewhere.
     """
-    flown = plan or plan_of(scenario)
+    flown = plan_of(scenario) if plan is None else plan_for(scenario, plan)
     residual_process = residual if choices.correct else None
     controller, sense = _controller(scenario, choices, Knowledge(model, flown, residual_process))
     return Blocks(

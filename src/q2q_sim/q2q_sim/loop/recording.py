@@ -46,27 +46,32 @@ class FlightRecording:
 
     def truth(self, tick: int, truth: SwarmState, downwash: Interference, imu: SwarmImu) -> None:
         """Write the true state and the inertial measurements."""
-        self._put(tick, true_pos=truth.pos, true_vel=truth.vel, true_eta=downwash.acc)
-        self._put(tick, specific_force_body=imu.specific_force_body, gyro_body=imu.ang_vel_body)
+        self._put(tick, truth.names, true_pos=truth.pos, true_vel=truth.vel)
+        self._put(tick, downwash.names, true_eta=downwash.acc)
+        self._put(tick, imu.names, specific_force_body=imu.specific_force_body, gyro_body=imu.ang_vel_body)
 
     def state(self, tick: int, state: SwarmState, interference: Interference) -> None:
         """Write the filtered state and the predicted downwash."""
-        self._put(tick, pos=state.pos, vel=state.vel, quat=state.quat, eta=interference.acc)
+        self._put(tick, state.names, pos=state.pos, vel=state.vel, quat=state.quat)
+        self._put(tick, interference.names, eta=interference.acc)
 
     def setpoints(self, tick: int, planned: SwarmSetpoint, given: SwarmSetpoint) -> None:
         """Write the setpoint of the plan and that of the replanner."""
-        self._put(tick, ref_pos=planned.pos, ref_vel=planned.vel, ref_acc=planned.acc)
-        self._put(tick, safe_pos=given.pos, safe_vel=given.vel, safe_acc=given.acc)
+        self._put(tick, planned.names, ref_pos=planned.pos, ref_vel=planned.vel, ref_acc=planned.acc)
+        self._put(tick, given.names, safe_pos=given.pos, safe_vel=given.vel, safe_acc=given.acc)
 
     def command(self, tick: int, command: SwarmCommand) -> None:
         """Write the command."""
         status = command.status.astype(np.float64)
-        self._put(tick, thrust=command.thrust, roll=command.roll, pitch=command.pitch, command_status=status)
+        self._put(tick, command.names, thrust=command.thrust, roll=command.roll, pitch=command.pitch)
+        self._put(tick, command.names, command_status=status)
 
     def flight(self, name: str) -> Flight:
         """Return the flight."""
         return Flight(name=name, names=self._names, t=self._stamps, **self._arrays)
 
-    def _put(self, tick: int, **rows: Array) -> None:
-        for key, values in rows.items():
-            self._arrays[key][tick] = values
+    def _put(self, tick: int, names: Names, **values: Array) -> None:
+        """Write values, whose rows are `names`."""
+        rows = index_of(names, self._names)
+        for key, some in values.items():
+            self._arrays[key][tick, rows] = some
