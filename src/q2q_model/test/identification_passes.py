@@ -4,8 +4,8 @@ import numpy as np
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.networks.fit import (
     random_weights,
 )
@@ -36,10 +36,11 @@ def terms() -> list[FlightTerms]:
     return [flight_terms(one, LOOP, REACH) for one in records()]
 
 
-def evidence() -> list[DownwashEvidence]:
+def identification_data() -> list[IdentificationData]:
     """Return the made flights with the pushes that their sensors show."""
     return [
-        DownwashEvidence((record,), tuple(pushes(one))) for record, one in zip(records(), FLOWN, strict=True)
+        IdentificationData((record,), tuple(pushes(one)))
+        for record, one in zip(records(), FLOWN, strict=True)
     ]
 
 

@@ -10,7 +10,6 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.gains.altitude_record import altitude_record, in_clear_air
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import CLEAR, with_added_acc
@@ -20,6 +19,7 @@ from q2q_model.identification.identification import (
     identify,
     recorded_altitudes,
 )
+from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.push.jet_fit import JetForm, fit_to_altitudes
 from q2q_model.identification.selection.cross_validation import score_on
 from q2q_model.recordings.flight_recording import Recording
@@ -89,7 +89,7 @@ def test_altitudes_of_an_aware_controller_teach_the_whole_downwash() -> None:
     truth = PAPER_LAW.acceleration(UNDER, pairs_at_rest(UNDER))[0, 2]
     assert jet.acceleration(UNDER, pairs_at_rest(UNDER))[0, 2] == pytest.approx(truth, rel=0.05)
     errors = [
-        score_on(PAPER_LAW, [DownwashEvidence((one,), ()) for one in each], TIGHT).mse_m2.lower
+        score_on(PAPER_LAW, [IdentificationData((one,), ()) for one in each], TIGHT).mse_m2.lower
         for each in (known, records)
     ]
     assert errors[0] < 0.01 * errors[1]

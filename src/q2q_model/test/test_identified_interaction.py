@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identification_passes import FLOWN, eta_error, evidence, records
+from identification_passes import FLOWN, eta_error, identification_data, records
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
@@ -12,9 +12,14 @@ from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.flights.flight import of_vehicle
-from q2q_model.identification.downwash_evidence import DownwashEvidence, has_exposure, is_lower, largest_gap
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.identification.identification_data import (
+    IdentificationData,
+    has_exposure,
+    is_lower,
+    largest_gap,
+)
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.along_flight import Motion, eta_along
 from q2q_model.identification.selection.candidates import (
@@ -62,7 +67,7 @@ def test_a_vehicle_that_flies_alone_is_below_nobody():
 
 
 def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():
-    truth, nothing = (score_on(law, evidence(), LOOP) for law in (PAPER_LAW, NoInteraction()))
+    truth, nothing = (score_on(law, identification_data(), LOOP) for law in (PAPER_LAW, NoInteraction()))
     assert truth.r2.lower == pytest.approx(1.0, abs=0.02)  # noise of 5 mm/s^2 on pushes of 0.4 m/s^2
     assert nothing.r2.lower == pytest.approx(0.0, abs=1e-12)
     assert truth.mse_m2.lower is not None
@@ -73,21 +78,21 @@ def test_scores_are_one_for_the_law_that_flew_and_zero_for_none():
 def test_held_out_flights_are_scored_by_a_model_that_has_not_seen_them():
     seen: list[set[str]] = []
 
-    def fit(flights: list[DownwashEvidence]) -> NoInteraction:
+    def fit(flights: list[IdentificationData]) -> NoInteraction:
         seen.append({one.name for one in flights})
         return NoInteraction()
 
-    score_held_out(fit, evidence(), LOOP)  # type: ignore[arg-type]
+    score_held_out(fit, identification_data(), LOOP)  # type: ignore[arg-type]
     names = {one.name for one in FLOWN}
     assert seen == [names - {one.name} for one in FLOWN]
 
 
 def test_with_one_flight_nothing_is_claimed_about_others():
-    assert score_held_out(lambda _: PAPER_LAW, evidence()[:1], LOOP).r2.lower is None
+    assert score_held_out(lambda _: PAPER_LAW, identification_data()[:1], LOOP).r2.lower is None
 
 
 def test_the_plain_jet_is_kept_where_freedom_brings_nothing():
-    flights = evidence()
+    flights = identification_data()
     tried = candidates("jet", flights, LOOP)
     best = best_trial(score_candidates(tried, flights, LOOP, lambda _: None)[0])
     assert best.candidate.name == "jet, straight down, power law"
@@ -154,7 +159,7 @@ def test_flights_without_commands_still_give_a_model_and_a_remark():
     params = ProcedureParams(model_type="envelope_network")
     found = identify([Recording(one) for one in blind], params, lambda _: None)
     assert any("gains are from trajectories" in remark for remark in found.remarks)
-    assert not any(one.pushes for one in found.evidence)
+    assert not any(one.pushes for one in found.data)
     assert found.file.fit is not None
     assert found.file.fit.train_mse_m2.lower is not None
     assert found.file.fit.train_mse_m2.lower < 1.13e-3  # the paper's, section 3.2
@@ -164,13 +169,13 @@ def test_a_model_that_its_flights_do_not_show_is_doubted():
     """Gains without intervals above 0, or held-out errors as large as those of no model, are said."""
     recordings = [Recording(made_flight(one)) for one in FLOWN]
     found = identify(recordings, ProcedureParams(model_type="jet"), lambda _: None)
-    assert model_doubts(found.gains, found.held_out, found.evidence) == []
+    assert model_doubts(found.gains, found.held_out, found.data) == []
     unknown = replace(found.gains, k_d=Interval(0.4, 0.0, 0.9))
-    inferred = [replace(one, pushes=()) for one in found.evidence]
+    inferred = [replace(one, pushes=()) for one in found.data]
     (first,) = model_doubts(unknown, found.held_out, inferred)
     assert first.startswith("the downwash is inferred by gains that these flights do not determine")
     useless = replace(found.held_out, r2=RoleScores(lower=-0.01))
-    (second,) = model_doubts(found.gains, useless, found.evidence)
+    (second,) = model_doubts(found.gains, useless, found.data)
     assert "no better than none (R2 -0.010)" in second
 
 

@@ -4,16 +4,25 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identification_passes import FLOWN, REACH, eta_error, evidence, pushes, random_model, records, terms
+from identification_passes import (
+    FLOWN,
+    REACH,
+    eta_error,
+    identification_data,
+    pushes,
+    random_model,
+    records,
+    terms,
+)
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification import identification as identification_module
-from q2q_model.identification.downwash_evidence import DownwashEvidence
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
 from q2q_model.identification.networks.fit import (
     NetworkFitParams,
@@ -130,7 +139,7 @@ def test_an_endless_encounter_is_thinned_and_keeps_its_loss(monkeypatch: pytest.
 
 
 def test_a_candidate_that_cannot_be_fitted_is_left_out_with_a_remark():
-    flights = evidence()
+    flights = identification_data()
 
     def fails(_: object) -> NoInteraction:
         raise ValueError("too many samples")
@@ -184,14 +193,14 @@ def test_adam_takes_the_steps_of_its_definition():
 
 
 def test_the_jet_that_flew_is_found_from_pushes():
-    fit = fit_jet(evidence(), LOOP, JetForm("power", carried=0.0, delayed=False))
+    fit = fit_jet(identification_data(), LOOP, JetForm("power", carried=0.0, delayed=False))
     assert eta_error(fit.jet, FLOWN[0]) < 0.02  # the command's tick against its lag
 
 
 def test_a_jet_that_is_known_already_has_the_intervals_of_its_fit():
     form = JetForm("power", carried=0.0, delayed=False)
-    fit = fit_jet(evidence(), LOOP, form)
-    again = fit_jet(evidence(), LOOP, form, fit.jet)
+    fit = fit_jet(identification_data(), LOOP, form)
+    again = fit_jet(identification_data(), LOOP, form, fit.jet)
     for (name, one), (_, other) in zip(fit.intervals, again.intervals, strict=True):
         assert other.value == pytest.approx(one.value, abs=1e-3), name  # a step below the solver's tolerance
         assert other.high - other.low == pytest.approx(one.high - one.low, rel=0.05, abs=1e-3), name
@@ -225,7 +234,7 @@ def test_a_late_downwash_is_found_with_its_speed():
     ]
     shifted = [_delayed(pushes(one)) for one in late]
     flights = [
-        DownwashEvidence((record,), tuple(one)) for record, one in zip(records(), shifted, strict=True)
+        IdentificationData((record,), tuple(one)) for record, one in zip(records(), shifted, strict=True)
     ]
     fit = fit_jet(flights, LOOP, JetForm("exponential", carried=0.0, delayed=True, spreading=False))
     assert fit.jet.travel_speed == pytest.approx(MEASURED_LAW.travel_speed, rel=0.1)

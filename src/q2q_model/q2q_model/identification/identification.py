@@ -16,12 +16,12 @@ from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
-from q2q_model.identification.downwash_evidence import DownwashEvidence, largest_gap
 from q2q_model.identification.gain_notes import gain_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.impulse_response import with_added_acc
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
+from q2q_model.identification.identification_data import IdentificationData, largest_gap
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.loading import loading_of
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
@@ -65,7 +65,7 @@ class ProcedureParams:
 class Identification:
     """Result of an identification."""
 
-    evidence: tuple[DownwashEvidence, ...]
+    data: tuple[IdentificationData, ...]
     gains: GainFit
     decay: DecayFit | None
     trials: tuple[Trial, ...]
@@ -100,21 +100,21 @@ def identify(
     on_step("pushes")
     pushes, notes = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
-    evidence = [DownwashEvidence(*pair) for pair in zip(known, pushes, strict=True)]
+    data = [IdentificationData(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
     decay, no_decay = _decay(records)
-    omitted = network_notes(params.model_type, evidence)
-    tried = candidates(params.model_type, evidence, loop)
-    trials, failed = score_candidates(tried, evidence, loop, on_step)
+    omitted = network_notes(params.model_type, data)
+    tried = candidates(params.model_type, data, loop)
+    trials, failed = score_candidates(tried, data, loop, on_step)
     on_step("final fit")
-    best, model, unfit = fit_best(trials, evidence, failed)
-    model = with_deviation(best.candidate, model, evidence)
+    best, model, unfit = fit_best(trials, data, failed)
+    model = with_deviation(best.candidate, model, data)
     zone, on_zone = _learned_zone(model, params.threshold, records)
-    doubted = model_doubts(gains, best.held_out, evidence) if best.candidate.kind != NOTHING.kind else []
-    train = score_on(model, evidence, loop)
-    spread = parameter_intervals(best.candidate, model, evidence, loop)
+    doubted = model_doubts(gains, best.held_out, data) if best.candidate.kind != NOTHING.kind else []
+    train = score_on(model, data, loop)
+    spread = parameter_intervals(best.candidate, model, data, loop)
     return Identification(
-        evidence=tuple(evidence),
+        data=tuple(data),
         gains=gains,
         decay=decay,
         trials=tuple(trials),

@@ -12,10 +12,10 @@ from q2q_model import palette
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
-from q2q_model.identification.downwash_evidence import every_record, is_lower, motion_along
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.identification import Identification
+from q2q_model.identification.identification_data import every_record, is_lower, motion_along
 from q2q_model.identification.push.along_flight import eta_along
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -48,7 +48,7 @@ def _figures(found: Identification) -> dict[str, Draw]:
     if found.decay is not None:
         figures["fig4_dev"] = partial(_decay_figure, found.decay)
     if loop is not None:
-        calm, pushed = (end(every_record(found.evidence), key=_largest_push) for end in (min, max))
+        calm, pushed = (end(every_record(found.data), key=_largest_push) for end in (min, max))
         figures["fig5_gains"] = partial(_altitude_figure, calm, loop, None, "learned loop, no downwash")
         title = "learned loop and downwash"
         figures["fig6_7_altitude"] = partial(_altitude_figure, pushed, loop, model, title)

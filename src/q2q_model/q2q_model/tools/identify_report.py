@@ -7,8 +7,8 @@ from q2q_model.counted import counted
 from q2q_model.documents.plain_values import Plain
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.deviation import DeviationParams
-from q2q_model.identification.downwash_evidence import every_record
 from q2q_model.identification.identification import Identification
+from q2q_model.identification.identification_data import every_record
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.loading import usable_loading
 from q2q_model.identification.selection.candidates import Trial
@@ -24,8 +24,8 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
     loop = found.file.gains
     return {
         "outliers": {
-            "found": sum(one.outliers for one in every_record(found.evidence)),
-            "samples": sum(one.samples for one in every_record(found.evidence)),
+            "found": sum(one.outliers for one in every_record(found.data)),
+            "samples": sum(one.samples for one in every_record(found.data)),
         },
         "gains": {
             "k_p": found.gains.k_p.as_list(),
@@ -69,8 +69,8 @@ def _spans(found: Sequence[tuple[str, Interval]]) -> list[tuple[str, list[float]
 def summary(found: Identification) -> str:
     """Return the results as text."""
     gains, held = found.gains, found.held_out
-    flights = counted(len(found.evidence), "flight")
-    outliers = counted(sum(one.outliers for one in every_record(found.evidence)), "outlier")
+    flights = counted(len(found.data), "flight")
+    outliers = counted(sum(one.outliers for one in every_record(found.data)), "outlier")
     lines = [
         f"{flights}, {outliers}; 95 % intervals in brackets",
         _gain("K_p", gains.k_p, "1/s^2"),

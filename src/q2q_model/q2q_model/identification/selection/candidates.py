@@ -16,7 +16,7 @@ from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.forked import forked
-from q2q_model.identification.downwash_evidence import DownwashEvidence, every_record, has_exposure
+from q2q_model.identification.identification_data import IdentificationData, every_record, has_exposure
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
 from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
@@ -68,7 +68,7 @@ FORMS = {
 }
 
 
-def candidates(kind: str, flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> list[Candidate]:
+def candidates(kind: str, flights: Sequence[IdentificationData], loop: AltitudeLoop) -> list[Candidate]:
     """Return the candidates of a kind: auto, jet or envelope_network; "none" for flights without downwash.
 
     Raises:
@@ -85,7 +85,7 @@ def candidates(kind: str, flights: Sequence[DownwashEvidence], loop: AltitudeLoo
     return [one for made in kept for one in made(flights, loop)]
 
 
-def network_notes(kind: str, flights: Sequence[DownwashEvidence]) -> list[str]:
+def network_notes(kind: str, flights: Sequence[IdentificationData]) -> list[str]:
     """Return a remark on long encounters: auto omits the networks, else flights are decimated."""
     if kind == "jet" or not (long := _long_encounters(flights)):
         return []
@@ -99,7 +99,7 @@ def network_notes(kind: str, flights: Sequence[DownwashEvidence]) -> list[str]:
 
 def score_candidates(
     tried: Sequence[Candidate],
-    flights: Sequence[DownwashEvidence],
+    flights: Sequence[IdentificationData],
     loop: AltitudeLoop,
     on_step: Callable[[str], None],
 ) -> tuple[list[Trial], list[str]]:
@@ -124,7 +124,7 @@ def score_candidates(
 
 
 def fit_best(
-    trials: Sequence[Trial], flights: Sequence[DownwashEvidence], failed: Sequence[str] = ()
+    trials: Sequence[Trial], flights: Sequence[IdentificationData], failed: Sequence[str] = ()
 ) -> tuple[Trial, InteractionModel, list[str]]:
     """Return the best trial, its model fitted to all flights, and remarks on better ones that fail to fit.
 
@@ -155,7 +155,7 @@ def best_trial(trials: Sequence[Trial]) -> Trial:
 
 
 def fit_jet(
-    flights: Sequence[DownwashEvidence], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
+    flights: Sequence[IdentificationData], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
 ) -> JetFit:
     """Return the jet of a form fitted to measured pushes if there are any, else to altitudes.
 
@@ -168,7 +168,7 @@ def fit_jet(
 
 
 def with_deviation(
-    found: Candidate, model: InteractionModel, flights: Sequence[DownwashEvidence]
+    found: Candidate, model: InteractionModel, flights: Sequence[IdentificationData]
 ) -> InteractionModel:
     """Return a candidate's model, a jet with its deviation on held-out flights."""
     pushes = [one for flight in flights for one in flight.pushes]
@@ -178,7 +178,7 @@ def with_deviation(
 
 
 def parameter_intervals(
-    found: Candidate, model: InteractionModel, flights: Sequence[DownwashEvidence], loop: AltitudeLoop
+    found: Candidate, model: InteractionModel, flights: Sequence[IdentificationData], loop: AltitudeLoop
 ) -> tuple[tuple[str, Interval], ...]:
     """Return the intervals of the parameters of a candidate's model, by name; empty unless it is a jet."""
     if found.name not in FORMS or not isinstance(model, Jet):
@@ -186,7 +186,7 @@ def parameter_intervals(
     return fit_jet(flights, loop, FORMS[found.name], model).intervals
 
 
-def _jets(flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> list[Candidate]:
+def _jets(flights: Sequence[IdentificationData], loop: AltitudeLoop) -> list[Candidate]:
     measured = any(one.exposed.any() for flight in flights for one in flight.pushes)
     nothing = [NOTHING] if measured and len(flights) > 1 else []  # of one flight nothing can be held out
     forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
@@ -199,13 +199,13 @@ def _freedom(form: JetForm) -> int:
 
 
 def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
-    def fit(flights: Sequence[DownwashEvidence]) -> InteractionModel:
+    def fit(flights: Sequence[IdentificationData]) -> InteractionModel:
         return fit_jet(flights, loop, form).jet
 
     return fit
 
 
-def _long_encounters(flights: Sequence[DownwashEvidence]) -> list[str]:
+def _long_encounters(flights: Sequence[IdentificationData]) -> list[str]:
     """Return the names of flights with more active samples than `MOST_ACTIVE`."""
     reach = _reach(NetworkFitParams())
     return [
@@ -219,13 +219,13 @@ def _reach(params: NetworkFitParams) -> tuple[float, float]:
     return WIDE * params.envelope.eps, WIDE * params.envelope.d
 
 
-def _networks(flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> list[Candidate]:
+def _networks(flights: Sequence[IdentificationData], loop: AltitudeLoop) -> list[Candidate]:
     params = NetworkFitParams()
     terms = {
         one.name: [flight_terms(record, loop, _reach(params)) for record in one.records] for one in flights
     }
 
-    def fit(chosen: Sequence[DownwashEvidence]) -> EnvelopeNetwork:
+    def fit(chosen: Sequence[IdentificationData]) -> EnvelopeNetwork:
         return fit_networks([part for one in chosen for part in terms[one.name]], params)
 
     return [Candidate(NETWORKS, "envelope_network", 322, fit)]

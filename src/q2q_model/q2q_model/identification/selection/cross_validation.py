@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.identification.downwash_evidence import DownwashEvidence, is_lower, motion_along
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
+from q2q_model.identification.identification_data import IdentificationData, is_lower, motion_along
 from q2q_model.identification.push.along_flight import eta_along, eta_on_vehicle
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.model_files.model_file import RoleScores
@@ -25,7 +25,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 MOST_FOLDS = 3
 """Most folds; each costs a fit to at least two thirds of the flights."""
 
-Fitter = Callable[[Sequence[DownwashEvidence]], InteractionModel]
+Fitter = Callable[[Sequence[IdentificationData]], InteractionModel]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,11 @@ class _Sums:
     """(2, missed total)."""
 
 
-def model_doubts(gains: GainFit, held_out: Score, evidence: Sequence[DownwashEvidence]) -> list[str]:
+def model_doubts(gains: GainFit, held_out: Score, data: Sequence[IdentificationData]) -> list[str]:
     """Return why a model with this score is not to be flown with, as far as its flights show it."""
     found = []
     known = gains.k_p.is_positive and gains.k_d.is_positive
-    if not known and not any(one.pushes for one in evidence):
+    if not known and not any(one.pushes for one in data):
         found.append(
             "the downwash is inferred by gains that these flights do not determine, and is no better known: "
             "record the topics command and state, or command and imu, which measure it"
@@ -68,7 +68,7 @@ def model_doubts(gains: GainFit, held_out: Score, evidence: Sequence[DownwashEvi
     return found
 
 
-def score_held_out(fit: Fitter, flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> Score:
+def score_held_out(fit: Fitter, flights: Sequence[IdentificationData], loop: AltitudeLoop) -> Score:
     """Return the score on held-out flights; empty for a single flight."""
     folds = min(MOST_FOLDS, len(flights))
     if folds < 2:
@@ -80,12 +80,12 @@ def score_held_out(fit: Fitter, flights: Sequence[DownwashEvidence], loop: Altit
     return _score(parts)
 
 
-def score_on(model: InteractionModel, flights: Sequence[DownwashEvidence], loop: AltitudeLoop) -> Score:
+def score_on(model: InteractionModel, flights: Sequence[IdentificationData], loop: AltitudeLoop) -> Score:
     """Return the score of a model on flights."""
     return _score([_sums(model, one, loop) for one in flights])
 
 
-def _sums(model: InteractionModel, flight: DownwashEvidence, loop: AltitudeLoop) -> _Sums:
+def _sums(model: InteractionModel, flight: IdentificationData, loop: AltitudeLoop) -> _Sums:
     altitude, push = np.zeros((2, 3)), np.zeros((2, 2))
     for record in flight.records:
         free = record.deviation - undisturbed(record, loop)

@@ -1,4 +1,4 @@
-"""Evidence of one flight about downwash, and the roles of its vehicles."""
+"""Data of one flight for identification, and the roles of its vehicles."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ NEAR = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class DownwashEvidence:
-    """Evidence of one flight: altitudes, and pushes if sensors and commands were recorded."""
+class IdentificationData:
+    """Data of one flight: altitudes, and pushes if sensors and commands were recorded."""
 
     records: tuple[AltitudeRecord, ...]
     """One, or one from each hole of the flight to the next."""
@@ -33,7 +33,7 @@ def motion_along(record: AltitudeRecord) -> Motion:
     return Motion(record.t, record.pos, record.vel, record.axis)
 
 
-def every_record(flights: Sequence[DownwashEvidence]) -> list[AltitudeRecord]:
+def every_record(flights: Sequence[IdentificationData]) -> list[AltitudeRecord]:
     """Return the records of all flights."""
     return [record for flight in flights for record in flight.records]
 
