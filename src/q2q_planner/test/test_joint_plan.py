@@ -52,6 +52,24 @@ def test_section_4_1_avoids_the_zone_at_no_more_than_1_04_times_the_infimum() ->
     assert found.cost == pytest.approx(plan_cost(found.plan), rel=1e-12)
 
 
+def head_on(duration: float) -> list[VehicleWaypoints]:
+    """Return two vehicles that pass each other 2 cm apart."""
+    return [
+        VehicleWaypoints(name, (Waypoint(0, (-x, y, 1.0)), Waypoint(duration, (x, y, 1.0))))
+        for name, x, y in (("cf1", 1.0, 0.0), ("cf2", -1.0, 0.02))
+    ]
+
+
+def test_a_slow_flight_takes_the_way_of_a_fast_one() -> None:
+    """A curve r(t / T) costs in proportion to T^-7 and has the same way."""
+    quick, slow = (avoid_zones(head_on(duration), PAPER) for duration in (5.0, 20_000.0))
+    assert slow.cost / slow.infimum == pytest.approx(quick.cost / quick.infimum, rel=1e-6)
+    way = [
+        found.plan.trajectories[0].at(np.linspace(0.0, t, 99)) for found, t in ((quick, 5), (slow, 20_000))
+    ]
+    assert way[1] == pytest.approx(way[0], abs=1e-5)
+
+
 @pytest.mark.parametrize("zone", [PAPER, Ellipsoid.around(PAPER), Cylinder(0.25, 1.1)])
 def test_an_avoiding_plan_meets_its_waypoints_at_rest_and_stays_smooth(zone: Cylinder | Ellipsoid) -> None:
     plan = avoid_zones(SECTION_4_1, zone).plan

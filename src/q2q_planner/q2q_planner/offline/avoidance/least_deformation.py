@@ -22,7 +22,7 @@ HARD = 1e-4
 MOST_DENSE = 400
 """Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
 ACCURACY = 1e-10
-"""Absolute and relative tolerance of the QP."""
+"""Absolute and relative tolerance of the QP, whose G has a diagonal of mean 1, and b a largest entry of 1."""
 LOOSE = 1e-6
 """Share of the largest dual below which a plane is loose: an interior point comes near zero but not to it."""
 
@@ -72,13 +72,16 @@ def _dual(pushes: sparse.csr_array, required: Array, warm: Array, softness: floa
 
 
 def nonnegative_qp(gram: Array | sparse.csr_array, required: Array) -> Array:
-    """Return argmin 1/2 x'Gx - b'x over x >= 0, (m,), for a positive definite G (m, m)."""
+    """Return argmin 1/2 x'Gx - b'x over x >= 0, (m,), for a positive definite G (m, m).
+
+    Units cancel: in a flight of T seconds, G is in proportion to T^7.
+    """
     if not (required > 0.0).any():
         return np.zeros_like(required)
-    dense = isinstance(gram, np.ndarray)
-    solver = piqp.DenseSolver() if dense else piqp.SparseSolver()
+    unit, most = gram.diagonal().mean(), np.abs(required).max()
+    matrix = gram / unit if isinstance(gram, np.ndarray) else sparse.csc_matrix(gram / unit)
+    solver = piqp.DenseSolver() if isinstance(gram, np.ndarray) else piqp.SparseSolver()
     solver.settings.eps_abs = solver.settings.eps_rel = ACCURACY
-    matrix = gram if dense else sparse.csc_matrix(gram)
-    solver.setup(matrix, -required, x_l=np.zeros_like(required))
+    solver.setup(matrix, -required / most, x_l=np.zeros_like(required))
     solver.solve()
-    return np.asarray(np.maximum(solver.result.x, 0.0), dtype=np.float64)
+    return np.asarray(np.maximum(solver.result.x, 0.0) * (most / unit), dtype=np.float64)
