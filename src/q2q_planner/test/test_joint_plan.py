@@ -21,7 +21,12 @@ from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.certificate import certificate
 from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
-from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, plan_cost, snap_cost
+from q2q_planner.offline.minimum_snap.minimum_snap import (
+    minimum_snap,
+    minimum_snap_plan,
+    plan_cost,
+    snap_cost,
+)
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 SECTION_4_1 = (
@@ -167,6 +172,22 @@ def test_a_warm_start_ends_where_it_began() -> None:
     renamed = [VehicleWaypoints(name, one.waypoints) for name, one in zip("ab", SECTION_4_1, strict=True)]
     with pytest.raises(ValueError, match="warm start of cf1, cf2: expected a, b"):
         avoid_zones(renamed, PAPER, warm=cold.plan)
+
+
+@pytest.mark.parametrize(
+    "warm", [*(head_on(t) for t in (1.0, 90.0)), circle(2)], ids=["short", "long", "other"]
+)
+def test_a_warm_start_may_be_another_flight(warm: list[VehicleWaypoints]) -> None:
+    """Samples are those of the flight that is planned, not those of the plan around which it is."""
+    named = [VehicleWaypoints(name, one.waypoints) for name, one in zip(("cf1", "cf2"), warm, strict=True)]
+    cold = avoid_zones(head_on(20.0), PAPER)
+    found = avoid_zones(head_on(20.0), PAPER, warm=minimum_snap_plan(named))
+    assert found.cost == pytest.approx(cold.cost, rel=1e-3)  # STILL, over some steps
+
+
+def test_a_zone_too_small_for_the_ways_is_named() -> None:
+    with pytest.raises(ValueError, match=r"too long for the radius of the zone: \d+ samples, allowed are"):
+        avoid_zones(circle(2), Cylinder(1e-5, 1.1))
 
 
 @settings(deadline=None, max_examples=15)

@@ -67,12 +67,12 @@ class Attempt:
 def search(problem: Problem, start: Start) -> Attempt:
     """Return the result of the convex steps from one start, with its certificate."""
     spacing, steps, softness = SPACING * problem.zone.eps, 0, SOFTEST
-    plan, side, curves = start.plan, start.side, problem.free.trajectories
+    plan, around = problem.free, start
     for denser in range(DENSER):
         times = sample_times(plan.trajectories, spacing, FEWEST_SAMPLES)
-        samples = sample_swarm(curves, problem.spaces, times)
+        samples = sample_swarm(problem.free.trajectories, problem.spaces, times)
         samples = samples.with_room() if problem.walls else samples
-        deviations, taken = _iterate(problem, samples, Start(side, plan), softness, corners=denser > 0)
+        deviations, taken = _iterate(problem, samples, around, softness, corners=denser > 0)
         steps += taken
         plan = _deformed_plan(problem, deviations)
         proof = certify(plan, problem.zone)
@@ -80,7 +80,7 @@ def search(problem: Problem, start: Start) -> Attempt:
         attempt = Attempt(plan, proof, wall_proof, plan_cost(plan), steps)
         if attempt.holds or proof.clearance < -DEEPEST * problem.zone.eps:
             break
-        spacing, side, softness = 0.5 * spacing, np.ones_like(side), HARD
+        spacing, around, softness = 0.5 * spacing, Start(np.ones_like(start.side), plan), HARD
     return attempt
 
 

@@ -11,6 +11,8 @@ from q2q_planner.offline.avoidance.deviation_space import DeviationSpace
 
 FINE = 512
 """Number of times at which speeds are evaluated to choose the samples."""
+MOST_ROWS = 2**26
+"""Most numbers of the deviation bases: half a gigabyte."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +40,15 @@ class SwarmSamples:
 def sample_swarm(
     trajectories: Sequence[Trajectory], spaces: Sequence[DeviationSpace], t: Array
 ) -> SwarmSamples:
-    """Return the samples at times t; vehicles are at rest after their end."""
+    """Return the samples at times t; vehicles are at rest after their end.
+
+    Raises:
+        ValueError: they do not fit in memory.
+    """
+    most = MOST_ROWS // (len(spaces) * max(1, *(space.dimension for space in spaces)))
+    if len(t) > most:
+        ways = f"the ways are too long for the radius of the zone: {len(t)} samples, allowed are {most}"
+        raise ValueError(f"{ways}; plan a part of the flight, or give a larger zone")
     base = np.stack([trajectory.at(t)[:, :3] for trajectory in trajectories], axis=1)
     rows = np.zeros((len(spaces), len(t), max(space.dimension for space in spaces)))
     for vehicle, space in enumerate(spaces):
