@@ -18,7 +18,9 @@ from q2q_sim.monitors.flight_verdict import (
     with_lost_ticks,
     with_planned_end,
 )
-from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.monitors.policies import Circumstances, judge
+from q2q_sim.monitors.policies.floor import floor
+from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 TICKS = 1000
@@ -61,6 +63,16 @@ def test_a_flight_that_goes_as_it_is_sent_is_ok() -> None:
 )
 def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, float], words: str) -> None:
     assert output(flown(moved(5.6, 5.8, 1, where))) == words
+
+
+def test_a_fall_that_no_command_prevents_is_a_failure_when_it_happens() -> None:
+    """The policies excuse it, and judge from 3.5 s after the push."""
+    push = np.zeros_like(HOVER)
+    push[T < 3.0, 0, 2] = -20.0
+    fallen = replace(flown(moved(1.0, 9.0, 0, (0.0, 0.0, 0.0))), true_eta=push)
+    assert output(fallen) == "cf1 hit the floor at 1.0 s (no command could prevent it: policies excuse it)"
+    judged = [one.t for one in judge(trace_from_arrays(fallen), AROUND, {"floor": floor})]
+    assert judged == pytest.approx([6.49])  # the last tick of the push is at 2.99 s
 
 
 def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:

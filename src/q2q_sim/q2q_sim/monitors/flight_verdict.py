@@ -11,7 +11,8 @@
 | the recording ends before the flight | a bag that was not closed (`with_unknown_end`) |
 | the flight ended early | the length that was to be flown, in the bag's metadata (`with_planned_end`) |
 
-The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight.
+The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Policies
+excuse vehicles that no command carries; what happened to them is a failure here, with that reason.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,6 +41,9 @@ UNSEEN_S = 0.5
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
 """Policies that decide on the outcome of a flight."""
 WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left its path"}
+
+EXCUSED = " (no command could prevent it: policies excuse it)"
+"""Said of what the policies do not judge (q2q_sim.monitors.policies.exemptions)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +91,10 @@ def verdict_of(
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
     trace = trace_from_arrays(flight)
-    broken = judge(trace, circumstances, IN_FLIGHT)
+    broken = judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT)
+    excused = judge(trace, circumstances, IN_FLIGHT)
     found = [
-        *(Finding(one.t, _words(one)) for one in broken),
+        *(Finding(one.t, _words(one) + ("" if one in excused else EXCUSED)) for one in broken),
         *_sent_down(trace, circumstances),
         *_commands_ended(trace),
         *_missed(trace, missed_ticks),

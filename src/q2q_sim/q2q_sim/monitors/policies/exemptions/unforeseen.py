@@ -36,10 +36,16 @@ def unforeseen(trace: FlightTrace, circumstances: Circumstances) -> Mask:
 
 def unforeseen_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles are in an unforeseen downwash, or were less than `settle` [s] before, (T, n)."""
-    return within_settle_time(trace, unforeseen(trace, circumstances), circumstances.limits.settle)
+    return _excused_lately(trace, circumstances, unforeseen(trace, circumstances))
 
 
 def helpless_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles no command carries or is known to, or less than `settle` [s] before, (T, n)."""
     helpless = overpowered(trace, circumstances) | unforeseen(trace, circumstances)
-    return within_settle_time(trace, helpless, circumstances.limits.settle)
+    return _excused_lately(trace, circumstances, helpless)
+
+
+def _excused_lately(trace: FlightTrace, circumstances: Circumstances, helpless: Mask) -> Mask:
+    """Return where helpless vehicles are excused, (T, n): nowhere if the circumstances excuse none."""
+    lately = within_settle_time(trace, helpless, circumstances.limits.settle)
+    return lately & circumstances.excuses_helpless
