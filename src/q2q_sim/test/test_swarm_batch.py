@@ -6,6 +6,7 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
+from q2q_sim.air.wake import AirSetup, Push, Sources
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import Swarm
@@ -67,3 +68,21 @@ def test_commands_of_another_shape_are_refused() -> None:
     batch = SwarmBatch(SwarmBatchSetup(CRAZYFLIE_2_0, _start()))
     with pytest.raises(ValueError, match=r"commands \(2, 5, 2, 4\)"):
         batch.step(np.zeros((2, SWARMS, COUNT - 1, 4)), np.zeros((SWARMS, COUNT, 7)))
+
+
+class Upwards:
+    """Air of a user's own, outside the compiled loop."""
+
+    def reset(self, setup: AirSetup) -> None:
+        """Remember the number of vehicles."""
+        self.push_all = np.tile([0.0, 0.0, 5.0], (setup.count, 1))
+
+    def push(self, _: Sources) -> Push:
+        """Push all upwards."""
+        return Push(self.push_all, 0.0 * self.push_all)
+
+
+@pytest.mark.parametrize("air", ["room", 1, Upwards()])
+def test_an_air_that_a_batch_cannot_step_is_refused(air: object) -> None:
+    with pytest.raises(TypeError, match="a batch steps a WakeLaw or a RoomAir"):
+        SwarmBatch(SwarmBatchSetup(CRAZYFLIE_2_0, _start(), air))  # type: ignore[arg-type]

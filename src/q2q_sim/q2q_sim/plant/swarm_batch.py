@@ -128,8 +128,10 @@ class SwarmBatch:
         """Place all vehicles at rest; `threads` threads share the swarms.
 
         Raises:
+            TypeError: an air that a batch cannot step.
             ValueError: no swarms, no vehicles, no threads, or not one seed for each swarm.
         """
+        _check_air(setup.air)
         swarms, count = setup.start.shape[:2]
         seeds = setup.seeds or range(swarms)
         if swarms * count == 0 or len(seeds) != swarms or threads < 1:
@@ -194,6 +196,15 @@ class SwarmBatch:
             for swarm in range(*share):
                 self._processes[swarm].fill(blocks[swarm])
         return steps - passed
+
+
+def _check_air(air: object) -> None:
+    """Raise TypeError for an air outside the compiled loop."""
+    if not isinstance(air, WakeLaw | RoomAir):
+        raise TypeError(
+            f"air = {air!r}: a batch steps a WakeLaw or a RoomAir; take that of a name from find_air, and "
+            "step a class of your own with Swarm"
+        )
 
 
 def stack_airs(airs: Sequence[Air]) -> Air:
