@@ -86,3 +86,13 @@ class Upwards:
 def test_an_air_that_a_batch_cannot_step_is_refused(air: object) -> None:
     with pytest.raises(TypeError, match="a batch steps a WakeLaw or a RoomAir"):
         SwarmBatch(SwarmBatchSetup(CRAZYFLIE_2_0, _start(), air))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["room", "measured"])
+def test_no_commands_move_nothing(name: str) -> None:
+    air = find_air(name)
+    assert isinstance(air, WakeLaw | RoomAir)
+    batch = SwarmBatch(SwarmBatchSetup(CRAZYFLIE_2_0, _start(), air))
+    before = batch.state.copy()
+    batch.step(np.zeros((0, SWARMS, COUNT, 4)), np.zeros((SWARMS, COUNT, 7)))
+    np.testing.assert_array_equal(batch.state, before)

@@ -170,7 +170,8 @@ class SwarmBatch:
                 f"commands {commands.shape} and drive {drive.shape} for (swarms, vehicles) = {vehicles}: "
                 "(steps, swarms, vehicles, 4) and (swarms, vehicles, 7) are needed"
             )
-        flat = (commands.reshape(len(commands), -1, 4), drive.reshape(-1, 7))
+        count = vehicles[0] * vehicles[1]
+        flat = (commands.reshape(len(commands), count, 4), drive.reshape(count, 7))
         others = range(1, len(self._shares))
         running = [self._pool.submit(self._advance, k, *flat) for k in others] if self._pool else []
         self._advance(0, *flat)
