@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from q2q_control.mpc.axis_cost import AxisWeights
 from q2q_control.mpc.axis_model import axis_model, transition
 from q2q_control.mpc.correction import (
     CROSSING,
@@ -15,7 +16,6 @@ from q2q_control.mpc.correction import (
 )
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor

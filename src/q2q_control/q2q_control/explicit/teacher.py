@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.situations import Situations
+from q2q_control.mpc.axis_cost import AxisWeights
 from q2q_control.mpc.axis_model import AxisModel, axis_model
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA, DownwashHorizon
-from q2q_control.mpc.problem.axis_cost import AxisWeights
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import FALL
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
