@@ -1,7 +1,7 @@
 """Tests of the figures of a flight on flights made by hand."""
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +56,18 @@ def test_control_effort_of_hover_is_its_square_over_time() -> None:
     assert one.u1_energy_above_hover == pytest.approx(0.0, abs=1e-9)
     assert two.u1_energy_above_hover == pytest.approx(5.0, rel=1e-9)  # the mean square of a sine over 10 s
     assert two.u1_max == pytest.approx(weight + 1.0, rel=1e-3)
+
+
+def test_control_effort_counts_the_ticks_whose_rows_are_lost() -> None:
+    """A tick without a row holds the last command, as one without a command does."""
+    weight, kept = SCENARIO.vehicle.hover_thrust, (T < 2.0) | (T >= 5.0)
+    whole = _flight(_still(1), _still(1), np.full((1000, 1), 1.1 * weight))
+    arrays = {one.name: getattr(whole, one.name) for one in fields(Flight)}
+    rows = {name: values[kept] for name, values in arrays.items() if isinstance(values, np.ndarray)}
+    lacking = replace(whole, **rows)
+    found = measure(lacking, SCENARIO.vehicle).vehicles["cf1"]
+    assert found.u1_energy == pytest.approx(1.21 * weight**2 * 10.0, rel=1e-12)
+    assert found.u1_energy_above_hover == pytest.approx(0.21 * weight**2 * 10.0, rel=1e-9)
 
 
 def test_separation_and_zone_time_are_those_of_the_closest_pair() -> None:

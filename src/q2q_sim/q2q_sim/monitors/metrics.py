@@ -7,7 +7,8 @@
     separation = min over pairs and time of |r_i - r_j|
     zone time  = time with any pair in the zone I(eps, d)
 
-Integrals are sums over ticks times the tick. NaN if the flight lacks the data.
+Integrals are sums over ticks times the tick; a row's thrust counts until the next row. NaN if the flight
+lacks the data.
 """
 
 from collections.abc import Mapping
@@ -57,7 +58,7 @@ class FlightMetrics:
 def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> FlightMetrics:
     """Return the metrics of a flight of `vehicle`s; the zone defaults to the paper's."""
     pos = best_position(flight)
-    dt = tick_period(flight)
+    dt, lasting = tick_period(flight), row_durations(flight)
     separation, zone_time = _closeness(pos, dt, zone)
     weight, when = vehicle.hover_thrust, exposure(pos, dt)
     rows = {
@@ -65,7 +66,7 @@ def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> Fl
             Exposure(when.under[:, i], when.clear[:, i]),
             pos[:, i] - flight.ref_pos[:, i],
             flight.thrust[:, i],
-            dt,
+            lasting,
             weight,
         )
         for i, name in enumerate(flight.names)
@@ -91,16 +92,21 @@ def tick_period(flight: Flight) -> float:
     return float(np.median(np.diff(flight.t))) if len(flight.t) > 1 else float("nan")
 
 
-def _vehicle(when: Exposure, error: Array, thrust: Array, dt: float, weight: float) -> VehicleMetrics:
-    """Return the metrics of one vehicle from its exposure (T,), position error (T, 3) and thrust (T,)."""
+def row_durations(flight: Flight) -> Array:
+    """Return the time from each row to the next [s], the tick at the last; lost ticks have no row, (T,)."""
+    return np.append(np.diff(flight.t), tick_period(flight))
+
+
+def _vehicle(when: Exposure, error: Array, thrust: Array, lasting: Array, weight: float) -> VehicleMetrics:
+    """Return the metrics of one vehicle from exposure, error (T, 3), thrust and durations of rows (T,)."""
     given = held_thrust(thrust)
-    known = len(given) > 0
-    effort = float(np.sum(given**2)) * dt if known else float("nan")
+    known, lasting = len(given) > 0, lasting[len(lasting) - len(given) :]
+    effort = float(np.sum(given**2 * lasting)) if known else float("nan")
     return VehicleMetrics(
         z_rmse_m=_rms(error[:, 2]),
         xy_rmse_m=_rms(np.hypot(error[:, 0], error[:, 1])),
         u1_energy=effort,
-        u1_energy_above_hover=effort - weight**2 * len(given) * dt,
+        u1_energy_above_hover=effort - weight**2 * float(np.sum(lasting)),
         u1_max=float(given.max()) if known else float("nan"),
         under_rms_m=_rms(error[when.under, 2]),
         clear_rms_m=_rms(error[when.clear, 2]),
