@@ -178,6 +178,13 @@ def test_the_ground_stops_a_fall_and_lets_a_vehicle_rise_again() -> None:
     assert swarm.state[0, 2] > 0.5
 
 
+def test_a_vehicle_on_the_ground_stays_where_it_is_in_wind() -> None:
+    swarm = _one(CRAZYFLIE_2_0, height=0.0)
+    start, drive = swarm.state[0, POS].copy(), np.array([[1.0, -2.0, 0.0, 1.0, 1.0, 1.0, 1.0]])
+    swarm.step(np.zeros((500, 1, 4)), drive)
+    np.testing.assert_array_equal(swarm.state[0, POS], start)
+
+
 def test_rotors_at_their_limit_cost_thrust_and_no_torque() -> None:
     commanded, rotor_max = (0.12, 0.05, 0.09, 0.14), (0.10, 0.10, 0.10, 0.13)
     lost = excess_share(commanded, rotor_max)

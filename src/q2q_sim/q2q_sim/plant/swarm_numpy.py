@@ -30,8 +30,9 @@ def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body)
         state[:, ETA_Z] = downwash_numpy(state, air, h)
         commanded = drive[:, 3:] * _commanded_rotors(state, command, body)
         state[:, ROTORS] = commanded + (state[:, ROTORS] - commanded) * decay
+        before = state[:, POS].copy()
         _move(state, drive[:, :3], body)
-        _stand(state, h)
+        _stand(state, before, h)
         air.rows[-1] += 1
         thrust_ratio = state[:, ROTORS].sum(axis=1) / (mass * GRAVITY)
         air.ring[air.rows[-1] % len(air.ring)] = np.column_stack([state[:, POS], thrust_ratio])
@@ -114,8 +115,10 @@ def _move(state: Array, moving_air: Array, body: Body) -> None:
     state[:, QUAT] = normalised(integrate_quat(state[:, QUAT], state[:, RATE], h))
 
 
-def _stand(state: Array, h: float) -> None:
+def _stand(state: Array, before: Array, h: float) -> None:
     below = state[:, Z] < 0.0
+    stood = below & (before[:, 2] == 0.0)
+    state[stood, POS] = before[stood]
     after = np.zeros((len(state), 3))
     after[:, 2] = np.maximum(state[:, VZ], 0.0)
     state[below, ACC] += (after - state[:, VEL])[below] / h

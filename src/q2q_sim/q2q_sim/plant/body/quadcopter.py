@@ -10,7 +10,8 @@ The equations are (1)-(9) in quaternion form, without small angles:
 One step of h: the rotor lag is exact for a constant command; v uses T of the new rotors and R of the old
 attitude; position advances by the mean of old and new velocity, which is exact for constant acceleration;
 w is integrated first, then q by exp(w h) (semi-implicit). The ground is at z = 0: there the vehicle stops,
-level, with its yaw kept. A commanded thrust of zero stops the motors, as in the firmware.
+level, with its yaw kept, and stays, whatever the wind. A commanded thrust of zero stops the motors, as in
+the firmware.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -180,10 +181,13 @@ def move(row: Array, commanded: Array, drive: Array, body: Body) -> None:
     for k in range(4):
         target = drive[GAIN1 + k] * share * max(commanded[k] - lost, 0.0)
         row[F1 + k] = target + (row[F1 + k] - target) * body.decay
+    before = (row[X], row[Y], row[Z])
     _push(row, (drive[X] + row[ETA_X], drive[Y] + row[ETA_Y], drive[Z] + row[ETA_Z]), body)
     _turn(row, body)
     if row[Z] < 0.0:
         _stand(row, body)
+        if before[Z] == 0.0:  # it stood: neither wind nor push moves it
+            row[X], row[Y] = before[X], before[Y]
 
 
 @compiled(**BORROWING)
