@@ -70,6 +70,12 @@ def test_a_fault_of_one_vehicle_strikes_its_rows_in_its_time_only(
             np.testing.assert_allclose(turn, np.diag([1.0, -1.0, -1.0]), atol=1e-12)
 
 
+@pytest.mark.parametrize(("start", "first"), [(0.104, 10), (0.106, 11)])
+def test_a_fault_begins_and_ends_at_the_nearest_ticks(start: float, first: int) -> None:
+    struck = [flags.any() for _, flags in _ticks(Fault("nan", start, duration=0.05))]
+    assert np.flatnonzero(struck).tolist() == list(range(first, first + 5))
+
+
 def test_a_swap_gives_two_vehicles_each_others_name() -> None:
     tick, flags = _ticks(Fault("swap", 0.1, 0.05, ("cf1", "cf2")))[12]
     clean = _truth()[12]

@@ -17,7 +17,8 @@
 | battery_sag | thrust falls linearly during the fault and stays low | fraction of thrust lost [-] |
 | weak_rotor | rotor 1 gives less thrust | fraction of its thrust lost [-] |
 
-A fault acts on the ticks with start <= t < start + duration, at least one; without named vehicles on all.
+A fault begins and ends at the ticks nearest to `start` and `start + duration`, half a tick early or late at
+most, and acts on one at least; without named vehicles on all.
 Faults of processes (a node killed or stopped) are not part of the room: q2q_sim.node_flights.process_faults.
 """
 
