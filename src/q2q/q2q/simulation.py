@@ -1,5 +1,6 @@
 """Simulated flight of a scenario, as its nodes fly it in lockstep."""
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -21,6 +22,7 @@ from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
+from q2q_sim.faults.faults import late_fault_notes, no_size_notes
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of, ignore_accelerometers
 from q2q_sim.monitors.policies import RecordedSignal
@@ -42,6 +44,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     seed: int = 0,
 ) -> FlightResult:
     """Fly a scenario and return the flight; the same arguments give the same numbers.
+
+    A fault that does nothing, of size 0 or after the end, is a warning.
 
     Args:
         chosen: scenario, or its name, file or document; see `q2q.scenario`.
@@ -69,6 +73,8 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     check_whole_number("seed", seed, 0)
     _check_controller(controller, correct=correct)
     flown = _in_air(scenario(chosen), air)
+    for note in (*no_size_notes(flown.faults), *late_fault_notes(flown.faults, flown.duration)):
+        warnings.warn(note, stacklevel=2)
     known = flown_model(flown.model if model is None else model)
     mode: Mode = "ignoring" if not aware else "aware" if limit else "aware_unlimited"
     choice = BlockChoices(mode, _name_of(controller), replan, correct)

@@ -10,6 +10,7 @@ from q2q_control.pid.pid import Pid
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_sim.air.air_names import AirError
+from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.loop.closed_loop import fly as fly_closed_loop
 from q2q_sim.loop.flight_blocks import pid_params
@@ -168,3 +169,17 @@ def test_an_unknown_controller_is_refused_with_those_that_exist():
 def test_what_is_no_controller_is_refused_before_the_flight(given: object):
     with pytest.raises(TypeError, match=r"no controller .*: give pid, mpc, or an object"):
         q2q.fly(TABLE6, controller=given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("idle", "note"),
+    [
+        (Fault("jump", start=0.1, duration=0.1), r"fault jump: size = 0 has no effect: give a size \[m\]"),
+        (Fault("nan", start=0.5), "fault nan at 0.5 s is after the end, 0.5 s"),
+    ],
+)
+def test_a_fault_that_does_nothing_is_a_warning(idle: Fault, note: str):
+    struck = replace(q2q.scenario(STACK), faults=(idle, Fault("nan", start=0.1)))
+    with pytest.warns(UserWarning, match=f"^{note}$") as given:
+        q2q.fly(struck)
+    assert len(given) == 1

@@ -124,12 +124,18 @@ def check_vehicles(faults: Sequence[Fault], names: Names) -> None:
 
 def check_sizes(faults: Sequence[Fault]) -> None:
     """Raise ValueError for a fault of size 0, whose kind has a size: it would do nothing."""
-    for fault in faults:
-        kind = KINDS[fault.kind]
-        if fault.size == 0.0 and kind.low != kind.high:
-            raise ValueError(
-                f"fault {fault.kind}: size = 0 has no effect: give a size [{kind.unit or 'share'}]"
-            )
+    for note in no_size_notes(faults):
+        raise ValueError(note)
+
+
+def no_size_notes(faults: Sequence[Fault]) -> list[str]:
+    """Return notes on faults of size 0, whose kinds have a size."""
+    sized = [(one.kind, KINDS[one.kind]) for one in faults if one.size == 0.0]
+    return [
+        f"fault {name}: size = 0 has no effect: give a size [{kind.unit or 'share'}]"
+        for name, kind in sized
+        if kind.low != kind.high
+    ]
 
 
 def late_fault_notes(faults: Sequence[Fault], duration: float) -> list[str]:
