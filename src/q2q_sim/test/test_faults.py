@@ -209,3 +209,10 @@ def test_a_flight_comes_through_a_fault_of_each_kind(kind: str) -> None:
     # 0.3 s without sight or command in air of 0.1 m/s^2: centimetres; a sensor off by `jump` moves it
     worst = np.abs(flight.true_pos - flight.ref_pos).max()
     assert worst < 0.15 + (abs(fault.size) if kind == "jump" else 0.0)
+
+
+def test_vehicles_may_be_any_sequence_of_names_and_no_single_one() -> None:
+    listed = Fault("nan", 0.1, vehicles=["cf1"])  # type: ignore[arg-type]
+    assert {listed} == {Fault("nan", 0.1, vehicles=("cf1",))}
+    with pytest.raises(TypeError, match="fault nan: vehicles = 'cf1': a list of names is allowed"):
+        Fault("nan", 0.1, vehicles="cf1")  # type: ignore[arg-type]

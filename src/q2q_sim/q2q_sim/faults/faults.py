@@ -79,7 +79,10 @@ class Fault:
     """Meaning by kind, as in the table above."""
 
     def __post_init__(self) -> None:
-        """Check the values; raise ValueError with the value and what is allowed."""
+        """Check the values; raise an error with the value and what is allowed."""
+        if isinstance(self.vehicles, str):
+            raise TypeError(f"fault {self.kind}: vehicles = {self.vehicles!r}: a list of names is allowed")
+        object.__setattr__(self, "vehicles", tuple(self.vehicles))  # a list would have no hash
         if self.kind not in KINDS:
             raise ValueError(f"unknown fault {self.kind!r}; {name_hint(self.kind, KINDS)}")
         for name, value in (("start", self.start), ("duration", self.duration)):
