@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.counted import counted
+from q2q_model.flights.answered_ticks import ANSWERS, answered_ticks
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_model.signals.values import Array, Names, index_of
@@ -67,8 +68,8 @@ class Flight:
 
 
 FLIGHT_FIELDS: dict[str, dict[str, str]] = {
-    "mocap": {"pos": "mocap_pos", "quat": "mocap_quat"},
     "truth": {"pos": "true_pos", "vel": "true_vel"},
+    "mocap": {"pos": "mocap_pos", "quat": "mocap_quat"},
     "reference": {"pos": "ref_pos", "vel": "ref_vel", "acc": "ref_acc"},
     "state": {"pos": "pos", "vel": "vel", "quat": "quat"},
     "truth_interference": {"acc": "true_eta"},
@@ -136,7 +137,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     Args:
         name: name of the flight.
         signals: topic of FLIGHT_FIELDS -> its signals, in any order. The stamps of the first topic with
-            signals (mocap first) are the ticks.
+            signals (truth, then mocap) are the ticks; see answered_ticks for frames with other stamps.
 
     Raises:
         ValueError: there is no signal, no stamp of a topic is a tick (the clocks are mixed), or all ticks
@@ -156,7 +157,8 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
         for field, width in _WIDTHS.items()
     }
     repairs: list[str] = []
-    for topic, found in present.items():
+    for topic, recorded in present.items():
+        found = _at_ticks(recorded, present) if topic in ANSWERS else recorded
         repairs += _remarks(topic, found, t, ticks_of)
         for rows in found:
             _fill(arrays, topic, rows, (t, names))
@@ -193,6 +195,18 @@ def _stamps(found: Sequence[SignalRows]) -> Array:
     """Return the stamps of all rows in the order of the recording."""
     stamps = np.concatenate([rows.t for rows in found])
     return stamps[np.argsort(np.concatenate([rows.place for rows in found]))]
+
+
+def _at_ticks(answers: Sequence[SignalRows], present: Mapping[str, Sequence[SignalRows]]) -> list[SignalRows]:
+    """Return the rows of a topic of answers, stamped with the ticks of their frames."""
+    truth, frames = (_stamps(present[topic]) if topic in present else np.zeros(0) for topic in _CLOCKS)
+    ticks = answered_ticks(truth, frames, _stamps(answers))
+    order = np.sort(np.concatenate([rows.place for rows in answers]))
+    return [replace(rows, t=ticks[np.searchsorted(order, rows.place)]) for rows in answers]
+
+
+_CLOCKS = ("truth", "mocap")
+"""Topics with the times of the ticks, and the stamps of the frames."""
 
 
 def _repeated(found: Sequence[SignalRows]) -> int:

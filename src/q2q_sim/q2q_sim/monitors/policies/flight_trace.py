@@ -5,11 +5,13 @@ Rows are ticks, with the stamps of `truth` if recorded, else of the first topic 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.flights.answered_ticks import answered_ticks
 from q2q_model.flights.flight import check_clock
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names
@@ -45,7 +47,7 @@ class FlightTrace:
     true_pos: Array
     """[m], (T, n, 3)."""
     sent_pos: Array
-    """Setpoints of the controller: reference_safe, else reference [m], (T, n, 3)."""
+    """Setpoints that the controller flew at each tick: reference_safe, else reference [m], (T, n, 3)."""
     seen: NDArray[np.bool_]
     """Whether a frame with the tick's stamp has the vehicle, by name or by true position, (T, n)."""
     state_pos: Array
@@ -125,7 +127,7 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
         t=grid.t,
         names=names,
         true_pos=true_pos,
-        sent_pos=Table(grid, sent).column("pos", 3),
+        sent_pos=Table(grid, _at_ticks(sent, topics)).column("pos", 3),
         seen=_seen(grid, topics["mocap"], true_pos),
         state_pos=states.column("pos", 3),
         state_age=states.column("age", 1),
@@ -140,6 +142,13 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
         not_finite=tuple(filter(None, (_first_not_finite(*named) for named in topics.items()))),
         true_downwash=Table(grid, topics["truth_interference"]).column("acc", 3),
     )
+
+
+def _at_ticks(answers: Topic, topics: Mapping[str, Topic]) -> Topic:
+    """Return a topic of answers, stamped with the ticks of their frames."""
+    made = copy(answers)
+    made.stamps = answered_ticks(topics["truth"].stamps, topics["mocap"].stamps, answers.stamps)
+    return made
 
 
 def _new_commands(commands: Topic, at: Array) -> Mapping[str, Array]:

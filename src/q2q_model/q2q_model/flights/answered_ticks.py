@@ -1,0 +1,35 @@
+"""Ticks at which the nodes answered frames with the stamps of other ticks.
+
+The simulator stamps the truth with the time of its tick, and the nodes stamp their answers with the stamp of
+the frame. A clock jump, a late or a repeated frame makes that the time of another tick. In lockstep each tick
+has one frame and one answer to it, so that the k-th is that of the k-th tick.
+"""
+
+import numpy as np
+
+from q2q_model.signals.values import Array
+
+ANSWERS = ("reference", "reference_safe", "interference", "command")
+"""Topics of what was flown at a tick; state and mocap are about the time of their stamps."""
+GAP = 1.5
+"""Time between two ticks, over the usual one, from which one between them is missing [-]."""
+
+
+def answered_ticks(truth: Array, frames: Array, answers: Array) -> Array:
+    """Return the tick of each answer [s], (K,): its own stamp, unless frames have those of other ticks.
+
+    Args:
+        truth: stamps of the truth in the order of recording [s]; none without a simulator.
+        frames: stamps of motion capture [s].
+        answers: stamps of a topic of answers [s], (K,).
+    """
+    each_has_one = len(truth) == len(frames) == len(answers)
+    if each_has_one and _is_gapless(truth) and not np.array_equal(np.sort(frames), truth):
+        return truth
+    return answers
+
+
+def _is_gapless(stamps: Array) -> bool:
+    """Return whether stamps are those of consecutive ticks."""
+    steps = np.diff(stamps)
+    return bool(len(steps)) and bool(steps.min() > 0.0) and bool(steps.max() < GAP * np.median(steps))

@@ -1,0 +1,83 @@
+"""The record of a flight whose frames have other stamps than their ticks is that of the flight itself."""
+
+from collections import defaultdict
+from functools import cache
+
+import numpy as np
+import pytest
+import yaml
+
+from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.signals.layout import Signal
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.flight_verdict import verdict_of
+from q2q_sim.monitors.metrics import measure
+from q2q_sim.monitors.policies import Circumstances, trace_in_lockstep
+from q2q_sim.scenarios.scenario import Scenario
+from q2q_sim.scenarios.scenario_document import scenario_from_document
+
+FAULTS = {
+    "repeated": "{kind: repeated, start: 0.85, duration: 0.3}",
+    "late": "{kind: late, start: 0.85, duration: 0.3, size: 0.2}",
+    "reordered": "{kind: reordered, start: 0.85, duration: 0.3}",
+    "ahead": "{kind: clock_jump, start: 0.85, duration: 0.5, size: 100.0}",
+    "back for good": "{kind: clock_jump, start: 0.85, duration: 9.0, size: -0.4}",
+}
+ROOM = """
+{duration: 2.0, room: ideal, vehicles: {
+  cf1: [{t: 0, pos: [0, 0, 1]}, {t: 2, pos: [0, 0, 1]}],
+  cf2: [{t: 0, pos: [-0.5, 0.1, 1]}, {t: 2, pos: [0.5, 0.1, 1]}]}}
+"""
+ANSWERED = ("ref_pos", "safe_pos", "eta", "thrust", "roll", "pitch", "command_status", "true_pos")
+
+
+def scenario(fault: str) -> Scenario:
+    """Return a flight in which cf2 passes cf1 in contact with it, under a fault."""
+    return scenario_from_document("pass", yaml.safe_load(ROOM) | {"faults": [yaml.safe_load(FAULTS[fault])]})
+
+
+@cache
+def flown(fault: str) -> tuple[Flight, dict[str, list[Signal]]]:
+    """Return the flight in arrays, tick by tick, and the signals that its nodes would record."""
+    signals: dict[str, list[Signal]] = defaultdict(list)
+    flight = fly(
+        scenario(fault), FlightOptions(on_signal=lambda topic, _, signal: signals[topic].append(signal))
+    )
+    return flight, signals
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_what_was_flown_at_a_tick_is_recorded_at_that_tick(fault: str) -> None:
+    flight, signals = flown(fault)
+    recorded, trace = flight_from_signals("recorded", signals).flight, trace_in_lockstep(signals)
+    np.testing.assert_array_equal(recorded.t, flight.t)
+    for name in ANSWERED:
+        np.testing.assert_array_equal(getattr(recorded, name), getattr(flight, name), name)
+    np.testing.assert_array_equal(trace.sent_pos, flight.safe_pos)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_collision_while_frames_have_other_stamps_is_in_the_verdict_of_the_record(fault: str) -> None:
+    flight, signals = flown(fault)
+    recorded = flight_from_signals("recorded", signals).flight
+    around = Circumstances(faults=scenario(fault).faults)
+    assert "cf1 and cf2 collided" in str(verdict_of(flight, around))
+    assert str(verdict_of(recorded, around)) == str(verdict_of(flight, around))
+    of_both = [measure(one, around.vehicle).min_separation_m for one in (recorded, flight)]
+    assert of_both[0] == of_both[1] < 0.13
+
+
+def test_frames_that_the_record_lacks_do_not_hide_what_the_vehicles_did() -> None:
+    _, signals = flown("repeated")
+    frames = [one for one in signals["mocap"] if not 0.6 < one.t < 1.4]
+    recorded = flight_from_signals("recorded", signals | {"mocap": frames}).flight
+    assert len(recorded.t) == 200
+    assert "cf1 and cf2 collided" in str(verdict_of(recorded, Circumstances()))
+
+
+def test_an_answer_that_is_lost_leaves_the_others_at_their_stamps() -> None:
+    _, signals = flown("repeated")
+    recorded = flight_from_signals("recorded", signals | {"command": signals["command"][1:]}).flight
+    known = np.isfinite(recorded.thrust[:, 0])
+    assert not known[0]
+    assert set(recorded.t[known]) <= {one.t for one in signals["command"]}
