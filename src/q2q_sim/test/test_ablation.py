@@ -145,7 +145,7 @@ def under_ticks(trajectories: tuple[Trajectory, ...]) -> int:
     """Return how many ticks vehicles are under another."""
     t = np.arange(0.0, max(one.duration for one in trajectories), 0.01)
     pos = np.stack([one.at(t)[:, :3] for one in trajectories], axis=1)
-    return int(exposure(pos, 0.01).under.sum())
+    return int(exposure(pos, t).under.sum())
 
 
 def test_places_of_draws_are_out_of_reach_and_their_paths_the_same() -> None:

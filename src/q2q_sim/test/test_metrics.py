@@ -11,7 +11,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.exposure import exposed
+from q2q_sim.monitors.exposure import exposed, exposure
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import held_thrust, measure
 from q2q_sim.node_flights.run_json import runs_json
@@ -123,7 +123,7 @@ def test_a_vehicle_is_exposed_below_another_and_for_a_while_after() -> None:
     pos = np.zeros((300, 2, 3))
     pos[:, 1] = [1.0, 0.0, 0.5]
     pos[50:100, 1, 0] = 0.1
-    found = exposed(pos, 100)
+    found = exposed(pos, T[:300], 1.0)
     assert not found[:, 1].any()
     assert np.array_equal(np.flatnonzero(found[:, 0]), np.arange(50, 200))  # 100 ticks after the last below
 
@@ -141,6 +141,26 @@ def test_height_errors_are_told_apart_by_where_the_other_vehicle_is() -> None:
     assert lower.worst_m == pytest.approx(0.1, rel=1e-12)
     assert np.isnan([upper.under_rms_m, upper.worst_m]).all()
     assert upper.clear_rms_m == 0.0
+
+
+def test_air_is_clear_only_while_the_positions_of_all_others_are_known() -> None:
+    ref = _still()
+    ref[:, 1, 0] = 2.0
+    pos = ref.copy()
+    pos[(T >= 4.0) & (T < 5.0), 1] = np.nan  # clear from 3 to 4 s and from 8 s on
+    pos[:, 0, 2] += np.where((T >= 4.0) & (T < 7.985), 0.3, 0.01)
+    lower, upper = measure(_flight(pos, ref, np.ones((1000, 2))), SCENARIO.vehicle).vehicles.values()
+    assert lower.clear_rms_m == pytest.approx(0.01, rel=1e-9)
+    assert upper.clear_rms_m == 0.0
+
+
+def test_exposure_lasts_as_long_where_ticks_are_missing() -> None:
+    pos = np.tile([[0.0, 0.0, 1.0], [2.0, 0.0, 1.5]], (len(T), 1, 1))
+    pos[(T >= 3.5) & (T < 4.0), 1, 0] = 0.0
+    kept = (T < 4.2) | (T >= 4.8)
+    whole, part = exposure(pos, T), exposure(pos[kept], T[kept])
+    assert np.array_equal(part.under, whole.under[kept])
+    assert np.array_equal(part.clear, whole.clear[kept])
 
 
 def test_null_stands_for_errors_that_a_flight_does_not_show() -> None:

@@ -70,7 +70,7 @@ def worst_under(conditions: AppConditions | None) -> tuple[float, float]:
         pos[tick] = room.swarm.state[:, :3]
         error[tick] = pos[tick] - wanted.pos
         room.fly(fleet.fly)
-    when, height = exposure(pos, TICK_S), error[..., 2]
+    when, height = exposure(pos, TICK_S * np.arange(len(pos))), error[..., 2]
     return float(np.abs(height[when.under]).max()), float(np.sqrt(np.mean(height[when.clear] ** 2)))
 
 

@@ -3,7 +3,7 @@
 | name | ticks of a vehicle |
 |---|---|
 | under | another within ASIDE horizontally and up to BELOW above it, now or within the last AFTER seconds |
-| clear | none there for FORGOTTEN seconds |
+| clear | none there for FORGOTTEN seconds, in which the positions of all others are known |
 
 Neither counts the first SETTLE seconds. Between the two, errors of a passage decay.
 """
@@ -25,6 +25,8 @@ AFTER = 1.0
 """Time after a pass in which its error counts [s]."""
 FORGOTTEN = 3.0
 """Time after which the air counts as clear again [s]."""
+ROUNDING = 1e-6
+"""Times are differences of stamps [s]."""
 
 
 class Exposure(NamedTuple):
@@ -34,23 +36,26 @@ class Exposure(NamedTuple):
     clear: Mask
 
 
-def exposure(pos: Array, tick: float) -> Exposure:
-    """Return the exposure of vehicles at positions (T, n, 3) [m], every `tick` [s]; none in a single tick."""
-    if len(pos) < 2:
-        return Exposure(np.zeros(pos.shape[:2], dtype=np.bool_), np.zeros(pos.shape[:2], dtype=np.bool_))
-    judged, now = (np.arange(len(pos)) >= round(SETTLE / tick))[:, None], under_another(pos, ASIDE, BELOW)
+def exposure(pos: Array, t: Array) -> Exposure:
+    """Return the exposure of vehicles at positions (T, n, 3) [m], NaN where unknown, at times (T,) [s]."""
+    judged, now = (t - t[:1] >= SETTLE - ROUNDING)[:, None], under_another(pos, ASIDE, BELOW)
     return Exposure(
-        judged & _recently(now, round(AFTER / tick)), judged & ~_recently(now, round(FORGOTTEN / tick))
+        judged & _recently(now, t, AFTER), judged & ~_recently(now | _lacks_another(pos), t, FORGOTTEN)
     )
 
 
-def exposed(pos: Array, after: int) -> Mask:
-    """Return which vehicles are under another or were up to `after` ticks before, (T, n)."""
-    return _recently(under_another(pos, ASIDE, BELOW), after)
+def exposed(pos: Array, t: Array, after: float) -> Mask:
+    """Return which vehicles are under another, or were up to `after` [s] before, (T, n)."""
+    return _recently(under_another(pos, ASIDE, BELOW), t, after)
 
 
-def _recently(now: Mask, after: int) -> Mask:
-    """Return what is so, or was up to `after` ticks before, (T, n)."""
-    count = np.arange(len(now))[:, None]
-    last = np.maximum.accumulate(np.where(now, count, -len(now) - after), axis=0)
-    return np.asarray(count - last <= after)
+def _lacks_another(pos: Array) -> Mask:
+    """Return which vehicles are flown while the position of another is unknown, (T, n)."""
+    unknown = ~np.isfinite(pos).all(axis=2)
+    return np.asarray(unknown.sum(axis=1, keepdims=True) > unknown)
+
+
+def _recently(now: Mask, t: Array, after: float) -> Mask:
+    """Return what is so, or was up to `after` [s] before, (T, n)."""
+    last = np.maximum.accumulate(np.where(now, t[:, None], -np.inf), axis=0)
+    return np.asarray(t[:, None] - last <= after + ROUNDING)

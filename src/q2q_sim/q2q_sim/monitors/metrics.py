@@ -60,7 +60,7 @@ def measure(flight: Flight, vehicle: Vehicle, zone: Cylinder = PAPER_ZONE) -> Fl
     pos = best_position(flight)
     dt, lasting = tick_period(flight), row_durations(flight)
     separation, zone_time = _closeness(pos, dt, zone)
-    weight, when = vehicle.hover_thrust, exposure(pos, dt)
+    weight, when = vehicle.hover_thrust, exposure(pos, flight.t)
     rows = {
         name: _vehicle(
             Exposure(when.under[:, i], when.clear[:, i]),

@@ -11,7 +11,6 @@ from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.exposure import AFTER, FORGOTTEN, exposed
-from q2q_sim.monitors.metrics import tick_period
 
 LOSS_SHOWN = 0.02
 """Smallest height below the reference that is reported [m]: a hover wanders as much."""
@@ -20,8 +19,7 @@ LOSS_SHOWN = 0.02
 def height_loss(flight: Flight, pos: Array, ref_pos: Array) -> Array:
     """Return the height below the reference of vehicles under another [m], (T, n); NaN elsewhere."""
     loss: Array = ref_pos[:, :, 2] - pos[:, :, 2]
-    ticks = 1.0 / tick_period(flight) if len(pos) > 1 else 0.0
-    under, decaying = exposed(pos, round(AFTER * ticks)), exposed(pos, round(FORGOTTEN * ticks))
+    under, decaying = exposed(pos, flight.t, AFTER), exposed(pos, flight.t, FORGOTTEN)
     count = np.arange(len(pos))[:, None]
     last_under = np.maximum.accumulate(np.where(under, count, -1), axis=0)
     last_back = np.maximum.accumulate(np.where(~under & ~(loss > 0.0), count, -1), axis=0)
@@ -30,7 +28,7 @@ def height_loss(flight: Flight, pos: Array, ref_pos: Array) -> Array:
 
 def height_loss_text(flight: Flight, pos: Array, ref_pos: Array, since: float) -> str:
     """Return who lost most height and when, `since` seconds after the start of the flight; or why nobody."""
-    under = exposed(pos, 0).any(axis=0)
+    under = exposed(pos, flight.t, 0.0).any(axis=0)
     if not under.any():
         return "no vehicle passed under another"
     loss = height_loss(flight, pos, ref_pos)

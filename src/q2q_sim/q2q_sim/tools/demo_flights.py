@@ -95,7 +95,7 @@ def replay_of(ignoring: FlightRun, aware: FlightRun) -> Markup:
 def passage_times(flight: Flight) -> tuple[float, float]:
     """Return when any vehicle is under another, with some time around it [s since the start]; else all."""
     since = flight.t - flight.t[0]
-    under = exposed(best_position(flight), after=0).any(axis=1)
+    under = exposed(best_position(flight), flight.t, after=0.0).any(axis=1)
     if not under.any():
         return 0.0, float(since[-1])
     first, last = float(since[under][0]), float(since[under][-1])

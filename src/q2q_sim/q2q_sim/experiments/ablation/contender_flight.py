@@ -82,10 +82,10 @@ def fly_groups(
 
 def draw_columns(trace: Trace, each: int) -> Array:
     """Return COLUMNS of every draw of `each` vehicles, (draws, 3); NaN if none was under another."""
-    rows = []
+    rows, t = [], np.asarray(TICK_S * np.arange(len(trace.pos)), dtype=np.float64)
     for start in range(0, trace.error.shape[1], each):
         own = slice(start, start + each)
-        error, (under, clear) = trace.error[:, own], exposure(trace.pos[:, own], TICK_S)
+        error, (under, clear) = trace.error[:, own], exposure(trace.pos[:, own], t)
         worst = float(np.abs(error[under]).max()) if under.any() else np.nan
         rows.append([_rms(error[under]), _rms(error[clear]), worst])
     return np.array(rows)

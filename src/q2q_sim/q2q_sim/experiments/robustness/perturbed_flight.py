@@ -96,7 +96,7 @@ def draw_errors(flight: Flight, each: int) -> Errors:
     found = []
     for start in range(0, error.shape[1], each):
         own = slice(start, start + each)
-        found.append(error[:, own][exposure(flight.true_pos[:, own], TICK_S).under])
+        found.append(error[:, own][exposure(flight.true_pos[:, own], flight.t).under])
     under = np.concatenate(found)
     worst = [float(np.abs(draw).max()) if draw.size else np.nan for draw in found]
     last = error[-round(LEFT / TICK_S) :]
