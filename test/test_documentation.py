@@ -106,6 +106,18 @@ def test_a_bar_in_a_cell_does_not_end_it():
     assert table(("a", "b"), [("|x|", "y")]).splitlines()[2] == r"| \|x\| | y |"
 
 
+SHIPPED_JSON = [
+    *ROOT.glob("docs/*.json"),
+    *ROOT.glob("docs/notebooks/*.ipynb"),
+    *ROOT.glob("src/*/config/*.json"),
+]
+
+
+@pytest.mark.parametrize("file", sorted(SHIPPED_JSON), ids=lambda file: file.name)
+def test_every_shipped_file_is_strict_json(file: Path):
+    json.loads(file.read_text(encoding="utf-8"), parse_constant=lambda word: pytest.fail(f"{file}: {word}"))
+
+
 @pytest.mark.parametrize("document", documents(), ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_link_is_dead(document: Path):
     assert [link for link in links(document) if is_dead(document, link)] == []

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from q2q_model.documents.json_file import write_json
 
 DOCUMENT = {"vehicle": "cf1", "z_rmse_m": [0.1, None], "ok": True}
@@ -12,3 +14,10 @@ def test_a_document_is_read_back_from_folders_that_were_not_there(tmp_path: Path
     file = tmp_path / "new" / "folder" / "numbers.json"
     write_json(DOCUMENT, file)
     assert json.loads(file.read_text(encoding="utf-8")) == DOCUMENT
+
+
+@pytest.mark.parametrize("unknown", [float("nan"), float("inf"), -float("inf")])
+def test_a_number_that_is_not_known_is_null_wherever_it_is(unknown: float, tmp_path: Path) -> None:
+    write_json({"one": unknown, "rows": [(1.0, unknown)], "deep": {"er": [{"x": unknown}]}}, tmp_path / "it")
+    known = {"one": None, "rows": [[1.0, None]], "deep": {"er": [{"x": None}]}}
+    assert json.loads((tmp_path / "it").read_text(encoding="utf-8")) == known

@@ -1,5 +1,6 @@
 """Perturbations change what they say, and the page of the robustness shows what is worse than ignoring."""
 
+import json
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
@@ -92,6 +93,13 @@ def test_numbers_of_other_draws_are_refused_and_nothing_is_flown(tmp_path: Path)
     with pytest.raises(ValueError, match=r"is of --seeds 2 --seed 2001: give these, or another file"):
         run(asked)
     assert kept.read_bytes() == before
+
+
+def test_an_error_that_no_draw_shows_is_null_in_the_file_and_not_a_number_when_read(tmp_path: Path) -> None:
+    kept = tmp_path / "numbers.json"
+    save(KeptNumbers({"cell": Errors(float("nan"), 0.25, 0.5)}, None), kept)
+    assert json.loads(kept.read_text(encoding="utf-8")) == {"cell": [None, 0.25, 0.5]}
+    np.testing.assert_array_equal(read(kept).errors["cell"], (np.nan, 0.25, 0.5))
 
 
 def test_a_vehicle_that_only_the_correction_leaves_on_the_floor_is_worse() -> None:

@@ -1,17 +1,29 @@
 """JSON files that tools write."""
 
 import json
+import math
+from collections.abc import Mapping
 from pathlib import Path
 
 
 def write_json(document: object, file: Path) -> None:
-    """Write a document as JSON; create the folders above the file.
+    """Write a document as JSON, null for numbers that are not finite; create the folders above the file.
 
     Raises:
         OSError: naming the file.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
     try:
-        file.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+        text = json.dumps(with_nulls(document), indent=1, allow_nan=False)
+        file.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(file)) from error
+
+
+def with_nulls(document: object) -> object:
+    """Return a document with None for every number that is not finite: JSON has none of these."""
+    if isinstance(document, Mapping):
+        return {name: with_nulls(one) for name, one in document.items()}
+    if isinstance(document, list | tuple):
+        return [with_nulls(one) for one in document]
+    return None if isinstance(document, float) and not math.isfinite(document) else document

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from q2q_model.documents.json_file import with_nulls
 from q2q_model.downwash.jet import Jet
 from q2q_model.model_files.model_file import ModelFile, decode, encode
 from q2q_model.signals.values import Array
@@ -56,7 +57,7 @@ class Numbers:
         }
         known = json.dumps({"draws": self.draws, "airs": self.airs, "models": models}, indent=1)
         flights = ",\n".join(
-            f"  {json.dumps(name)}: {json.dumps(_rounded(rows))}"
+            f"  {json.dumps(name)}: {json.dumps(with_nulls(_rounded(rows)))}"
             for name, rows in sorted(self.flights.items())
         )
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,7 @@
 """Missing flights of the robustness table, and its page."""
 
 import json
+import math
 import shlex
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
@@ -9,6 +10,7 @@ from typing import NamedTuple
 
 from rich.progress import track
 
+from q2q_model.documents.json_file import with_nulls
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
 from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
@@ -85,16 +87,20 @@ def read(file: Path) -> KeptNumbers:
     try:
         body = json.loads(file.read_text(encoding="utf-8"))
         draws = FlightDraws(*body.pop(DRAWS)) if DRAWS in body else None
-        return KeptNumbers({str(name): Errors(*map(float, row)) for name, row in body.items()}, draws)
+        return KeptNumbers({str(name): Errors(*map(_error, row)) for name, row in body.items()}, draws)
     except (AttributeError, TypeError, ValueError) as wrong:
         raise ValueError(f"{file} has no numbers of flights ({wrong}): remove it, or give another") from wrong
 
 
+def _error(number: float | None) -> float:
+    return math.nan if number is None else float(number)
+
+
 def save(numbers: KeptNumbers, file: Path) -> None:
-    """Replace a file by these numbers [m], a line for each flight after their draws."""
+    """Replace a file by these numbers [m], null if unknown, a line for each flight after their draws."""
     rows = [f" {json.dumps(DRAWS)}: {json.dumps(numbers.draws)}"] if numbers.draws else []
     rows += [
-        f" {json.dumps(name)}: {json.dumps([float(f'{x:.5g}') for x in errors])}"
+        f" {json.dumps(name)}: {json.dumps(with_nulls([float(f'{x:.5g}') for x in errors]))}"
         for name, errors in numbers.errors.items()
     ]
     fresh = file.with_suffix(".part")
