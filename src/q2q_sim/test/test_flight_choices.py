@@ -6,6 +6,7 @@ import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, on_firmware
 from q2q_sim.commands.fly import main, parser
+from q2q_sim.node_flights.scenario_flight import MEASURED
 from q2q_sim.scenarios import library
 from q2q_sim.tools.fly_scenario import request_of, scenario_notes, vehicle_change
 
@@ -27,6 +28,20 @@ def test_nodes_share_a_process_in_lockstep_and_have_their_own_live_unless_told_o
     asked = request_of(parser().parse_args(["table6", *words]))
     assert asked.stack is together
     assert asked.live is ("--live" in words)
+
+
+@pytest.mark.parametrize(
+    ("words", "recorded"),
+    [
+        ([], MEASURED),
+        (["--bag", "out/it"], ()),
+        (["--bag", "out/it", "--record", "state", "truth"], (*MEASURED, "state")),
+    ],
+)
+def test_what_the_numbers_and_the_verdict_need_is_recorded_whatever_else_is_asked_for(
+    words: list[str], recorded: tuple[str, ...]
+) -> None:
+    assert request_of(parser().parse_args(["table6", *words])).record == recorded
 
 
 def test_the_descriptions_of_all_scenarios_begin_in_one_column(capsys: pytest.CaptureFixture[str]):

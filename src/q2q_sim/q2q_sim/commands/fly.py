@@ -187,7 +187,7 @@ def _add_output(made: CommandLine) -> None:
         nargs="+",
         default=[],
         metavar="TOPIC",
-        help="topics for the bag (default: all; without --bag those of the numbers)",
+        help="topics for the bag beside those of numbers and verdict (default: all; without --bag none)",
     )
     made.add_argument("--json", type=output_file, help="write the numbers to this file")
     made.add_argument("--real", metavar="FLIGHT", help="replay a recorded flight of Q2Q_DATA instead")

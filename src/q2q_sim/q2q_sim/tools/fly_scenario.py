@@ -74,7 +74,7 @@ def request_of(args: Namespace) -> FlightRequest:
         air=args.air,
         air_without=tuple(args.air_without),
         correct=args.correct,
-        record=tuple(args.record) or (() if args.bag else MEASURED),
+        record=tuple(dict.fromkeys((*MEASURED, *args.record))) if args.record or not args.bag else (),
         temporary=args.bag is None,
     )
 
