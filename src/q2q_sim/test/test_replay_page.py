@@ -19,6 +19,8 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
 from q2q_sim.commands.replay_page import main
 from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.monitors.flight_verdict import verdict_of
+from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import (
     ReplayRun,
     replay_element,
@@ -165,15 +167,27 @@ def test_the_force_of_another_vehicle_is_not_shown_and_reported(
     assert "times the weight of crazyflie_2_0" in output
 
 
+def test_a_page_says_what_was_not_judged_in_the_words_of_the_verdict(flight: Flight):
+    unplanned = replace(flight, ref_pos=unknown_as(flight.pos), safe_pos=unknown_as(flight.pos))
+    for one in (flight, unplanned):
+        words = str(verdict_of(one, Circumstances(vehicle=TEXTBOOK_065)))
+        assert replay_run(one, TEXTBOOK_065).verdict.endswith(f"; {words}")
+    assert words.endswith("not judged: floor and room (no reference recorded)")
+
+
+def unknown_as(values: Array) -> Array:
+    """Return NaN in the shape of some values."""
+    return np.full_like(values, np.nan)
+
+
 def test_a_part_of_a_bag_has_the_times_of_the_bag(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     output = []
     for part in ([], ["--start", "12.5"]):
         file = tmp_path / "page.html"
         assert main([str(ROOT / "bags" / "table2_1"), *part, "--out", str(file)]) == 0
-        output.append(capsys.readouterr().out.splitlines()[0])
+        output.append(capsys.readouterr().out.splitlines()[0].split(";"))
         assert f'"since":{12.5 if part else 0.0}' in file.read_text(encoding="utf-8")
-    assert output[0] == output[1]
-    assert "cf1 pushed 17 cm down at 21.6 s" in output[0]
+    assert output[0][0] == output[1][0] == "table2_1: cf1 pushed 17 cm down at 21.6 s"
 
 
 def test_four_runs_are_refused(run: ReplayRun):

@@ -114,7 +114,7 @@ def replay_run(
         downwash=_first_known(flight.true_eta, flight.eta),
         thrust=flight.thrust / vehicle.hover_thrust,
         arm=vehicle.arm,
-        verdict=f"{loss}; {'flown to the end' if verdict.ok else verdict}",
+        verdict=f"{loss}; {verdict}",
         events=tuple(_events(flight, pos, verdict)),
         since=since,
     )
