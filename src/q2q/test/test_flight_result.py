@@ -122,7 +122,7 @@ def test_metrics_and_verdict_are_those_of_the_monitors(flight: q2q.FlightResult)
 
 @pytest.mark.parametrize("part", ["vehicle", "plan"])
 def test_a_bag_that_cannot_hold_its_scenario_says_so_and_holds_the_faults(part: str, tmp_path: Path):
-    sag = Fault("battery_sag", 0.1, 0.2, ("cf1",), 0.3)
+    sag = Fault("battery_sag", 0.01, 0.02, ("cf1",), 0.3)
     named = replace(SHORT, duration=0.05, faults=(sag,))
     heavy, planned = replace(SHORT.vehicle, mass=0.04), q2q.plan(SHORT)
     flown = q2q.fly(replace(named, vehicle=heavy) if part == "vehicle" else replace(named, plan=planned))
