@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight import Flight, of_rows
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array, CommandStatus
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import (
@@ -17,10 +18,12 @@ from q2q_sim.monitors.flight_verdict import (
     verdict_of,
     with_lost_ticks,
     with_planned_end,
+    with_unknown_end,
 )
 from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.floor import floor
 from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
+from q2q_sim.replay_page import replay_run
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 TICKS = 1000
@@ -108,6 +111,38 @@ def test_commands_end_at_the_time_since_the_first_tick_whatever_the_clock() -> N
     for since in (0.0, 1.8e9):
         late = replace(flown(status=status), t=T + since)
         assert output(late).startswith("commands ended at 4.0 s of 10.0 s; 600 of 1000")
+
+
+@pytest.mark.parametrize(
+    ("status", "where", "planned"),
+    [
+        (CommandStatus.OK, (0.0, 0.1, 1.0), "10"),
+        (CommandStatus.CUT, (0.0, 1.0, 0.0), "10"),
+        (CommandStatus.LAND, (0.0, 1.0, 0.0), "10"),
+        (CommandStatus.OK, (np.nan, np.nan, np.nan), "10"),
+        (CommandStatus.OK, (0.0, 1.0, 1.0), "12"),
+    ],
+)
+def test_what_is_said_of_a_flight_is_the_same_whenever_its_clock_began(
+    status: CommandStatus, where: tuple[float, float, float], planned: str
+) -> None:
+    commands = np.zeros((TICKS, 2))
+    commands[T > 5.595, 1] = status
+    flight = flown(moved(5.6, 6.2, 1, where), status=commands)
+    said = []
+    for begin in (0.0, 1000.0, 1.8e9):
+        later = replace(flight, t=T + begin)
+        said.append(str(with_planned_end(verdict_of(later, AROUND), later, planned)))
+        cut = str(with_unknown_end(verdict_of(later, AROUND), later))
+        assert cut.endswith("the recording was cut off at 10.0 s: its end is unknown")
+    assert said[1:] == said[:1] * 2
+
+
+def test_what_is_said_of_a_part_has_the_times_of_the_whole() -> None:
+    part = of_rows(flown(moved(5.6, 5.8, 1, (0.0, 0.1, 1.0))), slice(500, None))
+    said = "cf1 and cf2 collided at 5.6 s, 0.10 m apart"
+    assert str(verdict_of(part, AROUND, begin=0.0)) == said
+    assert replay_run(part, CRAZYFLIE_2_0, since=5.0).verdict.endswith(f"; {said}")
 
 
 def test_a_hundredth_of_the_ticks_may_be_missed_and_no_more() -> None:

@@ -98,6 +98,12 @@ def test_a_silent_controller_breaks_the_silence_of_a_live_flight_only() -> None:
     assert silent_in(silent) == dict.fromkeys(SCENARIO.names, 0.08)
 
 
+def test_silence_begins_at_a_stamp_whenever_it_was_recorded() -> None:
+    live = (replace(one, at=one.at + 1.8e9) for one in without_commands(received(), 3.0, 3.065))
+    found = judge(trace_of(live), AROUND, {"silence": POLICIES["silence"]})
+    assert [round(one.t, 6) for one in found] == [2.99] * len(SCENARIO.names)
+
+
 def test_one_silent_controller_of_several_breaks_the_silence_of_its_vehicle() -> None:
     def of_cf2(one: RecordedSignal) -> bool:
         return one.topic == "command" and one.signal.names == ("cf2",) and 3.0 <= one.signal.t < 4.995

@@ -12,7 +12,8 @@
 | the flight ended early | the length that was to be flown, in the bag's metadata (`with_planned_end`) |
 
 The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Policies
-excuse vehicles that no command carries; what happened to them is a failure here, with that reason.
+excuse vehicles that no command carries; what happened to them is a failure here, with that reason. Times in
+words are those since the first tick of the recording.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -51,8 +52,9 @@ class Finding:
     """One failure in a flight."""
 
     t: float
-    """When [s]."""
+    """Stamp [s]."""
     words: str
+    """With the time since the first tick [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +81,10 @@ class FlightVerdict:
 
 
 def verdict_of(
-    flight: Flight, circumstances: Circumstances, missed_ticks: int | None = None
+    flight: Flight,
+    circumstances: Circumstances,
+    missed_ticks: int | None = None,
+    begin: float | None = None,
 ) -> FlightVerdict:
     """Return the verdict on a flight.
 
@@ -87,20 +92,22 @@ def verdict_of(
         flight: recording of the flight.
         circumstances: its vehicle and faults, as for the policies.
         missed_ticks: ticks whose command was late or missing; None counts those without a command.
+        begin: stamp of the first tick of the whole recording, if this is a part of it [s].
     """
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
     trace = trace_from_arrays(flight)
+    begin = float(flight.t[0]) if begin is None else begin
     broken = judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT)
     excused = judge(trace, circumstances, IN_FLIGHT)
     found = [
-        *(Finding(one.t, _words(one) + ("" if one in excused else EXCUSED)) for one in broken),
-        *_sent_down(trace, circumstances),
+        *(Finding(one.t, _words(one, begin) + ("" if one in excused else EXCUSED)) for one in broken),
+        *_sent_down(trace, circumstances, begin),
         *_commands_ended(trace),
         *_missed(trace, missed_ticks),
     ]
     found.sort(key=lambda one: one.t)
-    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(trace)))
+    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(trace, begin)))
 
 
 def with_lost_ticks(verdict: FlightVerdict, flight: Flight, flown: int) -> FlightVerdict:
@@ -125,22 +132,24 @@ def with_end(verdict: FlightVerdict, flight: Flight, planned: str, *, is_cut: bo
 
 def with_unknown_end(verdict: FlightVerdict, flight: Flight) -> FlightVerdict:
     """Return the verdict on a flight whose recording was cut off, by a kill or a full disk."""
-    end = float(flight.t[-1])
-    return with_finding(
-        verdict, Finding(end, f"the recording was cut off at {end:.1f} s: its end is unknown")
-    )
+    words = f"the recording was cut off at {flight.t[-1] - flight.t[0]:.1f} s: its end is unknown"
+    return with_finding(verdict, Finding(float(flight.t[-1]), words))
 
 
 def with_planned_end(verdict: FlightVerdict, flight: Flight, planned: str) -> FlightVerdict:
-    """Return the verdict on a flight that was to last `planned` [s]; empty or no number is unknown."""
+    """Return the verdict on a flight that was to last `planned` [s]; empty or no number is unknown.
+
+    A recording may begin after its flight: a stamp up to the planned end is the time since the start.
+    """
+    end = float(flight.t[-1])
     try:
-        left = float(planned) - max(_duration(flight), float(flight.t[-1]))
+        begins_late = end < float(planned) + EARLY_S
     except ValueError:
         return verdict
-    if not left > EARLY_S:
+    flown = max(_duration(flight), end) if begins_late else _duration(flight)
+    if not float(planned) - flown > EARLY_S:
         return verdict
-    end = float(flight.t[-1])
-    words = f"the flight ended at {end:.1f} s of {float(planned):.1f} s, before its end"
+    words = f"the flight ended at {flown:.1f} s of {float(planned):.1f} s, before its end"
     return with_finding(verdict, Finding(end, words))
 
 
@@ -151,15 +160,15 @@ def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:
     return "verdict: " + " | ".join(f"{name}: {verdict}" for name, verdict in flights)
 
 
-def _words(broken: Violation) -> str:
-    text = f"{broken.who} {WORDS[broken.policy]} at {broken.t:.1f} s"
+def _words(broken: Violation, begin: float) -> str:
+    text = f"{broken.who} {WORDS[broken.policy]} at {broken.t - begin:.1f} s"
     if broken.policy == "floor":
         return text
     measure = "apart" if broken.policy == "separation" else "from its setpoint"
     return f"{text}, {broken.value:.2f} m {measure}"
 
 
-def _sent_down(trace: FlightTrace, circumstances: Circumstances) -> Iterator[Finding]:
+def _sent_down(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
     """Yield the vehicles that their controller brought to the floor, away from their plan."""
     status = trace.command_status
     landed = touches_floor(trace, circumstances.limits)
@@ -171,7 +180,7 @@ def _sent_down(trace: FlightTrace, circumstances: Circumstances) -> Iterator[Fin
         first = {words: trace.t[mask][0] for words, mask in ends.items() if mask.any()}
         for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
             owner = f"{name}'s" if words.startswith("motors") else name
-            yield Finding(float(t), f"{owner} {words} at {t:.1f} s")
+            yield Finding(float(t), f"{owner} {words} at {t - begin:.1f} s")
 
 
 def _commands_ended(trace: FlightTrace) -> Iterator[Finding]:
@@ -207,7 +216,7 @@ def _once_if_of_all(values: Mapping[str, float]) -> Mapping[str, float]:
     return {"": distinct.pop()} if len(distinct) == 1 else values
 
 
-def _unjudged(trace: FlightTrace) -> Iterator[str]:
+def _unjudged(trace: FlightTrace, begin: float) -> Iterator[str]:
     if not np.isfinite(trace.true_pos).any():
         yield "floor, room and distances (no state or truth recorded)"
     elif not np.isfinite(trace.sent_pos).any():
@@ -215,17 +224,17 @@ def _unjudged(trace: FlightTrace) -> Iterator[str]:
     if not np.isfinite(trace.command_status).any():
         yield "missed ticks (no command recorded)"
     if np.isfinite(trace.true_pos).any():
-        yield from _unseen(trace)
+        yield from _unseen(trace, begin)
 
 
-def _unseen(trace: FlightTrace) -> Iterator[str]:
+def _unseen(trace: FlightTrace, start: float) -> Iterator[str]:
     """Yield the longest time without a position of each vehicle that has a long one."""
     t = trace.t
     for row, name in enumerate(trace.names):
         seen = t[np.isfinite(trace.true_pos[:, row]).all(axis=1)]
         ends = np.concatenate((t[:1], seen, t[-1:]))
         longest = int(np.argmax(np.diff(ends)))
-        begin, end = ends[longest : longest + 2].tolist()
+        begin, end = (ends[longest : longest + 2] - start).tolist()
         if end - begin > UNSEEN_S:
             yield f"{name} from {begin:.1f} to {end:.1f} s (no position recorded)"
 

@@ -54,6 +54,6 @@ def read_flown(bag: Path, unfinished: str) -> Flight:
 
 def end_of_bag(bag: Path, flight: Flight, flown: float, unfinished: str) -> Finding:
     """Return the finding that a bag ends before its flight, which took `flown` [s]."""
-    end = float(flight.t[-1])
+    end = float(flight.t[-1] - flight.t[0])
     readable = f"the bag {bag} can be read up to {end:.1f} s of {flown:.1f} s"
-    return Finding(end, f"{readable}, and nothing later is judged ({unfinished}): {REMEDY}")
+    return Finding(float(flight.t[-1]), f"{readable}, and nothing later is judged ({unfinished}): {REMEDY}")

@@ -100,7 +100,8 @@ def replay_run(
     pos = _first_known(best_position(flight), flight.mocap_pos)
     if not np.isfinite(pos).any():
         raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
-    verdict = verdict or verdict_of(flight, Circumstances(vehicle=vehicle))
+    if verdict is None:
+        verdict = verdict_of(flight, Circumstances(vehicle=vehicle), begin=float(flight.t[0]) - since)
     loss = height_loss_text(flight, pos, _reference(flight), since)
     return ReplayRun(
         name=name or flight.name,

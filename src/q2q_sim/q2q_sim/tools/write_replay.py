@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.bag import TopicMap
+from q2q_model.bag import BagReader, TopicMap, read_facts
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
@@ -18,10 +18,9 @@ from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_sim.bag_topics.scenario_facts import flown_faults
-from q2q_sim.monitors.flight_verdict import verdict_of
+from q2q_sim.monitors.flight_verdict import verdict_of, with_end
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
-from q2q_sim.tools.bag_verdict import bag_verdict
 from q2q_sim.tools.distinct_names import distinct_names
 
 
@@ -48,14 +47,13 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     flown = _vehicle(path, args.vehicle, is_table=is_table)
     if flown.note:
         print(f"replay_page: {flown.note}", file=sys.stderr)
-    part = part_of_flight(recording.flight, args.start, args.end)
-    to_the_end = part.t[-1] == recording.flight.t[-1]
-    verdict = (
-        bag_verdict(path, part, flown.vehicle)
-        if to_the_end and not is_table
-        else verdict_of(part, Circumstances(vehicle=flown.vehicle, faults=flown_faults(path)))
-    )
-    since = float(part.t[0] - recording.flight.t[0])
+    whole = recording.flight
+    part, begin = part_of_flight(whole, args.start, args.end), float(whole.t[0])
+    around = Circumstances(vehicle=flown.vehicle, faults=flown_faults(path))
+    verdict = verdict_of(part, around, begin=begin)
+    if part.t[-1] == whole.t[-1] and not is_table:
+        verdict = with_end(verdict, whole, read_facts(path).duration, is_cut=BagReader(path).is_cut)
+    since = float(part.t[0]) - begin
     run = replay_run(part, flown.vehicle, name, verdict, since)
     return with_measured_downwash(run, lambda: measured_push(recording, flown.vehicle))
 

@@ -58,7 +58,8 @@ def silence(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]
         limit[-1:] = circumstances.limits.ended
         if len(begin):
             k = int((silent - limit).argmax())
-            worst = Violation("silence", name, float(begin[k]), float(silent[k]), float(limit[k]))
+            stamp = float(trace.t[np.abs(trace.recorded_at - begin[k]).argmin()])
+            worst = Violation("silence", name, stamp, float(silent[k]), float(limit[k]))
             found += [worst] if worst.value > worst.limit else []
     return found
 
