@@ -1,6 +1,7 @@
 """Tests of air files and names: round trip, and every refusal in one sentence that says what to do."""
 
 import json
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from q2q_model.documents.checksummed_json import checksum
 from q2q_sim.air.air_file import decode, encode, load, save
 from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, check_air
 from q2q_sim.air.find_air import find_air
-from q2q_sim.air.room_air import RoomAir, without_terms
+from q2q_sim.air.room_air import TERMS, RoomAir, without_terms
+from q2q_sim.air.term_bounds import ABOVE_ZERO, NOT_NEGATIVE
 from q2q_sim.air.wake_laws import WakeLaw
 
 
@@ -104,3 +106,24 @@ def test_unknown_airs_and_terms_are_refused_with_the_known_ones() -> None:
         find_air("bent", ("rain",))
     with pytest.raises(AirError, match=r"air measured has no terms that could be switched off \(jet\)"):
         find_air("measured", ("jet",))
+
+
+@pytest.mark.parametrize(
+    ("term", "change", "message"),
+    [
+        ("wind", {"mean_mps2": (np.nan, 0.0, 0.0)}, "wind.mean_mps2 has nan: finite numbers are allowed"),
+        ("wind", {"gust_time_s": 0.0}, "wind.gust_time_s has 0.0: a finite number above 0 is allowed"),
+        ("wind", {"gust_std_mps2": -0.1}, "wind.gust_std_mps2 has -0.1: a finite number, 0 or more, is"),
+        ("residual", {"time_s": 0.0}, "residual.time_s has 0.0: a finite number above 0 is allowed"),
+        ("jet", {"push_mps2": np.nan * WHOLE.jet.push_mps2}, "jet.push_mps2 has nan: finite numbers are"),
+        ("vehicle", {"thrust_lag_s": np.nan}, "vehicle.thrust_lag_s has nan: a finite number, 0 or more, is"),
+    ],
+)
+def test_a_number_that_no_air_has_is_refused(term: str, change: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        replace(WHOLE, **{term: replace(getattr(WHOLE, term), **change)})
+
+
+def test_every_bound_is_of_a_field_of_a_term() -> None:
+    known = {one.name for name in TERMS for one in fields(getattr(WHOLE, name))}
+    assert {*ABOVE_ZERO, *NOT_NEGATIVE} <= known

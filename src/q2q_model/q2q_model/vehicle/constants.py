@@ -12,7 +12,10 @@
 | | thrust_lag | time constant of thrust behind its command [s] |
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from math import inf, nextafter
+
+import numpy as np
 
 from q2q_model.vehicle.thrust_map import (
     BRUSHED_MOTOR,
@@ -29,6 +32,11 @@ GRAVITY = 9.81
 
 CONTACT = 0.14
 """Distance at which two Crazyflies 2 touch [m]: twice 46 mm of arm and 23 mm of propeller."""
+
+SMALLEST = nextafter(0.0, 1.0)
+"""Smallest number above 0."""
+MAY_BE_ZERO = ("rotor_inertia", "thrust_lag")
+"""Constants of a vehicle that may be 0: neglected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +60,14 @@ class Vehicle:
     """[N]"""
     thrust_lag: float
     """Time constant [s]; 0 is none."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers; raise ValueError with the field, its value and what is allowed."""
+        for one in fields(self)[1:]:
+            given = getattr(self, one.name)
+            least, bound = (0.0, "0 or more") if one.name in MAY_BE_ZERO else (SMALLEST, "above 0")
+            if not all(least <= number < inf for number in np.atleast_1d(given)):
+                raise ValueError(f"vehicle {self.name}: {one.name} = {given}: finite and {bound} is allowed")
 
     @property
     def hover_thrust(self) -> float:

@@ -46,6 +46,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_names import AirError
+from q2q_sim.air.term_bounds import check_term
 
 SHORTEST = 300
 """Fewest samples of a recorded residual: 3 s."""
@@ -239,6 +240,12 @@ class RoomAir:
     """Their digests, by which copies of other names are known (q2q_model.flights.same_flight)."""
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """95 % interval of each fitted value, by its path, e.g. "residual.time_s"."""
+
+    def __post_init__(self) -> None:
+        """Check the numbers of the terms."""
+        for name in TERMS:
+            if (term := getattr(self, name)) is not None:
+                check_term(name, term)
 
 
 TERMS = tuple(one.name for one in fields(RoomAir) if one.name not in ("flights", "digests", "intervals"))
