@@ -244,9 +244,9 @@ def test_phases_begin_at_their_ages_not_after() -> None:
     guard.update(state_at(0.0), setpoint_at(0.0), None)
     at = {
         t: guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None).status[0]
-        for t in (0.05, 1.0, 5.0)
+        for t in (0.05, 1.0, 2.0, 3.0, 4.0, 5.0)
     }
-    assert at == {0.05: DEGRADED, 1.0: LAND, 5.0: CUT}
+    assert at == {0.05: DEGRADED, 1.0: LAND, 2.0: LAND, 3.0: LAND, 4.0: LAND, 5.0: CUT}
 
 
 def test_what_is_known_follows_vehicles_by_name() -> None:

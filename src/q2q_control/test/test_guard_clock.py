@@ -7,6 +7,7 @@ import pytest
 from guarded_flights import (
     CUT,
     HOLD,
+    HOVER,
     LAND,
     LEVEL,
     OK,
@@ -14,9 +15,13 @@ from guarded_flights import (
     TICK,
     fly,
     guarded,
+    pid,
     setpoint_at,
     state_at,
 )
+
+from q2q_control.failsafe.guard import Guard
+from q2q_control.failsafe.stamp_delay import StampDelayMonitor
 
 
 def test_an_older_tick_gets_the_last_answer() -> None:
@@ -77,8 +82,48 @@ def test_a_flight_that_begins_again_is_another_one() -> None:
     for k in range(520):
         t = k * TICK
         guard.update(state_at(t, (t, 0.0), coast=10.0), setpoint_at(t), None)
-    anew = guard.update(state_at(4.1), setpoint_at(4.1), None)
-    assert (anew.t, anew.status.tolist()) == (4.1, [OK, OK])
+    anew = [guard.update(state_at(t), setpoint_at(t), None) for t in (4.0 + k * TICK for k in range(11))]
+    assert [one.status.tolist() for one in anew] == [[CUT, HOLD]] * 10 + [[OK, OK]]
+    assert anew[-1].t == guard.newest
+
+
+@pytest.mark.parametrize("off", [-1e9, -6.0, -3.0, 3.0, 6.0, 1e9])
+def test_one_stamp_far_off_is_held_and_leaves_no_trace(off: float) -> None:
+    guard, twin = guarded(), guarded()
+    before = fly(guard, 0, 50)[-1]
+    fly(twin, 0, 50)
+    wrong = guard.update(state_at(0.5 + off), setpoint_at(0.5 + off), None)
+    assert (wrong.t, wrong.status.tolist()) == (0.5 + off, [HOLD, HOLD])
+    np.testing.assert_array_equal(wrong.thrust, before.thrust)
+    for output, expected in zip(fly(guard, 51, 60), fly(twin, 51, 60), strict=True):
+        assert output.status.tolist() == [OK, OK]
+        np.testing.assert_array_equal(output.pitch, expected.pitch)
+
+
+def test_live_a_clock_set_ahead_cuts_nobody_and_who_is_not_measured_lands_by_the_wall_clock() -> None:
+    stamp_delay, now = StampDelayMonitor(), [0.0]
+    guard = Guard(pid(), PARAMS, HOVER, lateness=lambda t: stamp_delay.lateness(t, now[0]))
+    statuses = []
+    for k in range(300):
+        now[0] = t = k * TICK
+        ahead = t + 10.0 * (k >= 100)
+        ages = t - 0.8 if k > 80 else 0.0, 0.0
+        output = guard.update(state_at(ahead, ages), setpoint_at(ahead), None)
+        statuses.append(output.status.tolist())
+    assert statuses[100][1] == HOLD
+    assert {status for _, status in statuses[101:]} == {OK}
+    assert [first for first, _ in statuses].index(LAND) == pytest.approx(180, abs=1)
+    assert CUT not in statuses[-1]
+
+
+def test_in_lockstep_stamps_are_the_only_clock() -> None:
+    guard = guarded()
+    fly(guard, 0, 50)
+    statuses = [
+        guard.update(state_at(t, (t - 0.49, 0.0), coast=10.0), setpoint_at(t), None).status.tolist()
+        for t in (6.0, 6.01)
+    ]
+    assert statuses == [[HOLD, HOLD], [CUT, OK]]
 
 
 def test_a_repeated_tick_is_no_older_one() -> None:

@@ -37,6 +37,13 @@ def test_a_window_ends_after_its_length_not_with_it() -> None:
     assert late == pytest.approx([0.1, 0.1, 0.1], abs=1e-9)
 
 
+def test_a_step_ahead_is_a_negative_lateness_once_and_one_back_begins_anew() -> None:
+    clock = StampDelayMonitor()
+    ticks = [(0.0, 5.0), (0.01, 5.01), (10.02, 5.02), (10.03, 5.03), (1.04, 5.04), (10.05, 5.05)]
+    late = [clock.lateness(stamp, now) for stamp, now in ticks]
+    assert late == pytest.approx([0.0, 0.0, -10.0, 0.0, 0.0, -9.0], abs=1e-9)
+
+
 def test_a_clock_that_runs_slower_lands_nobody_by_itself() -> None:
     assert PARAMS.land_s > MOST_S
 

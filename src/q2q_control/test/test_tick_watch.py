@@ -95,6 +95,19 @@ def test_frames_that_repeat_are_no_news() -> None:
     assert statuses[-1] == LAND
 
 
+@pytest.mark.parametrize("off", [-10.0, 10.0])
+def test_a_state_whose_stamp_is_far_off_is_no_news(off: float) -> None:
+    guard, watch = watched(10)
+    statuses = []
+    for k in range(10, 130):  # it comes again and again, and nothing else
+        now = 100.0 + k * TICK
+        guard.update(state_at(0.1 + off), setpoint_at(0.1 + off), None)
+        watch.answered(setpoint_at(0.1 + off), now)
+        command = watch.due(state_at(0.1 + off), now)
+        statuses.append(None if command is None else int(command.status[0]))
+    assert (statuses[0], statuses[4], statuses[50], statuses[-1]) == (None, HOLD, LEVEL, LAND)
+
+
 def test_an_old_tick_is_no_news_and_that_of_a_clock_set_back_is() -> None:
     guard, watch = watched(10)
     guard.update(state_at(0.07), setpoint_at(0.07), None)

@@ -34,7 +34,7 @@ def test_a_repeated_stamp_gets_the_same_answer_and_leaves_no_trace():
     assert block.report.repeated_frames == 1
 
 
-def test_an_older_stamp_is_ignored_and_a_clock_set_back_forgets_everything():
+def test_an_older_stamp_is_ignored():
     block, twin = flown_until(150), flown_until(150)
     again = block.update(frame_at(140, np.full((2, 3), 7.0)))
     assert again.t == time_of(140)  # who answers a tick answers under its stamp
@@ -43,10 +43,33 @@ def test_an_older_stamp_is_ignored_and_a_clock_set_back_forgets_everything():
     assert same(replace(again, t=time_of(149)), replace(twin.update(frame_at(149)), status=unmeasured))
     assert same(block.update(frame_at(150)), twin.update(frame_at(150)))
     assert block.report.stale_frames == 1
-    restarted = block.update(frame_at(3))
-    assert restarted.t == time_of(3)
-    assert np.array_equal(restarted.vel, np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize("off", [-1e9, -3.0, 3.0, 1e9])
+def test_one_stamp_far_off_leaves_no_trace(off: float) -> None:
+    block, twin = flown_until(50), flown_until(50)
+    wrong = block.update(replace(frame_at(50), t=time_of(50) + off))
+    assert (wrong.t, list(wrong.status)) == (time_of(50) + off, [COASTING, COASTING])
+    assert same(block.update(frame_at(51)), twin.update(frame_at(51)))
+    assert (block.report.stale_frames, block.report.clock_resets) == (1, 0)
+
+
+def test_a_clock_set_back_by_more_than_a_second_forgets_everything_once_its_stamps_have_risen() -> None:
+    block, anew = flown_until(150), MocapFilter(IDEAL_SENSING, PAIR)
+    for tick in range(10):
+        assert list(block.update(frame_at(tick)).status) == [COASTING, COASTING]
+    assert block.report.clock_resets == 0
+    for tick in range(10, 20):
+        assert same(block.update(frame_at(tick)), anew.update(frame_at(tick)))
     assert block.report.clock_resets == 1
+
+
+def test_a_clock_set_ahead_is_followed_with_its_second_frame() -> None:
+    block = flown_until(50)
+    states = [block.update(frame_at(tick)) for tick in range(200, 210)]
+    assert states[0].age.tolist() == [0.0, 0.0]  # those of the last state
+    assert states[1].age == pytest.approx(time_of(201) - time_of(49))
+    assert list(states[-1].status) == [TRACKED, TRACKED]
 
 
 def test_a_stamp_that_is_no_number_is_ignored_once_time_runs_and_refused_before():
@@ -119,7 +142,8 @@ def test_attitudes_from_before_a_gap_do_not_speak_for_those_after_it() -> None:
 def test_after_a_long_gap_a_vehicle_is_tracked_again_within_a_tenth_of_a_second():
     block = flown_until(50)
     states = [block.update(frame_at(tick)) for tick in range(1050, 1070)]
-    assert list(states[0].status) == [LOST, LOST]
+    assert (states[0].t, list(states[0].status)) == (time_of(1050), [COASTING, COASTING])  # not believed yet
+    assert list(states[1].status) == [LOST, LOST]
     found = [bool((state.status == TRACKED).all()) for state in states]
     assert found.index(True) * 0.01 <= 0.1
     again = states[found.index(True)]

@@ -1,5 +1,7 @@
 """A plan is played at a stamp, at the first tick, or by calls; calls never let the reference jump."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 
@@ -220,23 +222,40 @@ def test_no_glide_begins_at_an_outlier() -> None:
     assert room.player.glide().granted
 
 
+def set_back(player: PlanPlayer, to: float) -> SwarmSetpoint:
+    """Return the reference in which the player follows a clock set back to a time [s]."""
+    return [player.update(frame(to + STEP * k, GROUND)) for k in range(11)][-1]
+
+
+@pytest.mark.parametrize("off", [-1e9, -3.0, -0.5, 3.0, 1e9])
+@pytest.mark.parametrize("called", [False, True])
+def test_one_stamp_far_off_moves_no_plan(off: float, *, called: bool) -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
+    player.update(frame(100.0, GROUND))
+    if called:
+        assert player.hold().granted
+    played = player.played
+    player.update(frame(100.0 + off, GROUND))
+    player.update(frame(100.0 + STEP, GROUND))
+    assert player.played == played
+
+
 def test_a_clock_that_is_set_back_starts_the_plan_of_the_first_tick_anew_and_lets_a_called_one_go_on() -> (
     None
 ):
     first = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
-    first.update(frame(100.0, GROUND))
-    first.update(frame(102.0, GROUND))
-    first.update(frame(101.99, GROUND))  # a late frame
+    for t in (100.0, 100.9, 101.8, 101.79):  # a late frame
+        first.update(frame(t, GROUND))
     assert first.played is not None
     assert first.played.start == 100.0
-    np.testing.assert_allclose(first.update(frame(0.0, GROUND)).pos, first_points(), atol=1e-12)
-    room = _Room(ABOVE)
-    room.tick()
-    assert room.player.glide().granted
-    before = room.tick(1.0)
-    room.t = 0.0
-    assert room.player.played is not None
-    np.testing.assert_allclose(room.tick().pos, before.pos, atol=1e-9)
+    np.testing.assert_allclose(set_back(first, 0.0).pos, setpoint_at(PLAN, 0.1).pos, atol=1e-12)
+    room, twin = _Room(ABOVE), _Room(ABOVE)
+    for one in (room, twin):
+        one.tick()
+        assert one.player.glide().granted
+        one.tick(1.0)
+    again = set_back(room.player, 0.0)  # the time for which its stamps rise has passed
+    np.testing.assert_allclose(again.pos, twin.tick(10 * STEP).pos, atol=1e-9)
 
 
 @pytest.mark.parametrize("start", [-1.0, 100.0])
@@ -245,12 +264,15 @@ def test_a_clock_that_is_set_back_lets_what_was_called_go_on_without_a_wait_too(
     for k in range(201):
         player.update(frame(100.0 + STEP * k, GROUND))
     assert player.hold().granted
-    held = player.update(frame(104.0, GROUND))
-    for t in (50.0, 50.0 + STEP, 60.0):
-        np.testing.assert_array_equal(player.update(frame(t, GROUND)).pos, held.pos)
+    for t in (102.9, 103.8):
+        held = player.update(frame(t, GROUND))
+    for again in (set_back(player, 50.0), player.update(frame(51.0, GROUND))):
+        np.testing.assert_array_equal(again.pos, held.pos)
     assert player.glide().granted
-    gliding = player.update(frame(61.0, GROUND))
-    np.testing.assert_allclose(player.update(frame(10.0, GROUND)).pos, gliding.pos, atol=1e-12)
+    player.update(frame(51.5, GROUND))
+    twin = deepcopy(player)
+    gliding = twin.update(frame(51.6, GROUND))
+    np.testing.assert_allclose(set_back(player, 10.0).pos, gliding.pos, atol=1e-12)
 
 
 def test_a_late_frame_lets_no_hold_and_no_glide_jump_back() -> None:
@@ -265,8 +287,8 @@ def test_a_late_frame_lets_no_hold_and_no_glide_jump_back() -> None:
         after.pos - before.pos, STEP * before.vel, atol=1e-4
     )  # a / 2 STEP^2, < 2 m/s^2
     np.testing.assert_allclose(after.vel, before.vel, atol=2.0 * STEP)
-    player.update(frame(4.5, GROUND))
-    player.update(frame(3.8, GROUND))  # while it still braked
+    for t in (3.9, 4.5, 3.8):  # the last one late, while it still braked
+        player.update(frame(t, GROUND))
     assert player.glide().granted
 
 

@@ -101,7 +101,7 @@ def test_vehicles_far_apart_fly_the_reference_to_the_last_bit() -> None:
         ]
     )
     replanner = SafeReplanner(PARAMS)
-    for k in (0, 1, 2, 3, 50, 51, 290, 400):  # gaps too
+    for k in (0, 1, 2, 3, 50, 51, 150, 250):  # gaps too
         reference = setpoint_at(plan, k * TICK)
         assert replanner.update(reference, seen(reference)) is reference
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.tick_clock import TickClock
 
 
@@ -21,17 +20,22 @@ def test_old_stamps_that_rise_for_a_tenth_of_a_second_are_a_clock_set_back() -> 
     assert late_ones([1.0, *old]) == pytest.approx(old[:10])
 
 
-def test_a_stamp_far_back_is_another_flight() -> None:
-    assert late_ones([10.0, 10.0 - LONGEST_GAP - 0.1, 10.0 - LONGEST_GAP]) == []
+@pytest.mark.parametrize("off", [-1e9, -7.0, 3.0, 1e9])
+def test_one_stamp_far_off_is_late_however_far_it_is(off: float) -> None:
+    assert late_ones([10.0, 10.0 + off, 10.01, 10.02]) == [10.0 + off]
+
+
+def test_a_stamp_far_ahead_is_late_until_a_newer_one_follows() -> None:
+    assert late_ones([1.0, 5.0, 5.0, 4.9, 4.91, 4.92]) == [5.0, 5.0, 4.9]
 
 
 def test_a_clock_is_set_back_to_the_first_of_its_old_stamps() -> None:
     """The time for which they rise until it is known has passed."""
     clock, set_back = TickClock(), []
-    for t in (1.0, 0.7, 1.01, *(0.5 + 0.01 * k for k in range(20)), 10.0, 4.0, 4.01):
+    for t in (1.0, 0.7, 1.01, *(0.5 + 0.01 * k for k in range(20)), 1.6, *(0.1 * k - 4.0 for k in range(9))):
         clock.is_late(t)
         set_back.append(clock.set_back)
-    assert {k: by for k, by in enumerate(set_back) if by} == pytest.approx({13: 0.51, 24: 6.0})
+    assert {k: by for k, by in enumerate(set_back) if by} == pytest.approx({13: 0.51, 26: 5.6})
 
 
 def test_after_a_reset_no_tick_is_late() -> None:

@@ -6,30 +6,30 @@ q2q_control.failsafe.ladder, by the age of vehicle i's measurement at tick t:
     a_i = t - b_i        b_i = t - max(t - t_state + l, 0) - age_i   if the controller used the state,
                          b_i unchanged                               if it answered HOLD or LEVEL
 
-The age grows by stamps, whether samples, frames or whole messages are missing. A vehicle that was never
-measured counts from its first tick. A vehicle measured again before it is cut flies on; a cut is final, also
-for one that is not commanded meanwhile.
+The age grows by stamps, whether samples, frames or whole messages are missing; live, b moves with a clock
+that is set ahead. A vehicle that was never measured counts from its first tick. One measured again before it
+is cut flies on; a cut is final, also for one that is not commanded meanwhile.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
 | a | ages | age of the newest measurement [s], (n,) |
 | b | _measured_at | stamp of the newest accepted measurement [s], (n,) |
 | age | state.age | time since the last accepted measurement, from the filter [s], (n,) |
-| l | lateness | delay of the tick beyond the usual one, live only [s] |
+| l | lateness | delay of the tick beyond the usual one, live only; below -AHEAD_S a clock set ahead [s] |
 
 A vehicle without measurements is flown on its dead-reckoned state while the controller still flies it, and
 brakes once it flies level (q2q_control.failsafe.blind_flight). Measured vehicles below one that the state
 reports as LOST move aside, also if another controller flies it: that takes the same fallback. Measured again,
 a vehicle returns to the height of its setpoint before it follows that (q2q_control.failsafe.evasion).
 
-A tick that is not newer than the last one:
+A tick that is not newer than the last one, or alone far ahead:
 
 | its stamp | what it gets |
 |---|---|
 | the same | the same command |
-| older | the last command, as HOLD, under its own stamp |
-| older by more than SET_BACK_S | a new flight: everything is reset but an emergency |
+| older, or newer by more than AHEAD_S | the last command, as HOLD, under its own stamp |
 | older, in a long run of rising ones | the clock was set back: the controller is reset, ages continue |
+| the same, back by more than SET_BACK_S | a new flight: everything is reset but an emergency |
 | not newer for level_s | that of a missing tick, LEVEL at most: in a halted simulator nobody lands |
 
 The runs are those of q2q_model.signals.clock_resets, as in the mocap filter; stalled_stamps counts level_s.
@@ -51,7 +51,7 @@ from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.ladder import fallback_command, landed_or_cut
 from q2q_control.failsafe.nominal_tick import SOUND, StateAndCommand, TickTimes, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
-from q2q_model.signals.clock_resets import ROUNDING, SET_BACK_S, ClockResetDetector
+from q2q_model.signals.clock_resets import AHEAD_S, ROUNDING, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import (
     Array,
     CommandStatus,
@@ -138,7 +138,7 @@ class Guard:
     ) -> SwarmCommand:
         """Return the command of the tick; `interference` None ignores downwash."""
         last = self._last
-        if last is not None and setpoint.t <= last.t:
+        if last is not None and (setpoint.t <= last.t or self._clock_reset.is_ahead(setpoint.t, last.t)):
             repeated = self._repeated(last, setpoint.t)
             if repeated is not None:
                 return repeated
@@ -167,7 +167,10 @@ class Guard:
 
     def _guarded(self, state: SwarmState, command: SwarmCommand) -> SwarmCommand:
         """Return the controller's command in a nominal tick, else what the fallback phases make of it."""
-        state_delay = command.t - state.t + self._lateness(command.t)
+        late = self._lateness(command.t)
+        if late < -AHEAD_S:
+            self._measured_at -= late
+        state_delay = command.t - state.t + max(late, 0.0)
         age = state.age if state.names == command.names else _ages(state, command.names)
         self._was_nominal = self._note_if_nominal(command, state, age, state_delay)
         if self._was_nominal:
@@ -188,34 +191,32 @@ class Guard:
         return self._missing
 
     def _repeated(self, last: SwarmCommand, t: float) -> SwarmCommand | None:
-        """Return the command of a tick t [s] that is not newer; None to compute it."""
-        stalled_s, late = self._stalled.update(last.t), t < last.t
+        """Return the command of a tick t [s] that is not newer, or far ahead; None to compute it."""
+        stalled_s = self._stalled.update(last.t)
         counted = self._timed and self._missing is not None  # by the timer
         if not counted:
             self._braking.wait()
-        if late and (last.t - t > SET_BACK_S or self._clock_reset.rise(t)):
+        if t < last.t and self._clock_reset.rise(t):
             self._set_back(last, t)
             return None
         if stalled_s > self._params.level_s + ROUNDING and not self._timed:
             braked = self._fallen_back(last, min(stalled_s, nextafter(self._params.land_s, 0.0)))
             return replace(braked, t=t)
-        return _again(self._missing or last, t) if late or counted else None
+        return _again(self._missing or last, t) if t != last.t or counted else None
 
     def _set_back(self, last: SwarmCommand, t: float) -> None:
         """Shift stored stamps to the new clock, whose first is t [s], or reset."""
-        if last.t - t > SET_BACK_S:
+        by = last.t - self._clock_reset.first
+        if by > SET_BACK_S:
             self.reset()
             return
         self._controller.reset()
-        by = last.t - self._clock_reset.first
         self._braking.set_back(by)
         self._measured_at = self._measured_at - by
         self._last = replace(last, t=t)
 
     def _forget(self) -> None:
-        self._last = self._missing = None
-        self._names = ()
-        self._was_nominal = False
+        self._last, self._missing, self._names, self._was_nominal = None, None, (), False
         self._stalled = StalledStamps()
         self._braking.reset()
         self._evasion.reset()

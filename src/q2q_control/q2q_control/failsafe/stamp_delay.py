@@ -1,11 +1,11 @@
 """Delay of a stamped message beyond the usual one, between clocks that need not agree.
 
     d_k = w_k - t_k              arrival minus stamp: latency plus clock offset
-    l_k = d_k - min d            minimum over the last one to two windows
+    l_k = d_k - min d            minimum over the last one to two windows, without d_k
 
-A stream that is suddenly delivered late is detected, however regular its messages. A step of a clock is
-forgotten after two windows with messages. l is at most MOST_S: a slower clock, such as that of a simulator
-on a busy machine, must not land a vehicle by itself.
+A stream that is suddenly delivered late is detected, however regular its messages. A step ahead of its clock
+is a negative l, once, and one back begins anew. l is at most MOST_S: a slower clock, such as that of a
+simulator on a busy machine, must not land a vehicle by itself.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -26,14 +26,16 @@ class StampDelayMonitor:
     """Smallest transport delays of this window and of the one before."""
 
     def __init__(self) -> None:
-        self._began = -inf
-        self._quickest = inf
-        self._before = inf
+        self._stamp = inf
+        self._quickest = self._before = inf
 
     def lateness(self, stamp: float, now: float) -> float:
         """Return how much later than usual the message stamped `stamp` [s] arrived at wall time now [s]."""
         took = now - stamp
+        if stamp < self._stamp:  # the first, or of a clock that was set back
+            self._began, self._quickest, self._before = now, took, inf
         if now - self._began > WINDOW_S:
-            self._began, self._before, self._quickest = now, self._quickest, took
-        self._quickest = min(self._quickest, took)
-        return min(took - min(self._quickest, self._before), MOST_S)
+            self._began, self._before, self._quickest = now, self._quickest, inf
+        late = took - min(self._quickest, self._before)
+        self._stamp, self._quickest = stamp, min(self._quickest, took)
+        return min(late, MOST_S)

@@ -16,7 +16,6 @@ import numpy as np
 
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
-from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 
 
@@ -31,11 +30,9 @@ class TickWatch:
         self._at = -np.inf
 
     def answered(self, setpoint: SwarmSetpoint, now: float) -> None:
-        """Record that the tick of a setpoint was computed at wall time now [s], unless it was an old one."""
-        behind = self._stamp - setpoint.t
-        if behind == 0.0 or (0.0 < behind <= SET_BACK_S and self._guard.newest != setpoint.t):
-            return
-        self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
+        """Record that the tick of a setpoint was computed at wall time now [s], unless it is left out."""
+        if self._guard.newest == setpoint.t != self._stamp:
+            self._stamp, self._at, self._setpoint = setpoint.t, now, setpoint
 
     def due(self, state: SwarmState | None, now: float) -> SwarmCommand | None:
         """Return the command due at wall time now [s]; None if none is.
@@ -48,7 +45,9 @@ class TickWatch:
         if self._setpoint is None:
             return None
         if age >= self.params.hold_s and state is not None and state.t > self._stamp:
-            return self._hovering(state, self._setpoint, now)
+            command = self._hovering(state, self._setpoint, now)
+            if self._guard.newest == state.t:
+                return command
         return self._guard.without_tick(age)
 
     def _hovering(self, state: SwarmState, setpoint: SwarmSetpoint, now: float) -> SwarmCommand:

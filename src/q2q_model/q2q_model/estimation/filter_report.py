@@ -44,8 +44,8 @@ class FilterReport:
     repeated_names: int = 0
     """Rows with a name that occurred before in the same frame; the first counts."""
     stale_frames: int = 0
-    """Frames older than the last one, or without a time."""
+    """Frames older than the last one, alone far ahead of it, or without a time."""
     repeated_frames: int = 0
     """Frames with the last one's stamp."""
     clock_resets: int = 0
-    """Resets because the clock was set back."""
+    """Times that the clock was set back."""

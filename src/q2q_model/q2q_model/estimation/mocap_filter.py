@@ -15,9 +15,9 @@ about frames:
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
-  Old stamps that increase for 0.1 s (q2q_model.signals.clock_resets) mean a clock that was set back: the
-  tracks go on in the new time, their last samples as old as the first of these stamps. A stamp older by more
-  than `clock_jump_s` means another flight, as of a restarted bag: the filter resets.
+  So is one stamp far ahead. Old stamps that increase for 0.1 s (q2q_model.signals.clock_resets) mean a clock
+  that was set back: the tracks go on in the new time, their last samples as old as the first of these stamps.
+  By more than `clock_jump_s` it is another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
   more than GAP_S do not count for that.
@@ -117,39 +117,36 @@ class MocapFilter:
         _check_shapes(frame)
         if self._last is not None:
             behind = self._last.t - frame.t
-            if self._is_set_back(frame.t, behind):
+            if behind < -SAME_INSTANT and not self._old.is_ahead(frame.t, self._last.t):
+                self._old.reset()
+            elif behind > SAME_INSTANT and self._old.rise(frame.t):
                 self._counts["clock_resets"] += 1
-                self._set_back(self._last.t, behind)
-            elif not behind < -SAME_INSTANT:
-                self._counts["repeated_frames" if abs(behind) <= SAME_INSTANT else "stale_frames"] += 1
-                return self._as_of(frame, self._last) if behind > SAME_INSTANT else self._last
+                self._set_back(self._last.t - self._old.first)
+            else:
+                return self._left_out(frame, self._last)
         elif not np.isfinite(frame.t):
             raise ValueError(f"frame.t = {frame.t}: a first frame needs a time [s]")
         self._last = self._step(frame)
         return self._last
 
-    def _as_of(self, frame: MocapFrame, last: SwarmState) -> SwarmState:
-        """Return the last state as the answer to an older frame: no vehicle was measured there then.
+    def _left_out(self, frame: MocapFrame, last: SwarmState) -> SwarmState:
+        """Return the last state as the answer to another frame: no vehicle was measured there then.
 
         The frame's poses are remembered, as they may come again under new stamps.
         """
+        apart = abs(frame.t - last.t)
+        self._counts["repeated_frames" if apart <= SAME_INSTANT else "stale_frames"] += 1
+        if not apart > SAME_INSTANT:
+            return last
         if frame.names == self._frame_names:
             remember_poses(self._by_track(frame), self._recent)
         return replace(last, t=frame.t, status=np.where(last.status == _TRACKED, _COASTING, last.status))
 
-    def _is_set_back(self, t: float, behind: float) -> bool:
-        if behind <= SAME_INSTANT:
-            if behind < -SAME_INSTANT:
-                self._old.reset()
-            return False
-        return behind > self._params.clock_jump_s or self._old.rise(t)
-
-    def _set_back(self, last: float, behind: float) -> None:
-        """Go on in the new time, or begin another flight; `last` is the newest stamp before [s]."""
-        if behind > self._params.clock_jump_s:
+    def _set_back(self, by: float) -> None:
+        """Go on in the time of a clock that was set back [s], or begin another flight."""
+        if by > self._params.clock_jump_s:
             self.reset()
             return
-        by = last - self._old.first
         self._positions.set_back(by)
         self._attitudes.set_back(by)
         self._old.reset()

@@ -73,7 +73,7 @@ class MocapFilterParams:
         high=60.0,
     )
     clock_jump_s: float = tunable(
-        SET_BACK_S, "a stamp older by more than this resets the filter", unit="s", low=0.0, high=1e6
+        SET_BACK_S, "a clock set back by more than this resets the filter", unit="s", low=0.0, high=1e6
     )
 
     def __post_init__(self) -> None:

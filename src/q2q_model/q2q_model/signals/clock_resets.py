@@ -1,8 +1,9 @@
-"""Detection of a clock that was set back, as opposed to late frames.
+"""Detection of a clock that was set back or ahead, as opposed to late frames and wrong stamps.
 
 Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
 times and for PATIENCE_S are the new time, also when frames between them come in another order. A frame from
 before is none of them, whether it is delivered again or late: one whose stamp is nearer to those before.
+A stamp further ahead than AHEAD_S is wrong, unless the next one goes on from there, as after a gap.
 """
 
 from math import inf
@@ -10,7 +11,10 @@ from math import inf
 CONFIRM_STAMPS = 3
 """Minimum number of old stamps in order, whatever their rate."""
 SET_BACK_S = 1.0
-"""Step back beyond which a frame is not late, and sets the clock back at once, unless set otherwise [s]."""
+"""Step back of a clock beyond which another flight begins, unless set otherwise [s]."""
+AHEAD_S = 1.0
+"""Step ahead beyond which a stamp is wrong, unless the next one is newer still [s]: by less nobody lands
+(land_s of q2q_control.failsafe.ladder)."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1
@@ -19,14 +23,15 @@ PATIENCE_S = 0.1
 
 
 class ClockResetDetector:
-    """Old stamps since the last newer one."""
+    """Old stamps, and the last one far ahead, since the last newer one."""
 
     def __init__(self) -> None:
-        """Start without old stamps."""
+        """Start without stamps."""
         self.reset()
 
     def reset(self) -> None:
-        """Forget the old stamps: a newer one has come."""
+        """Forget these stamps: a newer one has come."""
+        self._ahead = inf
         self._first, self._newest, self._count = inf, inf, 0
         self._before = inf  # newest of the old stamps before they went back
         self._was_late = False
@@ -35,6 +40,13 @@ class ClockResetDetector:
     def first(self) -> float:
         """Return the oldest of the old stamps [s]; infinite without one."""
         return self._first
+
+    def is_ahead(self, t: float, newest: float) -> bool:
+        """Take a stamp t [s] that may be newer; return whether it is too far ahead of `newest` [s]."""
+        if not t - newest > AHEAD_S or t > self._ahead:
+            return False
+        self._ahead = t
+        return True
 
     def rise(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""

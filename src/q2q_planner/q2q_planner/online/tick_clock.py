@@ -3,17 +3,16 @@
 A clock that was set back is that of the first of its old stamps: the time for which they have risen by when
 that is known (q2q_model.signals.clock_resets) has passed, as in lost ticks.
 
-Filter, guard and plan follow a step back of more than SET_BACK_S (1 s) at once. The replanner waits for
-stamps that rise, up to LONGEST_GAP: were the frame late after all, motions that had followed it would be
-propagated by as much at the next tick. In table6, two frames that are 1.5 or 3 s late would so move
-setpoints by up to 0.25 m in a tick; they move by 3 mm. If the clock stays back, the wait costs a step of
-0.1 s of motion, and changes smallest distances in table6 and swarm6 by 2 cm at most.
+However old a stamp is, and also for one far ahead, it waits for those that go on from there: were the frame
+late after all, motions that had followed it would be propagated by as much at the next tick. In table6, two
+frames that are 1.5 or 3 s late would so move setpoints by up to 0.25 m in a tick; they move by 3 mm. If the
+clock stays back, the wait costs a step of 0.1 s of motion, and changes smallest distances in table6 and
+swarm6 by 2 cm at most.
 """
 
 from math import inf
 
 from q2q_model.signals.clock_resets import ClockResetDetector
-from q2q_planner.online.replanner import LONGEST_GAP
 
 
 class TickClock:
@@ -31,10 +30,12 @@ class TickClock:
         """By how much the clock was set back at the last tick [s]; 0 if it was not."""
 
     def is_late(self, t: float) -> bool:
-        """Take the stamp of a tick [s]; return whether it is older than one before, of the same clock."""
+        """Take the stamp of a tick [s]; return whether it is older, or alone far ahead, of the same clock."""
         self.set_back = 0.0
+        if self._newest > -inf and self._old.is_ahead(t, self._newest):
+            return True
         if t < self._newest:
-            if not self._old.rise(t) and self._newest - t <= LONGEST_GAP:
+            if not self._old.rise(t):
                 return True
             self.set_back = self._newest - self._old.first
         self._newest = t

@@ -8,8 +8,9 @@ While waiting (`wait`), the reference follows the measured vehicles, so it comma
 keep vehicles in flight where they are, and `wait` is refused while one is at its reference. After a low
 flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
 reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
-newest stamp, whatever late frames come after it. If the clock is set back, a plan that began with the first
-tick begins again, and what was called (a glide, a start, a hold) goes on.
+newest stamp, whatever late frames come after it, or one alone far ahead. If the clock is set back by more
+than SET_BACK_S, a plan that began with the first tick begins again with the first of the old stamps, and what
+was called (a glide, a start, a hold) goes on (q2q_model.signals.clock_resets).
 """
 
 from dataclasses import dataclass, replace
@@ -76,7 +77,6 @@ class PlanPlayer:
         """
         self._see(frame)
         is_late = self._is_late(frame.t)
-        self._follow_clock(frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
         setpoint = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
@@ -136,20 +136,25 @@ class PlanPlayer:
         return Reply(granted=True, reason=f"at rest in {left:.1f} s")
 
     def _is_late(self, t: float) -> bool:
-        """Return whether a frame at t [s] is older than the last one, and the clock was not set back."""
-        if self._last is None or not self._last.t - SET_BACK_S <= t < self._last.t:
-            self._old.reset()
-            return False
-        return not self._old.rise(t)
+        """Return whether a frame at t [s] is older than the last one, or far ahead; follow the clock."""
+        if self._last is not None:
+            if self._old.is_ahead(t, self._last.t):
+                return True
+            if t < self._last.t:
+                if not self._old.rise(t):
+                    return True
+                self._set_back(self._last.t, self._old.first)
+        self._old.reset()
+        return False
 
-    def _follow_clock(self, t: float) -> None:
-        """Follow a clock that was set back to t [s]."""
-        if self.played is None or self._last is None or t >= self._last.t - SET_BACK_S:
+    def _set_back(self, last: float, first: float) -> None:
+        """Follow a clock that was set back from `last` to `first` [s]."""
+        if self.played is None or last - first <= SET_BACK_S:
             return
         if self.played.called:
-            self.played = replace(self.played, start=self.played.start + t - self._last.t)
+            self.played = replace(self.played, start=self.played.start + first - last)
         elif self._at_first_tick:
-            self.played = None
+            self.played = Played(self._plan, first)
 
     def _see(self, frame: MocapFrame) -> None:
         """Keep the measured poses; those of a whole frame are taken only when they are asked for."""
