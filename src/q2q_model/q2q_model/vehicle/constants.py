@@ -15,8 +15,6 @@
 from dataclasses import dataclass, fields, replace
 from math import inf, nextafter
 
-import numpy as np
-
 from q2q_model.vehicle.thrust_map import (
     BRUSHED_MOTOR,
     BRUSHLESS_MOTOR,
@@ -66,7 +64,8 @@ class Vehicle:
         for one in fields(self)[1:]:
             given = getattr(self, one.name)
             least, bound = (0.0, "0 or more") if one.name in MAY_BE_ZERO else (SMALLEST, "above 0")
-            if not all(least <= number < inf for number in np.atleast_1d(given)):
+            numbers = given if isinstance(given, tuple) else (given,)
+            if not all(least <= number < inf for number in numbers):
                 raise ValueError(f"vehicle {self.name}: {one.name} = {given}: finite and {bound} is allowed")
 
     @property
