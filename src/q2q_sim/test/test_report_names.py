@@ -1,12 +1,13 @@
 """A report of vehicles and flights of any name: where its pictures are written, and what they say."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from q2q_model.bag import BagWriter, read_flight
-from q2q_model.signals.values import MocapFrame, SwarmState
+from q2q_model.bag import BagReader, BagWriter, read_flight
+from q2q_model.signals.values import CommandStatus, MocapFrame, SwarmCommand, SwarmState
 from q2q_sim.commands import report
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.report.panels import picture_file
@@ -54,6 +55,37 @@ def test_a_bag_has_the_name_of_its_folder_from_wherever_it_is_read(
     monkeypatch.chdir(bag)
     assert distinct_names([Path(path)]) == ["day"]
     assert read_flight(Path(path)).name == "day"
+
+
+@pytest.mark.parametrize("again", ["day", "./day", "other/../day"])
+def test_a_flight_that_is_given_twice_is_refused(
+    again: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recorded_bag(tmp_path / "day", ("cf1",))
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert report.main(["day", "--compare", again, "--json", "it.json"]) == 1
+    assert f"{Path(again)} is given twice: give each flight once" in capsys.readouterr().err
+    assert not Path("it.json").exists()
+
+
+def test_the_json_has_the_numbers_of_commands_and_separation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bag = recorded_bag(tmp_path / "day", ("cf1", "cf2"))
+    with BagWriter(tmp_path / "commanded") as copied:
+        for one in BagReader(bag).signals(["/mocap", "/state"]):
+            copied.write_signal(one.topic, one.stamp_ns, one.signal)
+        for k in range(20):
+            none, status = np.zeros(2), np.array([CommandStatus.OK, CommandStatus.HOLD * (k < 5)], np.uint8)
+            command = SwarmCommand(0.01 * k, ("cf1", "cf2"), none, none, none, none, status)
+            copied.write_signal("/command", 10_000_000 * k, command)
+    monkeypatch.chdir(tmp_path)
+    assert report.main(["commanded", "--vehicle", "crazyflie_2_0", "--json", "it.json"]) == 0
+    one, two = json.loads(Path("it.json").read_text(encoding="utf-8"))["commanded"].values()
+    shown = ("saturated_percent", "fallback_percent", "min_separation_m", "zone_time_s")
+    assert [one[key] for key in shown] == [0.0, 0.0, 1.0, 0.0]
+    assert [two[key] for key in shown] == [0.0, 25.0, 1.0, 0.0]
 
 
 @pytest.mark.parametrize("name", ["cf1", "day-2.b", "名前"])

@@ -44,7 +44,14 @@ TRACKING = {
 }
 """Columns of the first table by their field of VehicleMetrics."""
 HEAD = ("flight", "vehicle", *TRACKING.values())
-HEAD_LIMITS = ("flight", "vehicle", "saturated [%]", "fallback [%]", "separation [m]", "in the zone [s]")
+LIMITS = {
+    "saturated_percent": "saturated [%]",
+    "fallback_percent": "fallback [%]",
+    "min_separation_m": "separation [m]",
+    "zone_time_s": "in the zone [s]",
+}
+"""Columns of the second table by their key in the JSON."""
+HEAD_LIMITS = ("flight", "vehicle", *LIMITS.values())
 HEAD_NODES = ("flight", "node", "seconds", "in trouble", "worst", "last values")
 HEAD_MOCAP = ("flight", "vehicle", "rate [Hz]", "seen [%]", "longest gap [s]", "rejected")
 
@@ -147,16 +154,18 @@ def _plot_quantities(flights: Sequence[Reported], out: Path) -> list[Picture]:
 
 
 def as_json(flights: Sequence[Reported]) -> Json:
-    """Return the numbers of the tables."""
+    """Return the numbers of the tables, null where unknown."""
+    return {one.flight.name: _vehicles_json(one) for one in flights}
+
+
+def _vehicles_json(one: Reported) -> Json:
+    limits = _limits(one)
     return {
-        one.flight.name: {
-            name: {
-                **{key: finite(value) for key, value in asdict(vehicle).items()},
-                "mocap": {key: finite(value) for key, value in asdict(one.quality[name]).items()},
-            }
-            for name, vehicle in one.metrics.vehicles.items()
+        name: {
+            **{key: finite(value) for key, value in (asdict(vehicle) | limits[name]).items()},
+            "mocap": {key: finite(value) for key, value in asdict(one.quality[name]).items()},
         }
-        for one in flights
+        for name, vehicle in one.metrics.vehicles.items()
     }
 
 
@@ -167,18 +176,20 @@ def _tracking(one: Reported) -> list[tuple[str, ...]]:
 
 def limit_rows(one: Reported) -> list[tuple[str, ...]]:
     """Return the rows of the second table: shares of limited commands, and how close the vehicles came."""
-    near = (one.metrics.min_separation_m, one.metrics.zone_time_s)
-    return _lines(
-        one,
-        {
-            name: [
-                _percent(status, status == CommandStatus.SATURATED),
-                _percent(status, status >= CommandStatus.HOLD),
-                *near,
-            ]
-            for name, status in zip(one.flight.names, one.flight.command_status.T, strict=True)
-        },
-    )
+    return _lines(one, {name: list(numbers.values()) for name, numbers in _limits(one).items()})
+
+
+def _limits(one: Reported) -> dict[str, dict[str, float]]:
+    """Return the numbers of the second table, by the keys of LIMITS, of each vehicle."""
+    return {
+        name: {
+            "saturated_percent": _percent(status, status == CommandStatus.SATURATED),
+            "fallback_percent": _percent(status, status >= CommandStatus.HOLD),
+            "min_separation_m": one.metrics.min_separation_m,
+            "zone_time_s": one.metrics.zone_time_s,
+        }
+        for name, status in zip(one.flight.names, one.flight.command_status.T, strict=True)
+    }
 
 
 def _mocap(one: Reported) -> list[tuple[str, ...]]:
