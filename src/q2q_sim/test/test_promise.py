@@ -263,3 +263,20 @@ def test_the_numbers_of_flights_that_give_no_tube_are_kept(
     assert main([*words, "--json", str(numbers)]) == 1
     assert "flights" in capsys.readouterr().err
     assert json.loads(numbers.read_text())["verdict"]["flights"] == 3
+
+
+def test_a_share_outside_the_tube_is_refused_where_no_tube_is_learned(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["--count", "1", "--alpha", "0.1"]) == 1
+    said = capsys.readouterr().err
+    assert said == "promise: --alpha 0.1 is of the tube that --learn FILE writes: give both\n"
+
+
+def test_a_process_that_dies_ends_the_command_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(promise_flights, "spread_work", lambda _, __, seeds, died: map(died, seeds))
+    assert main(["--first", "7", "--count", "2"]) == 1
+    said = capsys.readouterr().err.strip()  # after an empty progress bar
+    assert said == "promise: encounter 7: its process died when flown alone"

@@ -14,6 +14,7 @@ from pathlib import Path
 from q2q_model.commands.command_line import (
     CommandLine,
     Work,
+    given_options,
     output_file,
     require_existing,
     run_command,
@@ -34,6 +35,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(args: Namespace) -> Work:
     if not 0.0 < args.alpha < 1.0:
         raise ValueError(f"--alpha {args.alpha:g}: above 0 and below 1 is allowed")
+    if "--alpha" in given_options(args) and not args.learn:
+        raise ValueError(f"--alpha {args.alpha:g} is of the tube that --learn FILE writes: give both")
     check_air(args.air)
     require_existing("tube", args.tube)
     from q2q_sim.experiments.promise.promise_flights import run
@@ -70,7 +73,7 @@ def parser() -> CommandLine:
         type=float,
         default=0.05,
         metavar="A",
-        help="share of flights outside the tube (default 0.05)",
+        help="with --learn: share of flights outside the tube (default 0.05)",
     )
     made.add_argument(
         "--keep",

@@ -18,7 +18,7 @@ def own_domain() -> Iterator[int]:
     """Reserve a free domain on this machine and set ROS_DOMAIN_ID; a domain or range set by the user is kept.
 
     Raises:
-        RuntimeError: all domains are taken.
+        OSError: all domains are taken.
     """
     os.environ.setdefault(RANGE, "LOCALHOST")
     restrict(os.environ)
@@ -38,4 +38,4 @@ def own_domain() -> Iterator[int]:
             finally:
                 os.environ.pop("ROS_DOMAIN_ID", None)
             return
-    raise RuntimeError(f"all ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are in use by other flights")
+    raise OSError(f"all ROS domains {DOMAINS.start} to {DOMAINS.stop - 1} are in use by other flights")

@@ -48,8 +48,8 @@ def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
 
 
 def unscored(number: int) -> BugScore:
-    """Raise RuntimeError: a process died, which says nothing about the search."""
-    raise RuntimeError(f"the process that sought {SEEDED_BUGS[number].name} died: run again")
+    """Raise ChildProcessError: a process died, which says nothing about the search."""
+    raise ChildProcessError(f"the process that sought {SEEDED_BUGS[number].name} died: run again")
 
 
 def _first(flown: Iterator[tuple[Run, AttackedFlight]], runs: int) -> int:

@@ -90,5 +90,5 @@ def _fly(seed: int, case: PromiseCase) -> EncounterRecord:
 
 
 def _died(seed: int) -> EncounterRecord:
-    """Raise RuntimeError: the process died."""
-    raise RuntimeError(f"encounter {seed}: its process died when flown alone")
+    """Raise ChildProcessError: the process died."""
+    raise ChildProcessError(f"encounter {seed}: its process died when flown alone")
