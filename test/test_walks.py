@@ -47,7 +47,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/plain_values.py",
     "q2q_model/documents/checksummed_json.py",
     "q2q_model/model_files/model_bounds.py",
-    "q2q_model/flights/answered_ticks.py",
+    "q2q_model/flights/answer_ticks.py",
     "q2q_model/flights/first_order_lag.py",
     "q2q_model/flights/interpolated_gaps.py",
     "q2q_model/flights/reference_remarks.py",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.counted import counted
-from q2q_model.flights.answered_ticks import ANSWERS, answered_ticks
+from q2q_model.flights.answer_ticks import ANSWERS, answer_ticks
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_model.signals.values import Array, Names, index_of
@@ -137,7 +137,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     Args:
         name: name of the flight.
         signals: topic of FLIGHT_FIELDS -> its signals, in any order. The stamps of the first topic with
-            signals (truth, then mocap) are the ticks; see answered_ticks for frames with other stamps.
+            signals (truth, then mocap) are the ticks; see answer_ticks for frames with other stamps.
 
     Raises:
         ValueError: there is no signal, no stamp of a topic is a tick (the clocks are mixed), or all ticks
@@ -200,7 +200,7 @@ def _stamps(found: Sequence[SignalRows]) -> Array:
 def _at_ticks(answers: Sequence[SignalRows], present: Mapping[str, Sequence[SignalRows]]) -> list[SignalRows]:
     """Return the rows of a topic of answers, stamped with the ticks of their frames."""
     truth, frames = (_stamps(present[topic]) if topic in present else np.zeros(0) for topic in _CLOCKS)
-    ticks = answered_ticks(truth, frames, _stamps(answers))
+    ticks = answer_ticks(truth, frames, _stamps(answers))
     order = np.sort(np.concatenate([rows.place for rows in answers]))
     return [replace(rows, t=ticks[np.searchsorted(order, rows.place)]) for rows in answers]
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.flights.answered_ticks import answered_ticks
+from q2q_model.flights.answer_ticks import answer_ticks
 from q2q_model.flights.flight import check_clock
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names
@@ -147,7 +147,7 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
 def _at_ticks(answers: Topic, topics: Mapping[str, Topic]) -> Topic:
     """Return a topic of answers, stamped with the ticks of their frames."""
     made = copy(answers)
-    made.stamps = answered_ticks(topics["truth"].stamps, topics["mocap"].stamps, answers.stamps)
+    made.stamps = answer_ticks(topics["truth"].stamps, topics["mocap"].stamps, answers.stamps)
     return made
 
 

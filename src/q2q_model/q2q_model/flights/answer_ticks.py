@@ -15,7 +15,7 @@ GAP = 1.5
 """Time between two ticks, over the usual one, from which one between them is missing [-]."""
 
 
-def answered_ticks(truth: Array, frames: Array, answers: Array) -> Array:
+def answer_ticks(truth: Array, frames: Array, answers: Array) -> Array:
     """Return the tick of each answer [s], (K,): its own stamp, unless frames have those of other ticks.
 
     Args:
