@@ -16,7 +16,7 @@ from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
 from q2q_planner.offline.certificate.branch_and_bound import TOLERANCE
-from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
+from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.walls import Walls, prove_within
 
@@ -91,6 +91,19 @@ def test_one_vehicle_alone_is_kept_within_the_walls() -> None:
     found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
     assert found.wall_proof is not None
     assert found.wall_proof.holds
+
+
+@pytest.mark.parametrize("slower", [1.0, 3.0, 9.0])
+def test_a_way_that_sweeps_along_several_walls_is_found(slower: float) -> None:
+    """Minimum snap swings out by metres; straight lines are among the ways, so there is one within."""
+    places = ((-0.95, 0.26, 1.83), (1.89, -0.01, 1.71), (-1.44, -0.11, 1.02), (-1.36, -1.31, 1.0))
+    way = map(Waypoint, slower * np.array([0.0, 4.47, 5.22, 7.54]), places)
+    alone = (VehicleWaypoints("cf1", tuple(way)),)
+    box = (-2.05, -2.05, 0.45, 2.05, 2.05, 2.05)
+    found = avoid_zones(alone, ZONE, "free", AvoidanceParams(within=box))
+    assert (sampled(found.plan) > box[:3]).all()
+    assert (sampled(found.plan) < box[3:]).all()
+    assert found.cost < plan_cost(minimum_snap_plan(alone))
 
 
 @pytest.mark.parametrize("end", [5.3, 6.0, 7.1])

@@ -17,8 +17,8 @@ from q2q_model.signals.values import Array
 from q2q_planner.offline.avoidance.separating_planes import Planes
 from q2q_planner.offline.avoidance.swarm_samples import SwarmSamples
 
-HARD = 1e-4
-"""Minimum delta, over the mean of AA' 's diagonal."""
+HARD = 1e-6
+"""Minimum delta, over the mean of AA' 's diagonal: more lets planes of neighbouring samples settle slowly."""
 MOST_DENSE = 400
 """Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
 ACCURACY = 1e-10
