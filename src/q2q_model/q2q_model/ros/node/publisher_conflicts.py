@@ -50,5 +50,5 @@ class PublisherConflicts:
     def look(self) -> str:
         """Return what is wrong with the publishers now, empty if nothing is; warn of it the first time."""
         found = {one.topic: one.look() for one in self._topics}
-        self._health.doubts |= found
+        self._health.doubts |= {f"{topic} writers": text for topic, text in found.items()}
         return "; ".join(filter(None, found.values()))
