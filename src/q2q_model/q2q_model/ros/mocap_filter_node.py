@@ -31,7 +31,7 @@ class MocapFilterNodeParams:
     )
     vehicle_topics_hz: float = tunable(
         10.0,
-        "largest rate of <name>/pose and <name>/odom; 0 is none",
+        "largest rate of <name>/pose and <name>/odom, of vehicles that are not lost; 0 is none",
         unit="Hz",
         low=0.0,
         high=1000.0,

@@ -1,5 +1,6 @@
 """Each vehicle's state for other ROS software: `<name>/pose` and `<name>/odom`."""
 
+import numpy as np
 from geometry_msgs.msg import (
     Point,
     Pose,
@@ -17,7 +18,9 @@ from std_msgs.msg import Header
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
-from q2q_model.signals.values import Array, Names, SwarmState
+from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
+
+LOST = int(TrackStatus.LOST)
 
 
 class VehicleTopics:
@@ -28,11 +31,12 @@ class VehicleTopics:
         self._writers = VehiclePublishers(node, {"pose": PoseStamped, "odom": Odometry}, rate_hz, names)
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
-        """Publish pose and odometry of every vehicle, at most `rate_hz` times per second."""
+        """Publish pose and odometry of every vehicle that is not lost, at most `rate_hz` times per second."""
         if not self._writers.due(state.t, stamp_ns, state.names):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
-        for row, name in enumerate(state.names):
+        for row in np.flatnonzero(state.status != LOST):
+            name = state.names[row]
             if not (publishers := self._writers.with_subscribers(name, stamp_ns)):
                 continue
             pose, odom = publishers

@@ -1,0 +1,31 @@
+"""Pose and odometry of each vehicle for other software: only of those that are or were just measured."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from room_node import RoomNode
+
+from q2q_model.geometry.rotations import identity_quat
+from q2q_model.ros import mocap_filter_node
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.values import MocapFrame
+
+
+def test_a_vehicle_that_was_never_seen_or_is_lost_has_no_pose_and_one_that_is_missing_for_short_has() -> None:
+    node = RoomNode("mocap_filter", {"vehicles": ("cf1", "cf2"), "vehicle_topics_hz": 1000.0}, {})
+    mocap_filter_node.build(node)
+    for k in range(100):
+        pos = np.array([[1.0, 2.0, 0.01 * k if k < 50 else np.nan]])  # missing: it coasts for 0.35 s
+        node.takers["mocap"](encode(MocapFrame(0.01 * k, ("cf1",), pos, identity_quat((1,))), 10**7 * k))
+    poses, odometry = (node.published.get(f"cf1/{topic}", []) for topic in ("pose", "odom"))
+    assert len(poses) == len(odometry) == 50 + 35
+    pose, moved = poses[-1], odometry[-1]
+    assert isinstance(pose, PoseStamped)
+    assert isinstance(moved, Odometry)
+    assert (pose.pose.position.x, pose.header.stamp.nanosec) == (pytest.approx(1.0), 840_000_000)
+    assert moved.pose.pose == pose.pose
+    assert node.published.get("cf2/pose", []) == []
