@@ -70,14 +70,15 @@ def warnings(node: Node) -> list[str]:
 
 
 def test_a_name_that_cannot_begin_a_topic_has_no_topics_and_the_others_have(node: Node) -> None:
-    writers = VehiclePublishers(node, {"pose": PoseStamped}, 10.0, ("cf-1", "", "2cf", "né"))
+    writers = VehiclePublishers(node, {"pose": PoseStamped}, 10.0, ("cf-1", "", "2cf", "né", "c" * 300))
     for _ in range(6):
         writers.create_next(("cf-1", "wand 1", "cf2"))
     made = {one.topic_name for one in node.publishers}
     assert "/cf2/pose" in made
     assert not made & {"/pose", "/cf-1/pose"}
-    assert len(warnings(node)) == 5
+    assert len(warnings(node)) == 6
     assert "'cf-1'/pose" in warnings(node)[0]
+    assert max(map(len, warnings(node))) < 120
 
 
 def test_it_says_nothing_of_topics_that_are_switched_off(node: Node) -> None:

@@ -2,8 +2,8 @@
 
 import re
 
-VEHICLE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""Names that can begin a topic (a token of ROS 2 topic names) or the name of a file."""
+VEHICLE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}")
+"""Names that can begin a topic (a token of ROS 2 topic names, of 247 characters) or the name of a file."""
 LONGEST_SHOWN = 40
 """Most characters of a wrong name in a message."""
 
@@ -11,5 +11,5 @@ LONGEST_SHOWN = 40
 def check_vehicle_name(name: str) -> None:
     """Raise ValueError for a vehicle's name that cannot begin a topic."""
     if not VEHICLE_NAME.fullmatch(name):
-        allowed = "a name is a letter, then letters, digits and _"
+        allowed = "a name is a letter, then letters, digits and _, at most 100"
         raise ValueError(f"vehicle {name[:LONGEST_SHOWN]!r}: {allowed}")

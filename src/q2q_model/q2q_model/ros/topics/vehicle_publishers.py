@@ -14,7 +14,7 @@ from rclpy.publisher import Publisher
 from q2q_model.node.decimation import Decimation
 from q2q_model.ros.topics.subscriber_check import SubscriberCheck
 from q2q_model.signals.values import Names
-from q2q_model.signals.vehicle_name import VEHICLE_NAME
+from q2q_model.signals.vehicle_name import LONGEST_SHOWN, VEHICLE_NAME
 
 QUEUE = 10
 ASK_EVERY_NS = 500_000_000
@@ -72,8 +72,8 @@ class VehiclePublishers:
     def _make(self, name: str) -> None:
         make, topics = self._node.create_publisher, self._topics
         if topics and not VEHICLE_NAME.fullmatch(name):
-            allowed = "letters, digits and _, a letter first"
-            self._node.get_logger().warning(f"no {name!r}/{'|'.join(topics)}: topics have {allowed}")
+            shown, allowed = name[:LONGEST_SHOWN], "at most 100 letters, digits and _, a letter first"
+            self._node.get_logger().warning(f"no {shown!r}/{'|'.join(topics)}: topics have {allowed}")
             topics = {}
         self._made[name] = tuple(make(kind, f"{name}/{topic}", QUEUE) for topic, kind in topics.items())
         self._checks[name] = SubscriberCheck(self._made[name], ASK_EVERY_NS)
