@@ -117,13 +117,17 @@ def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_afte
 
 
 def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: Node) -> None:
-    stamps = StalledStampWarning(node, "mocap")
+    health = Health()
+    stamps = StalledStampWarning(node, "mocap", health)
     for stamp_ns in range(2 * FRAMES):
         stamps.look(stamp_ns, frame("cf1"))
-    assert warnings(node) == []
+    assert (warnings(node), [*health.doubts.values()]) == ([], [""])
     for _ in range(3 * FRAMES):
         stamps.look(0, frame("cf1"))
-    assert warnings(node) == [f"mocap: {FRAMES} frames stamped 0 s: stamp each with its time of capture"]
+    message = f"mocap: {FRAMES} frames stamped 0 s: stamp each with its time of capture"
+    assert (warnings(node), [*health.doubts.values()]) == ([message], [message])
+    stamps.look(1, frame("cf1"))
+    assert [*health.doubts.values()] == [""]
 
 
 def test_names_that_change_for_ever_are_reported_once_with_the_parameter_to_set(node: Node) -> None:

@@ -31,6 +31,15 @@ def test_a_warning_is_reported_once_until_it_has_been_over_for_a_while() -> None
     assert warnings.take(setpoint(30.0, broken=True)) == "promise broken: cf2"
 
 
+def test_a_clock_that_is_set_back_makes_no_time_of_sound_setpoints() -> None:
+    """Sound from 8 s on, set back to 2 s at 12 s: 4 s of them, and whatever follows."""
+    warnings = SetpointWarnings()
+    assert warnings.take(setpoint(8.0, broken=True))
+    after = [*(8.0 + 0.01 * k for k in range(1, 400)), *(2.0 + 0.01 * k for k in range(1200))]
+    over = [k for k, t in enumerate(after) if warnings.take(setpoint(t))]
+    assert over == [399 + 1 + round(100 * SETTLED_S)]
+
+
 def test_setpoints_that_are_not_finite_are_named_beside_broken_promises() -> None:
     warnings = SetpointWarnings()
     assert warnings.take(setpoint(0.0, broken=True, nan=True)) == (

@@ -56,7 +56,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     wiring.after_publish(warning_log(node, wiring.health, block))
     wiring.warm_up(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
-    wiring.listen("mocap", StalledStampWarning(node, "mocap").look)
+    wiring.listen("mocap", StalledStampWarning(node, "mocap", wiring.health).look)
     wiring.start(block.update)
     return wiring
 

@@ -28,7 +28,8 @@ class SetpointWarnings:
         if self.text:
             self._last = setpoint.t
             return "" if reported else self.text
-        if reported and not 0.0 <= setpoint.t - self._last <= SETTLED_S:
+        self._last = min(self._last, setpoint.t)  # the clock may be set back
+        if reported and setpoint.t - self._last > SETTLED_S:
             self._last = -np.inf
             return f"setpoints have been sound for {SETTLED_S:g} s"
         return ""

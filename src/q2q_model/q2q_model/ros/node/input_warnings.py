@@ -85,11 +85,11 @@ class AbsentNames:
 
 
 class StalledStampWarning:
-    """Warning, once, that frames come with one and the same stamp."""
+    """Warning, once, that frames come with one and the same stamp; `health` has it as long as they do."""
 
-    def __init__(self, node: Node, topic: str) -> None:
+    def __init__(self, node: Node, topic: str, health: Health) -> None:
         """Watch the stamps of a topic."""
-        self._node, self._topic = node, topic
+        self._node, self._topic, self._health = node, topic, health
         self._stamp_ns, self._frames = -1, 0
 
     def look(self, stamp_ns: int, _: Signal) -> None:
@@ -97,5 +97,11 @@ class StalledStampWarning:
         self._frames = self._frames + 1 if stamp_ns == self._stamp_ns else 0
         self._stamp_ns = stamp_ns
         if self._frames == FRAMES:
-            message = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
-            self._node.get_logger().warning(f"{self._topic}: {message}")
+            found = f"{FRAMES} frames stamped {1e-9 * stamp_ns:g} s: stamp each with its time of capture"
+            self._doubt(f"{self._topic}: {found}")
+            self._node.get_logger().warning(f"{self._topic}: {found}")
+        elif not self._frames:
+            self._doubt("")
+
+    def _doubt(self, found: str) -> None:
+        self._health.doubts[f"{self._topic} stamps"] = found
