@@ -8,13 +8,14 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from q2q_model.trajectory.flatness import flat_state
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, GRAVITY
+from q2q_planner.offline.minimum_snap.feasibility import check_feasible
 from q2q_planner.offline.minimum_snap.flight_limits import (
-    YAW_RATE,
     FlightLimits,
     allocate_times,
-    check_feasible,
     peak_norm,
+    peak_tilt,
     peak_yaw_rate,
     with_limits_of,
 )
@@ -74,10 +75,10 @@ def test_allocated_times_keep_the_yaw_rate(seed: int, reading: str) -> None:
     timed = allocate_times("cf1", points, LIMITS, reading)
     trajectory = minimum_snap(timed, reading)
     rate = np.abs(trajectory.at(np.linspace(0.0, trajectory.duration, 5001), 1)[:, 3])
-    assert rate.max() <= YAW_RATE * (1.0 + 1e-6)
+    assert rate.max() <= YAW_RATE_MAX * (1.0 + 1e-6)
     assert 1.0 - 1e-12 <= peak_yaw_rate(trajectory).value / rate.max() <= 1.0 + 1e-4
     spot = allocate_times("cf1", [replace(points[0], yaw=1.0), replace(points[0], yaw=-2.0)], LIMITS, reading)
-    assert spot.times[1] == pytest.approx(1.5 * 3.0 / YAW_RATE, abs=0.01)
+    assert spot.times[1] == pytest.approx(1.5 * 3.0 / YAW_RATE_MAX, abs=0.01)
 
 
 def test_a_turn_too_fast_names_vehicle_waypoint_and_rate() -> None:
@@ -98,9 +99,40 @@ def test_a_hover_without_a_time_is_refused() -> None:
         allocate_times("cf1", points, LIMITS)
 
 
-def test_limits_are_cut_to_what_thrust_allows() -> None:
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 10**6), st.floats(0.3, 3.0))
+def test_the_peak_tilt_is_that_of_the_flat_attitude(seed: int, duration: float) -> None:
+    """It is above every sample and at the largest; thrust that points down counts as a right angle."""
+    generator = np.random.default_rng(seed)
+    points = tuple(Waypoint(duration * t, tuple(generator.normal(size=3))) for t in (0.0, 1.0, 3.0))
+    trajectory = minimum_snap(VehicleWaypoints("cf1", points), "free")
+    acc = trajectory.at(np.linspace(0.0, 3.0 * duration, 20_001), 2)
+    flat = flat_state(acc[:, :3], acc[:, 3])
+    leans = np.arccos(np.clip(np.cos(flat.roll) * np.cos(flat.pitch), -1.0, 1.0))
+    seen = np.where(acc[:, 2] + GRAVITY > 0.0, leans, np.pi / 2.0).max()
+    assert seen - 1e-7 <= peak_tilt(trajectory).value <= seen * (1.0 + 1e-3)  # between samples
+
+
+def test_more_tilt_than_controllers_command_names_vehicle_waypoint_and_bound() -> None:
+    """One metre in 0.95 s peaks at 84 sqrt(5) / 25 / 0.95^2 m/s^2 to the side, in 1.5 s at 0.33 rad."""
+    quick = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(0.95, (1, 0, 1))))]
+    tilt = np.arctan(84.0 * np.sqrt(5.0) / 25.0 / 0.95**2 / GRAVITY)
+    with pytest.raises(
+        ValueError, match=rf"cf1, after waypoint 0 .* tilts by {tilt:.3g} rad, controllers do by at most 0.35"
+    ):
+        check_feasible(minimum_snap_plan(quick), quick, CRAZYFLIE_2_1)
+    slow = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(1.5, (1, 0, 1))))]
+    check_feasible(minimum_snap_plan(slow), slow, CRAZYFLIE_2_1)
+
+
+def test_limits_are_cut_to_what_thrust_and_tilt_allow() -> None:
+    """An acceleration of g sin(tilt) tilts the thrust by no more in any direction, and by that in one."""
     spare = CRAZYFLIE_2_0.rpyt_thrust_max / CRAZYFLIE_2_0.mass - GRAVITY
-    assert with_limits_of(FlightLimits(acceleration=50.0), CRAZYFLIE_2_0).acceleration == pytest.approx(spare)
+    most = [with_limits_of(FlightLimits(acceleration=50.0), one) for one in (CRAZYFLIE_2_0, CRAZYFLIE_2_1)]
+    assert most[0].acceleration == pytest.approx(min(spare, most[1].acceleration))
+    turn = np.linspace(0.0, 2.0 * np.pi, 10_001)
+    acc = most[1].acceleration * np.array([np.cos(turn), np.sin(turn)])
+    assert np.arctan2(acc[0], acc[1] + GRAVITY).max() == pytest.approx(TILT_MAX, rel=1e-6)
 
 
 def test_a_document_without_times_gets_them_and_one_with_times_keeps_them() -> None:

@@ -260,7 +260,7 @@ def test_waypoints_without_times_get_them(tmp_path: Path) -> None:
 
 
 UNTIMED = "vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [3, 0, 1]}, {pos: [3, 2, 1]}]}"
-HASTY = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 1.5, pos: [3, 0, 1]}]}"
+HASTY = "vehicles: {cf1: [{t: 0, pos: [0, 0, 1]}, {t: 1.9, pos: [0, 0, 3]}]}"
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,6 @@ LONGEST_HOLD_S = PATIENCE_S
 """Time for which a vehicle's last command is repeated before it levels [s], unless set otherwise: until old
 stamps are known to be of a clock that was set back."""
 
-TILT_MAX = 0.35
-"""Largest angle of thrust to vertical that a controller commands unless set otherwise [rad]."""
-
 THRUST_LEAST = 0.05
 """Minimum thrust over weight of a controller's command [-]: with none, or less than MIN_THRUST, 1000 of 65535
 (2 to 3 % of the weight), a Crazyflie's motors stop, and nothing holds its attitude."""

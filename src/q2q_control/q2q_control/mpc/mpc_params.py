@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from q2q_control.attitude.command_limits import LATENCY_S, LONGEST_HOLD_S, TILT_MAX
+from q2q_control.attitude.command_limits import LATENCY_S, LONGEST_HOLD_S
 from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,9 @@ class MpcParams:
     tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=1.0, high=30.0)
     k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
-    yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
+    yaw_rate_max: float = tunable(
+        YAW_RATE_MAX, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0
+    )
     iterations: int = tunable(12, "maximum number of recursions of a solve", low=1, high=200)
     shift_time: float = tunable(
         0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0

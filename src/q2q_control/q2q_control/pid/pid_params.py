@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from q2q_control.attitude.command_limits import LONGEST_HOLD_S, TILT_MAX
+from q2q_control.attitude.command_limits import LONGEST_HOLD_S
 from q2q_model.tunable import check_bounds, tunable
+from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +29,9 @@ class PidParams:
         6.6, "bound on U1 if thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
     )
     tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
-    yaw_rate_max: float = tunable(3.5, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0)
+    yaw_rate_max: float = tunable(
+        YAW_RATE_MAX, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0
+    )
     exact_inverse: bool = tunable(default=False, description="exact attitude instead of small angles")
     stale_fade: float = tunable(
         0.5,

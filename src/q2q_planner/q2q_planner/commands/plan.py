@@ -140,7 +140,7 @@ def _add_limits(made: CommandLine) -> None:
         help=f"one of {', '.join(VEHICLES)}, in place of the file's (if it names none: {DEFAULT_VEHICLE})",
     )
     limits.add_argument("--speed", type=float, default=2.0, help="largest speed [m/s]")
-    limits.add_argument("--acceleration", type=float, default=4.0, help="largest acceleration [m/s^2]")
+    limits.add_argument("--acceleration", type=float, default=2.0, help="largest acceleration [m/s^2]")
 
 
 if __name__ == "__main__":

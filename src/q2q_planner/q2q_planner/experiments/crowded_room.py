@@ -17,7 +17,7 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_planner.offline.avoidance.avoidance_params import AvoidanceParams
 from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.avoidance.waypoint_checks import InfeasibleError
-from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
+from q2q_planner.offline.minimum_snap.feasibility import NotFlyableError, check_feasible
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 DRAWS = 5000
@@ -93,10 +93,8 @@ def plan_swap(
             swarm, zone, params=AvoidanceParams(steps=STEPS, starts=1, within=room.within)
         ).plan
         check_feasible(plan, swarm, *thrust)
-    except ValueError as refusal:
-        if isinstance(refusal, InfeasibleError) or "thrust" in str(refusal):
-            return None
-        raise
+    except (InfeasibleError, NotFlyableError):
+        return None
     return plan
 
 

@@ -18,7 +18,7 @@ from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.certificate.rounding_bound import NOT_BOUNDED
-from q2q_planner.offline.minimum_snap.flight_limits import check_feasible
+from q2q_planner.offline.minimum_snap.feasibility import check_feasible
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, prove_within

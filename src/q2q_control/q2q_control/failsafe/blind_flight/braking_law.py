@@ -42,7 +42,7 @@ from q2q_model.vehicle.constants import GRAVITY
 BRAKING_S = 0.5
 """Time constant of braking [s]: more than two lags."""
 BRAKING_MAX = 3.5
-"""Largest deceleration [m/s^2]: TILT_MAX at hover thrust gives 3.58 (q2q_control.attitude.command_limits)."""
+"""Largest deceleration [m/s^2]: TILT_MAX at hover thrust gives 3.58 (q2q_model.vehicle.attitude_limits)."""
 SINK_MAX = 0.8
 """Velocity of sinking from which a landing vehicle brakes [m/s]."""
 TOUCHDOWN_MAX = 1.1

@@ -29,7 +29,7 @@ from q2q_model.signals.values import SwarmSetpoint, SwarmState
 FAR = 0.5
 """Distance from which a vehicle is led back [m]: a step of less does not saturate the tilt for long."""
 ACC_MAX = 2.75
-"""Largest acceleration [m/s^2]: three quarters of that of TILT_MAX (q2q_control.attitude.command_limits) at
+"""Largest acceleration [m/s^2]: three quarters of that of TILT_MAX (q2q_model.vehicle.attitude_limits) at
 hover thrust, as one that ends its climb has less for a second."""
 JERK_MAX = 10.0
 """Largest jerk [m/s^3]: thrust turns some 0.2 s after it is asked to, and what is missing by then has to be

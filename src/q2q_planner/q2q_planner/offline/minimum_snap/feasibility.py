@@ -1,0 +1,64 @@
+"""Whether a vehicle can fly a plan: thrust, tilt and yaw rate, bounded for every t (`flight_limits`)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
+from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
+from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_planner.offline.minimum_snap.flight_limits import (
+    ROUNDING,
+    Peak,
+    peak_norm,
+    peak_tilt,
+    peak_yaw_rate,
+)
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
+
+
+class NotFlyableError(ValueError):
+    """Error that names vehicle, waypoint and bound that a trajectory exceeds."""
+
+
+def check_feasible(
+    plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle, reserve: float = 0.0
+) -> None:
+    """Raise NotFlyableError if a trajectory needs too much thrust, tilt or yaw rate.
+
+    `reserve` is the acceleration that the thrust must give on top of the plan's, in any direction [m/s^2].
+    """
+    for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
+        _check_thrust(trajectory, waypoints, vehicle, reserve)
+        _check_tilt(peak_tilt(trajectory), waypoints)
+        _check_yaw_rate(peak_yaw_rate(trajectory), waypoints)
+
+
+def _check_thrust(
+    trajectory: Trajectory, waypoints: VehicleWaypoints, vehicle: Vehicle, reserve: float
+) -> None:
+    peak = peak_norm(trajectory, 2, np.array([0.0, 0.0, GRAVITY]))
+    thrust = vehicle.mass * (peak.value + reserve)
+    if thrust > vehicle.rpyt_thrust_max:
+        most = f"{vehicle.name} has at most {vehicle.rpyt_thrust_max:.3g} N"
+        needs = f"needs {thrust:.3g} N of thrust, {most}; allow more time"
+        raise NotFlyableError(f"{_place(waypoints, peak)}: {needs}")
+
+
+def _check_tilt(peak: Peak, waypoints: VehicleWaypoints) -> None:
+    if peak.value > TILT_MAX * (1.0 + ROUNDING):
+        tilts = f"tilts by {peak.value:.3g} rad, controllers do by at most {TILT_MAX:g} rad"
+        raise NotFlyableError(f"{_place(waypoints, peak)}: {tilts}; allow more time")
+
+
+def _check_yaw_rate(peak: Peak, waypoints: VehicleWaypoints) -> None:
+    if peak.value > YAW_RATE_MAX * (1.0 + ROUNDING):
+        turns = f"turns at {peak.value:.3g} rad/s, allowed is {YAW_RATE_MAX:g} rad/s"
+        yaw = "yaw is in radians and not wrapped: 0 to 6.28 is a full turn"
+        raise NotFlyableError(f"{_place(waypoints, peak)}: {turns}; allow more time, or turn less ({yaw})")
+
+
+def _place(waypoints: VehicleWaypoints, peak: Peak) -> str:
+    """Return vehicle, waypoint and time of a peak, in words."""
+    after = int(np.searchsorted(waypoints.times, peak.t, side="right")) - 1
+    return f"{waypoints.name}, after waypoint {after} (t = {peak.t:.2f} s)"
