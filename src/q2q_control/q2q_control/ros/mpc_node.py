@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from time import monotonic
 
+import numpy as np
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
@@ -36,6 +37,7 @@ from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.topic_names import PLAN
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
@@ -45,7 +47,9 @@ from q2q_model.vehicle.constants import vehicle_by_name
 MISMATCH = "plan's course"
 """Doubt of a plan that is not that of the setpoints."""
 NEIGHBOUR = "neighbour"
-"""Vehicle of another node in the warm-up of a distributed one."""
+"""Vehicle of another controller in the warm-up."""
+FAR_OFF = 10.0
+"""Distance of the warm-up's setpoints along each axis at which thrust and tilt reach their bounds [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +114,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
     _receive_plans(node, block, wiring)
     warmed_up = _hearing_itself(block, answer) if mpc.distributed else answer
-    _warm_up(block, wiring, warmed_up, guarded.reset, (*own.vehicles, *[NEIGHBOUR] * mpc.distributed))
+    _warm_up(block, wiring, warmed_up, guarded.reset, (*(own.vehicles or STAND_IN), NEIGHBOUR))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
     wiring.start(_within(budget, answer))
@@ -153,10 +157,21 @@ def _warm_up(
     reset: Callable[[], None],
     vehicles: Names,
 ) -> None:
-    """Warm up the node with vehicles at rest."""
-    block.follow(resting_preview(vehicles or STAND_IN))
+    """Warm up the node with vehicles at rest, and at their bounds beside one without a setpoint."""
+    block.follow(resting_preview(vehicles))
     wiring.warm_up(update, reset, vehicles)
+    wiring.warm_up(_at_bounds(update), reset, vehicles)
     block.follow(None)
+
+
+def _at_bounds(update: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
+    """Return `update` with setpoints far off, and none for the last vehicle: another controller flies it."""
+
+    def far(state: SwarmState, setpoint: SwarmSetpoint, *downwash: Signal) -> SwarmCommand:
+        rows = np.arange(len(setpoint.names) - 1)
+        return update(state, of_vehicles(replace(setpoint, pos=setpoint.pos + FAR_OFF), rows), *downwash)
+
+    return far
 
 
 def _hearing_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:

@@ -1,0 +1,38 @@
+"""The warm-up of an `mpc` node runs what a later tick may need: bounds, vehicles of other controllers."""
+
+from collections.abc import Callable
+
+import pytest
+
+pytest.importorskip("q2q_msgs", reason="the workspace is not built")
+
+from room_node import RoomNode
+
+from q2q_control.mpc.prediction import downwash_horizon, vehicle_tracks
+from q2q_control.mpc.solver import horizon_solver
+from q2q_control.ros import mpc_node
+
+ALONE = {"vehicles": ("cf1",)}
+
+
+@pytest.mark.parametrize("given", [{}, {"aware": False}, ALONE, ALONE | {"distributed": True}])
+@pytest.mark.parametrize("model", ["none", "paper_law"])
+def test_every_kernel_of_a_tick_runs_before_the_first(
+    model: str, given: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ran: set[str] = set()
+
+    def noted(kernel: Callable[..., object]) -> Callable[..., object]:
+        def run(*values: object) -> object:
+            ran.add(kernel.__name__)
+            return kernel(*values)
+
+        return run
+
+    kernels = [(horizon_solver, "solve_group"), (vehicle_tracks, "_straight_on")]
+    if model != "none" and given.get("aware", True):
+        kernels.append((downwash_horizon, "within_reach"))
+    for module, name in kernels:
+        monkeypatch.setattr(module, name, noted(getattr(module, name)))
+    mpc_node.build(RoomNode("mpc", {"model": model, **given}, {}))
+    assert ran == {name for _, name in kernels}
