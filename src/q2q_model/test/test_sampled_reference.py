@@ -10,7 +10,7 @@ from made_flights import LOOP, Pass, made_flight
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.reference_remarks import reference_remarks
-from q2q_model.flights.sampled_reference import HOLD_S, WIDTH, sampled_reference
+from q2q_model.flights.sampled_reference import sampled_reference
 from q2q_model.identification.gains.altitude_record import altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.signals.values import Array
@@ -128,25 +128,6 @@ def test_a_single_rate_that_lacks_is_fitted_without_a_remark() -> None:
     np.testing.assert_allclose(found.acc[1000], acc[1000], atol=4e-2 * 0.2 * OMEGA**2)
     assert found.sure.all()
     assert reference_remarks("made", ("cf1",), [found]) == []
-
-
-def test_a_step_has_no_rates_and_a_goal_stands() -> None:
-    pos = np.where(T[:, None, None] < 10.0, [0.0, 0.0, 1.0], [0.0, 0.0, 1.5])
-    found = sampled_reference(T, pos, UNKNOWN, UNKNOWN)
-    near = np.abs(T - 9.995) < 0.1
-    assert not found.sure[near].any()
-    assert found.sure[np.abs(T - 9.995) > HOLD_S].all()
-    np.testing.assert_allclose(found.vel[np.abs(T - 9.995) > HOLD_S], 0.0, atol=1e-9)
-
-
-def test_no_rate_of_a_fit_that_reaches_over_a_step_is_sure() -> None:
-    """A step of 0.2 m at the end of a cubic bends it by 10 m/s^2, and it misses little."""
-    smooth, _, acc = sine(T)
-    pos = smooth + 0.2 * (T[:, None, None] > 10.0)
-    found = sampled_reference(T, pos, UNKNOWN, UNKNOWN)
-    sure = found.sure[:, 0] & (np.abs(T - 10.0) < 9.5)
-    np.testing.assert_allclose(found.acc[sure], acc[sure], atol=4e-2 * 0.2 * OMEGA**2)
-    assert found.sure[np.abs(T - 10.0) > 2.2 * WIDTH].all()
 
 
 def test_goals_and_late_stamps_are_told() -> None:

@@ -10,8 +10,10 @@ squares (Savitzky and Golay, Analytical Chemistry 1964), which late stamps distu
 
     r(t + u) = r + r' u + r'' u^2 / 2 + r''' u^3 / 6,    |u| <= max(WIDTH, SAMPLES periods of the reference)
 
-It follows no step: where a fit misses its neighbours by more than MISFIT of their extent, no sample is sure
-whose fit reaches there; its end may bend to a step without missing it.
+It follows no step: no sample is sure whose fit reaches over one, or misses its samples by more than MISFIT of
+their extent. A step is found between two samples if it is larger than LEAST_STEP and what the reference moves
+in a tick and in the lateness of stamps: 11 mm at 0.6 m/s in ticks of 100 Hz. Not found are smaller ones, ones
+over three samples and more, as motions are, and ones at every other sample.
 """
 
 from dataclasses import dataclass
@@ -35,6 +37,13 @@ SPACING = 0.005
 """Time that one sample stands for in the fits around [s]: a fit costs no more above 200 Hz."""
 ROUNDING = 1e-3
 """Share of SPACING that stamps are rounded by."""
+LEAST_STEP = 5e-3
+"""Smallest step of a reference that stands [m]: it bends accelerations by 0.25 m/s^2; rounding to 1 mm makes
+2 mm."""
+LATENESS = 3.0
+"""Largest deviation from the period that is a late stamp, over the median one [-]."""
+BETWEEN = np.array([-1.0, 4.0, 0.0, 4.0, -1.0]) / 6.0
+"""Weights of a cubic through the two before and the two after, at even distances [-]."""
 DEGREE = 3
 BLOCK = 1024
 """Samples that are fitted together: windows of 0.3 s take 0.5 MB for each power."""
@@ -110,7 +119,8 @@ def sampled_reference(t: Array, pos: Array, vel: Array, acc: Array) -> SampledRe
         rows, lacks = found.rows, lacking[found.rows, i]
         made[rows, i], sure[rows, i] = given[rows, i], True
         if lacks.any():
-            fits, smooth = _fits(t[rows], pos[rows, i], found.period, float(np.median(np.diff(t))))
+            period = 0.0 if found.goals else found.period  # of goals it is that of cut ones, at the ends
+            fits, smooth = _fits(t[rows], pos[rows, i], period, float(np.median(np.diff(t))))
             made[rows, i], sure[rows, i] = np.where(lacks, fits, given[rows, i]), smooth | ~lacks.any(axis=1)
             fitted[i] = [np.mean(lacks[:, own].any(axis=1)) > LACKING_SHARE for own in (VEL, ACC)]
     uneven = np.array([found.uneven for found in each], dtype=np.bool_)
@@ -149,9 +159,9 @@ def _fits(t: Array, pos: Array, period: float, tick: float) -> tuple[Array, Mask
 
     NaN where there are too few samples around.
     """
+    apart = np.flatnonzero(np.diff(np.floor((t - t[0]) / SPACING + ROUNDING), prepend=-1.0) > 0.0)
     width = max(WIDTH, SAMPLES * period) + 0.5 * tick
     side = int(width / max(tick, SPACING)) + 1
-    apart = np.flatnonzero(np.diff(np.floor((t - t[0]) / SPACING + ROUNDING), prepend=-1.0) > 0.0)
     every = np.arange(len(t))
     before = np.searchsorted(apart, every, side="right") - 1
     padded = np.pad(apart, side, constant_values=NONE)  # before[k] begins the window around before[k]
@@ -160,9 +170,32 @@ def _fits(t: Array, pos: Array, period: float, tick: float) -> tuple[Array, Mask
         for rows in np.split(every, range(BLOCK, len(t), BLOCK))
     ]
     made, smooth = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
-    missed = np.concatenate(([-np.inf], t[~smooth], [np.inf]))
-    later = np.searchsorted(missed, t)
-    return made, np.minimum(missed[later] - t, t - missed[later - 1]) > width
+    return made, smooth & ~_reaching_over(_steps(t, pos, tick), t, width)
+
+
+def _steps(t: Array, pos: Array, tick: float) -> Rows:
+    """Return the samples after which the reference (k, 3) steps.
+
+    Its velocity is neither the median of five nor that of a cubic through the two before and the two after:
+    the former alone would be off where a velocity is largest, the latter beside another step.
+    """
+    if len(t) < 2:
+        return np.zeros(0, dtype=np.intp)
+    lasts = np.diff(t)
+    vel = np.nan_to_num(np.diff(pos, axis=0)) / lasts[:, None]  # (k - 1, 3)
+    around = np.stack([np.pad(vel, ((2, 2), (0, 0)), mode="edge")[i : i + len(vel)] for i in range(5)])
+    usual = np.median(around, axis=0)
+    off = np.minimum(np.abs(vel - usual), np.abs(vel - np.tensordot(BETWEEN, around, axes=1)))
+    late = tick + LATENESS * np.median(np.abs(lasts - np.median(lasts)))
+    return np.flatnonzero((off * lasts[:, None] > LEAST_STEP + np.abs(usual) * late).any(axis=1))
+
+
+def _reaching_over(steps: Rows, t: Array, width: float) -> Mask:
+    """Return the samples that have samples of both sides of a step within the width, (k,)."""
+    later = np.searchsorted(steps, np.arange(len(t)))
+    until = np.append(t[steps + 1], np.inf)[later] - t
+    since = t - np.concatenate(([-np.inf], t[steps]))[later]
+    return np.asarray(np.minimum(until, since) <= width)
 
 
 def _fits_of(rows: Rows, around: Rows, t: Array, pos: Array, width: float) -> tuple[Array, Mask]:
