@@ -87,3 +87,13 @@ def test_slow_references_in_whole_millimetres_have_no_steps(scale: float) -> Non
     pos = (scale * sine(T)[0]).round(3)
     found = sampled_reference(T, pos, UNKNOWN, UNKNOWN)
     assert found.sure[np.isfinite(found.pos).all(axis=2)].mean() > 0.95
+
+
+def test_ticks_in_bursts_have_rates() -> None:
+    """Ten within 5 ms count as one sample in a fit."""
+    t = (0.1 * np.arange(200)[:, None] + 5e-4 * np.arange(10)).ravel()
+    pos, acc = sine(t)
+    found = sampled_reference(t, pos, UNKNOWN, UNKNOWN)
+    inner = (t > 0.5) & (t < 19.5)
+    assert found.sure[inner].all()
+    np.testing.assert_allclose(found.acc[inner], acc[inner], atol=5e-2 * 0.2 * OMEGA**2)

@@ -160,7 +160,8 @@ def _fits(t: Array, pos: Array, period: float, tick: float) -> tuple[Array, Mask
     NaN where there are too few samples around.
     """
     apart = np.flatnonzero(np.diff(np.floor((t - t[0]) / SPACING + ROUNDING), prepend=-1.0) > 0.0)
-    width = max(WIDTH, SAMPLES * period) + 0.5 * tick
+    bursts = min(HOLD_S, np.median(np.diff(t[apart], append=t[-1])))  # where ticks have any
+    width = max(WIDTH, SAMPLES * max(period, float(bursts))) + 0.5 * tick
     side = int(width / max(tick, SPACING)) + 1
     every = np.arange(len(t))
     before = np.searchsorted(apart, every, side="right") - 1
