@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from math import inf
 from time import monotonic
 
-import numpy as np
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
@@ -20,6 +19,7 @@ from q2q_control.failsafe.time_budget import TimeBudget
 from q2q_control.inputs.plan_mismatch import PlanMismatchMonitor
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
+from q2q_control.mpc.bounds_warm_up import at_bounds
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.time_slots import RATE_HZ
@@ -37,7 +37,6 @@ from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.plan_message import decode_trajectories
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.stamps import stamp_from_parts, time_from_stamp
 from q2q_model.signals.topic_names import PLAN
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
@@ -48,8 +47,6 @@ MISMATCH = "plan's course"
 """Doubt of a plan that is not that of the setpoints."""
 NEIGHBOUR = "neighbour"
 """Vehicle of another controller in the warm-up."""
-FAR_OFF = 10.0
-"""Distance of the warm-up's setpoints along each axis at which thrust and tilt reach their bounds [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,18 +157,8 @@ def _warm_up(
     """Warm up the node with vehicles at rest, and at their bounds beside one without a setpoint."""
     block.follow(resting_preview(vehicles))
     wiring.warm_up(update, reset, vehicles)
-    wiring.warm_up(_at_bounds(update), reset, vehicles)
+    wiring.warm_up(at_bounds(update), reset, vehicles)
     block.follow(None)
-
-
-def _at_bounds(update: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
-    """Return `update` with setpoints far off, and none for the last vehicle: another controller flies it."""
-
-    def far(state: SwarmState, setpoint: SwarmSetpoint, *downwash: Signal) -> SwarmCommand:
-        rows = np.arange(len(setpoint.names) - 1)
-        return update(state, of_vehicles(replace(setpoint, pos=setpoint.pos + FAR_OFF), rows), *downwash)
-
-    return far
 
 
 def _hearing_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
