@@ -6,6 +6,7 @@ import pytest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.minimum_snap.flight_limits import peak_norm
 from q2q_planner.plan_playback.glide import GlideParams, glide
 
 NAMES = ("cf1", "cf2")
@@ -48,3 +49,13 @@ def test_a_glide_that_no_order_keeps_apart_is_refused_with_pair_and_distance() -
     stacked = here((0.0, 0.0, 1.0), (0.05, 0.0, 1.5))
     with pytest.raises(ValueError, match=r"cf1 and cf2 would enter each other's zone by 0\.\d\d m"):
         glide(NAMES, here((0.0, 0.0, 0.5), (0.0, 1.0, 0.5)), stacked, GlideParams())
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0, 5.0])
+@pytest.mark.parametrize("length", [0.3, 1.0, 20.0])
+def test_a_glide_keeps_its_speed_and_acceleration(speed: float, length: float) -> None:
+    """Rest to rest, a long one peaks at the speed, a short one at 2 m/s^2."""
+    here, there = np.array([[0.0, 0.0, 1.0, 0.0]]), np.array([[length, 0.0, 1.0, 0.0]])
+    curve = glide(("cf1",), here, there, GlideParams(glide_speed=speed, glide_s=0.1)).trajectories[0]
+    shares = peak_norm(curve, 1).value / speed, peak_norm(curve, 2).value / 2.0
+    assert max(shares) == pytest.approx(1.0, rel=1e-5)  # the bound's own tolerance

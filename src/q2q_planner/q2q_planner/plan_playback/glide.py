@@ -8,6 +8,7 @@ path.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise, permutations
+from math import sqrt
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from q2q_model.signals.values import Array, Names
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.offline.certificate.certificate import Certificate, certify
-from q2q_planner.offline.minimum_snap.flight_limits import PEAK_SPEED, PEAK_YAW_RATE
+from q2q_planner.offline.minimum_snap.flight_limits import PEAK_ACC, PEAK_SPEED, PEAK_YAW_RATE, FlightLimits
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
@@ -24,6 +25,8 @@ ORDERS = 24
 """Most orders that are tried: all of four vehicles."""
 TURN_MAX = 1.5
 """Largest yaw rate of a glide [rad/s], less than half of what controllers may command."""
+ACC_MAX = FlightLimits().acceleration
+"""Largest acceleration of a glide [m/s^2], as of allocated times."""
 ASIDE = (0.0, 0.5, -0.5, 1.0, -1.0)
 """Offsets of the waypoint beside the middle of a line, tried in this order [m]."""
 
@@ -129,7 +132,8 @@ def _way(name: str, points: Sequence[Array], times: Sequence[float]) -> VehicleW
 def _duration(here: Array, there: Array, params: GlideParams) -> float:
     length = float(np.linalg.norm(there[:3] - here[:3]))
     turn = abs(float(there[3] - here[3]))
-    return max(PEAK_SPEED * length / params.glide_speed, PEAK_YAW_RATE * turn / TURN_MAX, params.glide_s)
+    travel = max(PEAK_SPEED * length / params.glide_speed, sqrt(PEAK_ACC * length / ACC_MAX))
+    return max(travel, PEAK_YAW_RATE * turn / TURN_MAX, params.glide_s)
 
 
 def _refusal(proof: Certificate, zone: Cylinder) -> str:
