@@ -18,7 +18,9 @@ from q2q_model.signals.values import Array
 
 HELD_S = 3.0
 """Age of a reference from which it is reported as held [s], and the time before the last one that tells a
-stream from goals, unless it moves for longer than HOLD_S."""
+stream from goals, unless it moves for longer than HOLD_S, more than KEYS times."""
+KEYS = 3
+"""Moves that goals make in a row, as of keys that are pressed."""
 HELD_PERIODS = 3.0
 """Age of the last reference of a stream from which there is none [periods]."""
 
@@ -74,13 +76,14 @@ def with_references(flight: Flight, given: Mapping[str, References]) -> tuple[Fl
 def _end(track: References) -> float:
     """Return the time until which the last reference counts [s], infinite for a goal.
 
-    Half of the HELD_S before it, or of the time in which it moved, is in steps of a period or less, in which
-    bursts weigh little.
+    Half of the HELD_S before it, or of the messages in which it moves, is in steps of a period or less, in
+    which bursts weigh little.
     """
     t = track.t
-    moves = (np.diff(track.pos, axis=0) != 0.0).any(axis=1) & (np.diff(t) <= HOLD_S)
-    began = float(t[np.flatnonzero(np.append(True, ~moves))[-1]])
-    start = max(began, t[-1] - HELD_S) if t[-1] - began > HOLD_S else t[-1] - HELD_S
+    began = np.flatnonzero(np.diff(t, prepend=-inf) > HOLD_S)[-1]  # of its messages without a pause
+    moves = began + np.flatnonzero((np.diff(np.nan_to_num(track.pos[began:]), axis=0) != 0.0).any(axis=1))
+    moved = len(moves) > KEYS and t[moves[-1] + 1] - t[moves[0]] > HOLD_S
+    start = max(t[began], t[-1] - HELD_S) if moved else t[-1] - HELD_S
     steps = np.sort(np.diff(t[t > start], prepend=start))
     period = float(steps[np.searchsorted(np.cumsum(steps), 0.5 * (t[-1] - start))])
     return float(t[-1]) + HELD_PERIODS * period if period <= HOLD_S else inf
