@@ -75,6 +75,27 @@ def test_a_slow_flight_takes_the_way_of_a_fast_one() -> None:
     assert way[1] == pytest.approx(way[0], abs=1e-5)
 
 
+@pytest.mark.parametrize("eps", [0.08, 0.12])
+def test_planes_that_nearly_contradict_each_other_bend_no_curve_wildly(eps: float) -> None:
+    """Two pass below a third, which must give way and be back: the dual of the planes grows to 1e6."""
+    below = [
+        Waypoint(0, (0, -1.5, 1)),
+        Waypoint(10, (0, -1.5, 1)),
+        Waypoint(20, (0, 0, 1)),
+        Waypoint(30, (0, 1.5, 1)),
+    ]
+    through = [
+        Waypoint(0, (-1.5, 0, 1.5)),
+        Waypoint(18, (0, 0, 1.5)),
+        Waypoint(22, (0, 0, 1.5)),
+        Waypoint(30, (1.5, 0, 1.5)),
+    ]
+    above = [Waypoint(0, (0, 0, 2)), Waypoint(40, (0, 0, 2))]
+    stack = [VehicleWaypoints(f"cf{k}", tuple(one)) for k, one in enumerate((below, through, above), 1)]
+    found = avoid_zones(stack, Cylinder(eps, 1.1))
+    assert found.cost < 100.0 * found.infimum
+
+
 @pytest.mark.parametrize("zone", [PAPER, Ellipsoid.around(PAPER), Cylinder(0.25, 1.1)])
 def test_an_avoiding_plan_meets_its_waypoints_at_rest_and_stays_smooth(zone: Cylinder | Ellipsoid) -> None:
     plan = avoid_zones(SECTION_4_1, zone).plan

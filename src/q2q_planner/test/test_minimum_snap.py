@@ -110,6 +110,14 @@ def test_the_exact_cost_agrees_with_a_fine_sum(vehicle: VehicleWaypoints) -> Non
     assert snap_cost(trajectory) == pytest.approx(float(weights @ density), rel=1e-5, abs=1e-12)
 
 
+def test_times_may_be_whole_numbers_of_any_size() -> None:
+    """600^7 is no integer of 64 bits."""
+    slow = VehicleWaypoints("cf1", (Waypoint(0, (3, 0, 1)), Waypoint(600, (-3, 0, 1))))
+    found = minimum_snap(slow)
+    np.testing.assert_allclose(found.at(np.array([300.0, 600.0]))[:, 0], [0.0, -3.0], atol=1e-9)
+    assert snap_cost(found) == pytest.approx(100_800.0 * 36.0 / 600.0**7, rel=1e-9)
+
+
 def test_weights_scale_position_and_yaw_apart() -> None:
     turning = VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 0), 0.0), Waypoint(2, (1, 0, 0), 1.0)))
     trajectory = minimum_snap(turning)

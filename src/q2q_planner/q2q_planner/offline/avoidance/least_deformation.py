@@ -22,7 +22,10 @@ HARD = 1e-6
 MOST_DENSE = 400
 """Most planes for which AA' is treated as dense: its factor takes under 10 ms."""
 ACCURACY = 1e-10
-"""Absolute and relative tolerance of the QP, whose G has a diagonal of mean 1, and b a largest entry of 1."""
+"""Absolute and relative tolerance of the QP, whose b has a largest entry of 1."""
+UNITS = (1.0, HARD)
+"""Units of G in which the QP is solved, over its mean diagonal: the second one where planes nearly contradict
+each other, as a dual of 1 / HARD in the first one counts as without bound."""
 LOOSE = 1e-6
 """Share of the largest dual below which a plane is loose: an interior point comes near zero but not to it."""
 
@@ -78,10 +81,20 @@ def nonnegative_qp(gram: Array | sparse.csr_array, required: Array) -> Array:
     """
     if not (required > 0.0).any():
         return np.zeros_like(required)
-    unit, most = gram.diagonal().mean(), np.abs(required).max()
-    matrix = gram / unit if isinstance(gram, np.ndarray) else sparse.csc_matrix(gram / unit)
-    solver = piqp.DenseSolver() if isinstance(gram, np.ndarray) else piqp.SparseSolver()
+    mean, most = gram.diagonal().mean(), np.abs(required).max()
+    for unit in UNITS:
+        dual, solved = _solved(gram / (unit * mean), required / most)
+        if solved:
+            break
+    return np.asarray(dual * (most / (unit * mean)), dtype=np.float64)
+
+
+def _solved(gram: Array | sparse.csr_array, required: Array) -> tuple[Array, bool]:
+    """Return the solution of `nonnegative_qp`, and whether it is one."""
+    dense = isinstance(gram, np.ndarray)
+    solver = piqp.DenseSolver() if dense else piqp.SparseSolver()
     solver.settings.eps_abs = solver.settings.eps_rel = ACCURACY
-    solver.setup(matrix, -required / most, x_l=np.zeros_like(required))
-    solver.solve()
-    return np.asarray(np.maximum(solver.result.x, 0.0) * (most / unit), dtype=np.float64)
+    matrix = gram if dense else sparse.csc_matrix(gram)
+    solver.setup(matrix, -required, x_l=np.zeros_like(required))
+    status = solver.solve()
+    return np.maximum(solver.result.x, 0.0), status == piqp.PIQP_SOLVED

@@ -57,12 +57,12 @@ class VehicleWaypoints:
     @property
     def times(self) -> Array:
         """Return t of each waypoint [s], (m,)."""
-        return np.array([waypoint.t for waypoint in self.waypoints])
+        return np.array([waypoint.t for waypoint in self.waypoints], dtype=np.float64)
 
     @property
     def points(self) -> Array:
         """Return x, y, z [m], yaw [rad] of each waypoint, (m, 4)."""
-        return np.array([(*waypoint.pos, waypoint.yaw) for waypoint in self.waypoints])
+        return np.array([(*waypoint.pos, waypoint.yaw) for waypoint in self.waypoints], dtype=np.float64)
 
 
 def check_swarm(swarm: Sequence[VehicleWaypoints]) -> None:
