@@ -12,7 +12,7 @@ import pytest
 from q2q_control.explicit.c_export import c_source
 from q2q_control.explicit.distillation import DistillationParams, control_policy, distil
 from q2q_control.explicit.encounter_flight import fly, teacher_policy
-from q2q_control.explicit.explicit_solver import explicit_solver
+from q2q_control.explicit.explicit_solver import ExplicitSolver, explicit_solver
 from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features
 from q2q_control.explicit.law import (
     ExplicitLaw,
@@ -25,6 +25,7 @@ from q2q_control.explicit.law import (
 )
 from q2q_control.explicit.situations import random_encounters, random_situations
 from q2q_control.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
+from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
@@ -40,6 +41,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Ve
 
 PARAMS = MpcParams(latency=0.0, thrust_limited=True)
 TEACHER = Teacher(PARAMS, TEXTBOOK_065, PAPER_LAW, 6.6)
+SIDE = sweep_gains(axis_models(PARAMS, TEXTBOOK_065)[0])
 SHORT = DistillationParams(situations=2000, encounters=40, length=60, layers=(16, 10), iterations=200)
 """A tenth of what is asked where the law is to fly."""
 
@@ -61,6 +63,10 @@ def random_law(seed: int = 0) -> ExplicitLaw:
         second=rng.normal(size=(8, 13)) * 0.3,
         last=rng.normal(size=8) * 0.3,
     )
+
+
+def fitting_law() -> ExplicitLaw:
+    return replace(random_law(), bounds=np.array(TEACHER.bounds))
 
 
 def flown_by(law: ExplicitLaw, params: MpcParams, vehicle: Vehicle = TEXTBOOK_065) -> Mpc:
@@ -203,8 +209,8 @@ def test_on_an_accelerating_reference_the_law_commands_what_the_horizon_commands
     horizon = Horizon(start, reference, push, reference[..., :3].copy(), low, high, np.full(3, 100.0))
     downwash = DownwashHorizon(push, none, none, np.zeros((0, STAGES, 3, 3)))
     ours, theirs = (
-        solver(PARAMS, TEXTBOOK_065).solve(horizon, downwash, np.zeros((1, STAGES, 3), np.int8), lambda: True)
-        for solver in (explicit_solver(unbent), horizon_solver)
+        solver.solve(horizon, downwash, np.zeros((1, STAGES, 3), np.int8), lambda: True)
+        for solver in (ExplicitSolver(unbent, SIDE), horizon_solver(PARAMS, TEXTBOOK_065))
     )
     assert ours.inputs[0, 0, 2] == pytest.approx(theirs.inputs[0, 0, 2], abs=1e-9)
 
@@ -230,7 +236,7 @@ def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_h
 
 
 def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
-    flown = flown_by(random_law(), PARAMS)
+    flown = flown_by(fitting_law(), PARAMS)
     state, setpoint, downwash = alone()
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(0.65 * GRAVITY)
     broken = replace(state, t=0.01, pos=np.full((1, 3), np.nan))
@@ -239,7 +245,7 @@ def test_a_vehicle_alone_hovers_and_a_broken_state_is_survived():
 
 
 def test_rotors_too_weak_to_hover_and_a_reference_out_of_reach_are_survived():
-    low = replace(random_law(), bounds=np.array([-9.0, 6.0 / 0.65 - GRAVITY]))
+    low = replace(random_law(), bounds=np.array([-0.95 * GRAVITY, 6.0 / 0.65 - GRAVITY]))
     flown = flown_by(low, PARAMS, replace(TEXTBOOK_065, thrust_max=6.0))
     state, setpoint, downwash = alone()
     assert flown.update(state, setpoint, downwash).thrust[0] == pytest.approx(6.0)
@@ -253,9 +259,13 @@ def test_rotors_too_weak_to_hover_and_a_reference_out_of_reach_are_survived():
 
 def test_a_law_of_another_vehicle_or_horizon_is_refused():
     with pytest.raises(ValueError, match="another vehicle's"):
-        flown_by(random_law(), PARAMS, CRAZYFLIE_2_0)
+        flown_by(fitting_law(), PARAMS, CRAZYFLIE_2_0)
     with pytest.raises(ValueError, match="another vehicle's"):
-        flown_by(random_law(), PARAMS).configure(replace(PARAMS, bandwidth_z=4.0))
+        flown_by(fitting_law(), PARAMS).configure(replace(PARAMS, bandwidth_z=4.0))
+    with pytest.raises(ValueError, match="another vehicle's"):  # of the same thrust lag
+        flown_by(fitting_law(), PARAMS, replace(TEXTBOOK_065, thrust_max=6.5))
+    with pytest.raises(ValueError, match="another vehicle's"):
+        flown_by(fitting_law(), replace(PARAMS, thrust_max=7.0))
     with pytest.raises(ValueError, match="steps = 20"):
         Teacher(replace(PARAMS, steps=20), TEXTBOOK_065, PAPER_LAW, 6.6)
 

@@ -10,6 +10,7 @@ solver.
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_control.attitude.thrust_vector import largest_thrust
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.law import ExplicitLaw, evaluate_all, weights_of, workspace_of
 from q2q_control.mpc.axis_model import axis_models
@@ -17,6 +18,7 @@ from q2q_control.mpc.mpc import SolverFactory
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
+from q2q_control.mpc.problem.input_bounds import level_bounds
 from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_table, sweep_axes, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import InTime
 from q2q_model.compiled import compiled
@@ -67,14 +69,17 @@ class ExplicitSolver:
 def explicit_solver(law: ExplicitLaw) -> SolverFactory:
     """Return the solver of an Mpc that commands heights by `law`.
 
-    It raises ValueError for a vehicle, weights or a horizon other than those of the law.
+    It raises ValueError for a vehicle, thrust, weights or a horizon other than those of the law.
     """
 
     def solver(params: MpcParams, vehicle: Vehicle) -> ExplicitSolver:
         side, _, z = axis_models(params, vehicle)
-        if params.steps != STAGES or not np.allclose(gains_table(sweep_gains(z)), law.gains, rtol=1e-6):
+        thrust = largest_thrust(vehicle, params.thrust_max if params.thrust_limited else None)
+        bounds = level_bounds(thrust / vehicle.mass)
+        same_gains = np.allclose(gains_table(sweep_gains(z)), law.gains, rtol=1e-6)
+        if params.steps != STAGES or not same_gains or not np.allclose(bounds, law.bounds, rtol=1e-6):
             raise ValueError(
-                "the explicit law is another vehicle's, or of other weights: distil it for these"
+                "the explicit law is another vehicle's, or of another thrust or weights: distil it for these"
             )
         return ExplicitSolver(law, sweep_gains(side))
 

@@ -18,13 +18,13 @@ from q2q_control.mpc.axis_model import AxisModel, axis_model
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA, DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon
-from q2q_control.mpc.problem.input_bounds import FALL
+from q2q_control.mpc.problem.input_bounds import level_bounds
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, pairs_at_rest, retarded_pairs
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_model.vehicle.constants import Vehicle
 
 ROUNDS = 2
 """Linearisations of each solution."""
@@ -50,8 +50,7 @@ class Teacher:
     @property
     def bounds(self) -> tuple[float, float]:
         """Return the least and largest vertical acceleration command of a level vehicle [m/s^2]."""
-        high = self.thrust_max / self.vehicle.mass - GRAVITY
-        return min(-FALL * GRAVITY, high), high
+        return level_bounds(self.thrust_max / self.vehicle.mass)
 
     @property
     def altitude_model(self) -> AxisModel:

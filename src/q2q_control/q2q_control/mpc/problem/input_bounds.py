@@ -27,6 +27,12 @@ class AccelerationLimits(NamedTuple):
     """Largest thrust over mass [m/s^2]."""
 
 
+def level_bounds(thrust: float) -> tuple[float, float]:
+    """Return the least and largest vertical input of a level vehicle [m/s^2] of this thrust over mass."""
+    high = thrust - GRAVITY
+    return min(-FALL * GRAVITY, high), high
+
+
 @compiled
 def input_bounds(quat: Array, most: AccelerationLimits, kept: Array) -> tuple[Array, Array]:
     """Return the least input (n, 3) and the largest of each stage (n, N, 3) [m/s^2] at attitudes (n, 4).
