@@ -61,6 +61,11 @@ def test_what_is_no_plan_is_refused(tmp_path: Path) -> None:
         "vast.json": whole.replace("1.0, 1.0, 1.0", "1" + "0" * 400 + ", 1.0, 1.0", 1),
         "vast_fact.json": whole.replace('"snap_cost": null', '"snap_cost": 1' + "0" * 400),
         "twice.json": json.dumps({**document, "vehicles": document["vehicles"] * 2}),
+        "text.json": whole.replace('"durations": [1.0]', '"durations": ["1.0"]'),
+        "true.json": whole.replace('"durations": [1.0]', '"durations": [true]'),
+        "text_in.json": whole.replace("1.0, 1.0, 1.0", '"1.0", 1.0, 1.0', 1),
+        "unnamed.json": whole.replace('"name": "cf1"', '"name": ""'),
+        "path.json": whole.replace('"name": "cf1"', '"name": "../x y"'),
         "empty.json": json.dumps({**document, "vehicles": []}),
         "deep.json": "[" * 100_000,
     }

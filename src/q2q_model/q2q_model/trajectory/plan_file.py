@@ -18,6 +18,7 @@ import numpy as np
 
 from q2q_model.documents.checksummed_json import checksum
 from q2q_model.signals.values import Array
+from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
 FORMAT = "q2q_plan"
@@ -157,6 +158,7 @@ def _vehicle(row: object, index: int) -> tuple[str, Trajectory]:
     name = entry.get("name")
     if not isinstance(name, str):
         raise ValueError(f"vehicle {index}: name = {name!r}, expected text")  # noqa: TRY004
+    check_vehicle_name(name)
     durations = _array(entry.get("durations"), f"{name}: durations")
     coefficients = _array(entry.get("coefficients"), f"{name}: coefficients")
     if coefficients.ndim != 3 or coefficients.shape[2] == 0:
@@ -172,10 +174,13 @@ def _vehicle(row: object, index: int) -> tuple[str, Trajectory]:
 
 def _array(value: object, where: str) -> Array:
     try:
-        found = np.array(_list(value, where), dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        given = np.array(_list(value, where), dtype=object)
+    except ValueError as error:
         raise ValueError(f"{where}: expected nested lists of numbers ({error})") from error
-    return found
+    others = {type(one).__name__ for one in given.flat} - {"int", "float"}  # a string or true would convert
+    if others:
+        raise ValueError(f"{where}: expected nested lists of numbers (got {', '.join(sorted(others))})")
+    return given.astype(np.float64)
 
 
 def _fact(document: Mapping[str, object], key: str) -> float:
