@@ -13,7 +13,7 @@ from q2q_model.geometry.zone import Cylinder, Ellipsoid, Zone
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory, setpoint_at
 from q2q_planner.offline.avoidance.joint_plan import AvoidancePlan, avoid_zones
-from q2q_planner.offline.certificate.certificate import certify
+from q2q_planner.offline.certificate.certificate import as_certified, certify
 from q2q_planner.offline.certificate.certified_file import load_plan
 from q2q_planner.offline.certificate.convex_zone import zone_around, zone_of_profile
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
@@ -115,3 +115,17 @@ def test_the_profile_of_a_zone_is_read_as_it_is(zone: Zone) -> None:
     hull = zone_around(zone)
     corners = [(float(radius), float(height)) for radius, height in hull.profile]
     np.testing.assert_array_equal(zone_of_profile(corners).profile, hull.profile)
+
+
+@pytest.mark.parametrize("certified", [True, False])
+def test_a_plan_whose_reference_jumps_is_refused(tmp_path: Path, *, certified: bool) -> None:
+    """Two vehicles that exchange places between two pieces are apart at every t, and no vehicle flies it."""
+    ends = np.array([[-0.5, 0.0, 1.0, 0.0], [0.5, 0.0, 1.0, 0.0]])[:, :, None]  # (pieces, 4, 1)
+    lengths = np.array([5.0, 5.0])
+    plan = SwarmPlan(("cf1", "cf2"), (Trajectory(lengths, ends), Trajectory(lengths, ends[::-1])))
+    assert certify(plan, ZONE).holds
+    shown = as_certified(plan, zone_around(ZONE)) if certified else plan
+    with pytest.raises(ValueError, match=r"cf1 jumps by 1 m, allowed is 0.001 m; write one with"):
+        load_plan(written(shown, tmp_path / "plan.json"))
+    still = Trajectory(lengths, np.stack([ends[1], ends[1] + 1e-4]))
+    assert load_plan(written(SwarmPlan(("cf1",), (still,)), tmp_path / "still.json")).names == ("cf1",)

@@ -2,16 +2,24 @@
 
 A file states that it is certified, for the zone whose profile it has. Its numbers may have been edited since,
 and its checksum written again; the proof of the numbers that are flown cannot be.
+
+A proof is of the reference at every t: over a jump of it no vehicle follows, so a plan with one is refused.
 """
 
 import warnings
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from q2q_model.trajectory import plan_file
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import zone_of_profile
+from q2q_planner.offline.certificate.rounding_bound import largest_jump
+
+JUMP_MAX = 1e-3
+"""Largest jump of a coordinate from one piece to the next [m]: far above rounding, below tracking errors."""
 
 
 def load_plan(path: Path) -> SwarmPlan:
@@ -20,9 +28,10 @@ def load_plan(path: Path) -> SwarmPlan:
     A plan that states to be certified and does not have its zone is taken as not certified, with a warning.
 
     Raises:
-        ValueError: the file is absent or no plan, or states to be certified and is not.
+        ValueError: the file is absent or no plan, jumps, or states to be certified and is not.
     """
     plan = plan_file.load(path)
+    _check_continuous(plan, path)
     if not plan.certified:
         return plan
     if not plan.zone_profile:
@@ -38,3 +47,12 @@ def load_plan(path: Path) -> SwarmPlan:
         why = proof.not_computed or proven
         raise ValueError(f"{path} states that it is certified, and is not: {why}; {plan_file.REMEDY}")
     return plan
+
+
+def _check_continuous(plan: SwarmPlan, path: Path) -> None:
+    for name, curve in zip(plan.names, plan.trajectories, strict=True):
+        with np.errstate(over="ignore", invalid="ignore"):
+            jump = largest_jump(curve)
+        if not jump <= JUMP_MAX:
+            bound = f"allowed is {JUMP_MAX:g} m"
+            raise ValueError(f"{path}: {name} jumps by {jump:.3g} m, {bound}; {plan_file.REMEDY}")

@@ -69,7 +69,7 @@ def rounding_bound(trajectories: Sequence[Trajectory]) -> float:
         reach = max(_majorant(curve, 0) for curve in trajectories)
         speed = max(_majorant(curve, 1) for curve in trajectories)
         apart = _merged_by(trajectories)
-        jump = max(_largest_jump(curve) for curve in trajectories) if apart > 0.0 else 0.0
+        jump = max(largest_jump(curve) for curve in trajectories) if apart > 0.0 else 0.0
         off = _gamma(8) * max(curve.duration for curve in trajectories) + apart
         bound = 2.0 * np.sqrt(3.0) * (_gamma(_roundings(order)) * reach + speed * off + jump) + UNDERFLOW
     return float(bound) if np.isfinite(bound) and apart <= SAME_TIME else np.inf
@@ -98,7 +98,7 @@ def _merged_by(trajectories: Sequence[Trajectory]) -> float:
     return float((ends - cuts[np.searchsorted(cuts, ends, side="right") - 1]).max())
 
 
-def _largest_jump(curve: Trajectory) -> float:
+def largest_jump(curve: Trajectory) -> float:
     """Return the largest change of a coordinate from one piece to the next [m]."""
     if len(curve.durations) < 2:
         return 0.0
