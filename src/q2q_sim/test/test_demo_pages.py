@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from q2q_model.downwash.jet import MEASURED_LAW
+from q2q_model.flights.same_flight import flight_digest
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_model.identification.push.push_samples import PushSamples, PushScore
 from q2q_model.model_files.find_model import find_model
+from q2q_model.recordings.recording_reader import recording_of_bag
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_clock import FlightTiming
@@ -99,6 +101,19 @@ def test_without_any_flight_it_asks_for_some(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(demo_real, "SHIPPED_BAGS", tmp_path)
     with pytest.raises(ValueError, match=r"scripts/demo --real FLIGHT\.\.\."):
         demo_real.find_flights([])
+
+
+def test_the_model_knows_its_flights_by_their_digests(monkeypatch: pytest.MonkeyPatch) -> None:
+    bags = tuple(demo_real.SHIPPED_BAGS / f"table2_{k}" for k in (1, 2))
+    others = [
+        HeldOutFlight(one.name, (), (), PushScore(0.9, None, None, 1), (other.name,))
+        for one, other in (bags, bags[::-1])
+    ]
+    scores = HeldOutScores(MEASURED_LAW, tuple(others))
+    monkeypatch.setattr(demo_real, "held_out_scores", lambda *_: scores)
+    fit = demo_real.score_flights(demo_real.DemoFlights(bags, (), "")).fit
+    assert fit.flights == ("table2_1", "table2_2")
+    assert fit.digests == tuple(flight_digest(recording_of_bag(one).flight) for one in bags)
 
 
 def test_the_pictured_flight_is_neither_the_best_nor_the_worst() -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from q2q_model.documents.json_file import write_json
+from q2q_model.flights.same_flight import flight_digest
 from q2q_model.identification.push.held_out_flights import HeldOutScores, held_out_scores
 from q2q_model.identification.push.push_samples import FEWEST_FREE, PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
@@ -54,14 +55,24 @@ class DemoFlights:
     """What they are, in one sentence."""
 
 
+@dataclass(frozen=True, slots=True)
+class DemoScores:
+    """Scores of the flights of the demonstration."""
+
+    held_out: HeldOutScores
+    fit: Fit
+    """Flights that the model is fitted to."""
+
+
 def run(args: Namespace) -> int:
     """Fit, score, fly and write the page; return the exit status."""
     flights = find_flights(args.real)
     _print_note(flights.origin)
     with threadpool_limits(1, user_api="blas"):  # more threads are slower on small matrices
-        scores = score_flights(flights)
+        scored = score_flights(flights)
+    scores = scored.held_out
     _print_scores(scores)
-    model = _save_model(scores, args.out)
+    model = _save_model(ModelFile(scores.jet, fit=scored.fit), args.out)
     requests = [FlightRequest(PASSAGE, mode, model=str(model), air=ROOM, stack=True) for mode in MODES]
     runs = fly_requests(requests, args.out)
     print_runs(runs)
@@ -98,34 +109,36 @@ def _family(flight: str) -> str:
     return flight.partition("_")[0]
 
 
-def score_flights(flights: DemoFlights) -> HeldOutScores:
+def score_flights(flights: DemoFlights) -> DemoScores:
     """Return the model of the taught flights, and the scores of all flights without it."""
     vehicle = vehicle_of_flights(flights.taught).vehicle
     _print_note(f"a push that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
-    taught = _samples(flights.taught, vehicle)
-    further = _samples(flights.further, vehicle) if flights.further else {}
+    taught, digests = _samples(flights.taught, vehicle)
+    further, _ = _samples(flights.further, vehicle) if flights.further else ({}, {})
     scores = held_out_scores(taught, further)
     scored = {one.name for one in scores.flights}
     for name in (one for one in (*taught, *further) if one not in scored):
         _print_note(f"{name} is not scored: no vehicle under another with {FEWEST_FREE} samples in clear air")
-    return scores
+    names = tuple(sorted({name for one in scores.flights for name in one.fitted_to}))
+    method = "jet fitted to measured downwash"
+    return DemoScores(scores, Fit(method, names, digests=tuple(digests[name] for name in names)))
 
 
-def _samples(paths: Sequence[Path], vehicle: Vehicle) -> dict[str, list[PushSamples]]:
-    """Return the samples of every flight with a measured push."""
+def _samples(paths: Sequence[Path], vehicle: Vehicle) -> tuple[dict[str, list[PushSamples]], dict[str, str]]:
+    """Return the samples of every flight with a measured push, and the digests of all flights."""
     recordings, notes = recordings_of_paths(paths)
     records = {one.flight.name: push_record(one, vehicle, vehicle.thrust_lag) for one in recordings}
     unmeasured = [f"{name} has no measured push: left out" for name, one in records.items() if one is None]
     for note in (*notes, *unmeasured):
         _print_note(note)
-    return {name: push_samples(one) for name, one in records.items() if one is not None}
+    samples = {name: push_samples(one) for name, one in records.items() if one is not None}
+    return samples, {one.flight.name: flight_digest(one.flight) for one in recordings}
 
 
-def _save_model(scores: HeldOutScores, out: Path) -> Path:
-    taught = {name for one in scores.flights for name in one.fitted_to}
+def _save_model(model: ModelFile, out: Path) -> Path:
     out.mkdir(parents=True, exist_ok=True)
     path = out / "model.q2q"
-    save(path, ModelFile(scores.jet, fit=Fit("jet fitted to measured downwash", tuple(sorted(taught)))))
+    save(path, model)
     print(f"model: {path}")
     return path
 

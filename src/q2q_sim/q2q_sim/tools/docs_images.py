@@ -42,7 +42,7 @@ def write_images(out: Path = OUT) -> list[Path]:
     if not flights.further:
         print(f"docs: real_flight.png is left as it is: {flights.origin}", file=sys.stderr)
         return [write_flight(out)]
-    shown = median_flight(score_flights(flights).flights)
+    shown = median_flight(score_flights(flights).held_out.flights)
     return [write_flight(out), save(held_out_figure(shown), out / "real_flight.png")]
 
 
