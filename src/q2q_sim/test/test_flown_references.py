@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, of_vehicle
+from q2q_model.flights.flight import FLIGHT_FIELDS, Flight, of_rows, of_vehicle
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.identification.gains.altitude_record import UP
 from q2q_model.recordings.flight_recording import Recording
@@ -96,6 +96,22 @@ def test_gains_are_those_that_flew_where_controllers_hold_their_references(every
     law = read(flown(every)).law
     np.testing.assert_allclose(law.k_p, LAW.k_p, rtol=5e-3)
     np.testing.assert_allclose(law.k_d, LAW.k_d, rtol=5e-3)
+
+
+@pytest.mark.parametrize("every", [5, 10])
+def test_rare_references_of_a_short_flight_are_enough(every: int) -> None:
+    """Of 9 s are left 50 samples at 10 Hz; the time with commands counts, not the rate of the references."""
+    law = read(of_vehicle(of_rows(flown(every), slice(0, 900)), "cf1")).law
+    np.testing.assert_allclose(law.k_p, LAW.k_p, rtol=0.02)
+    np.testing.assert_allclose(law.k_d, LAW.k_d, rtol=0.02)
+
+
+def test_a_flight_of_few_commands_is_refused_with_what_it_has_and_needs() -> None:
+    flight = flown(10)
+    few = replace(flight, thrust=np.where(T[..., 0] < 5.0, flight.thrust, np.nan))
+    needs = r"s with thrust commands, and \d+ samples of references.*need 2 s, 40 samples, and rates of each"
+    with pytest.raises(ValueError, match=needs):
+        read(of_rows(few, slice(350, 2000)))
 
 
 def test_beside_a_step_without_rates_the_recorded_command_is_flown_again() -> None:

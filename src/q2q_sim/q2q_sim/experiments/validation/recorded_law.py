@@ -39,8 +39,10 @@ from q2q_sim.air.learning.vehicle_term import LOOP
 from q2q_sim.experiments.validation.rotor_drag import drag_acceleration, read_drag
 from q2q_sim.experiments.validation.tracked_flight import TrackedFlight
 
-FEWEST = 200
-"""Fewest rows of the regression: 2 s at 100 Hz."""
+LEAST_S = 2.0
+"""Least time of all vehicles with commands, and of those in clear air [s]."""
+FEWEST = 40
+"""Fewest samples of references in that time: those of 20 Hz in 2 s."""
 ROW_ERROR = 0.01
 """Residual of T / m above which a row loses weight [m/s^2]: three times that of a swap."""
 TYPICAL = np.array([20.0, 10.0, 0.6])
@@ -89,7 +91,8 @@ def read_law(flight: TrackedFlight, vehicle: Vehicle) -> ReadFlight:
     """Return the law of a flight's vehicles, and the flight with the whole acceleration reference.
 
     Raises:
-        ValueError: fewer than 2 s of commands, or an unstable law.
+        ValueError: fewer than LEAST_S with commands or FEWEST samples of references in them, or an unstable
+            law.
     """
     limited = at_velocity_limit(flight.ref_vel) | flight.stepped[..., None]  # (T, n, 3)
     law = _regression(flight, limited, vehicle.mass)
@@ -136,7 +139,7 @@ def _steady(flight: TrackedFlight, limited: Mask) -> Mask:
     """Return the rows in clear air without a limited setpoint, or all of the latter if few, (T, n)."""
     unlimited = ~limited.any(axis=-1)
     clear = unlimited & flight.free & flight.usable
-    return np.asarray(clear if clear.sum() >= FEWEST else unlimited)
+    return np.asarray(clear if clear.sum() * flight.dt >= LEAST_S else unlimited)
 
 
 def _known(flight: TrackedFlight, law: RecordedLaw) -> Array:
@@ -146,11 +149,13 @@ def _known(flight: TrackedFlight, law: RecordedLaw) -> Array:
 
 def _regression(flight: TrackedFlight, limited: Mask, mass: float) -> RecordedLaw:
     """Return the gains, with offsets of zero."""
-    rows = flight.usable & flight.sure & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
-    if rows.sum() < FEWEST or limited.any(axis=-1).all(axis=0).any():
+    commanded = flight.usable & ~limited.any(axis=-1) & np.isfinite(flight.thrust)
+    rows, seconds = commanded & flight.sure, commanded.sum() * flight.dt
+    if seconds < LEAST_S or rows.sum() < FEWEST or limited.any(axis=-1).all(axis=0).any():
         raise ValueError(
-            f"flight {flight.name} cannot be flown again: {rows.sum()} rows with thrust commands, "
-            f"{FEWEST} needed to read the gains of its controllers, at references with rates of each vehicle"
+            f"flight {flight.name} cannot be flown again: {seconds:.1f} s with thrust commands, and "
+            f"{rows.sum()} samples of references with rates in them; the gains of its controllers need "
+            f"{LEAST_S:g} s, {FEWEST} samples, and rates of each vehicle"
         )
     errors = np.stack([error[rows] for error in _errors(flight)])  # (3, k, 3)
     plain = (flight.ref_acc + (GRAVITY - flight.compensated[..., None]) * UP)[rows]  # (k, 3)
