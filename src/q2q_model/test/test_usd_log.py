@@ -120,7 +120,9 @@ def test_clocks_from_the_start_of_logging_stay_as_they_are_where_first_rows_are_
     assert together["t"][0] == pytest.approx(first_s + 0.001)  # the first row that both have
     np.testing.assert_allclose(together["cf1_x"] - together["cf2_x"], first_s - 0.009, atol=1e-6)
     told = f"clocks count from the start of logging: taken as common (cf1 0.009 s, cf2 {first_s:.3f} s)"
-    assert clock_note({f"cf{k}": usd_log(one) for k, one in enumerate(logs, 1)}) == told
+    note, _, doubt = clock_note({f"cf{k}": usd_log(one) for k, one in enumerate(logs, 1)}).partition("; ")
+    assert note == told
+    assert ("enable-on-startup" in doubt) == (first_s > 0.5)
 
 
 def test_clocks_from_the_start_of_logging_stay_as_they_are_where_all_logs_lost_their_first_rows() -> None:

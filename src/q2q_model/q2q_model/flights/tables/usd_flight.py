@@ -22,10 +22,16 @@ HOLE_S = 0.025
 """A row more is missing: 2.5 periods of a log at 100 Hz [s]."""
 LOGGING_CLOCK_S = 2.0
 """First row up to which a clock counts from the start of logging [s]: 0.01 s in the logs of
-aerorobotics/neural-swarm, more where blocks of first rows are damaged; nobody starts logging as soon after
+aerorobotics/neural-swarm, more where blocks of first rows are damaged; nobody sends a broadcast as soon after
 switching a vehicle on."""
+LIKELY_S = 0.5
+"""First row up to which that is certain [s]: above, vehicles may log from their own switching on."""
 ROUNDING = 1e-6
 """Share of a period that times are rounded by."""
+OWN_CLOCKS = (
+    f"first rows after {LIKELY_S:g} s are lost blocks, or, with enable-on-startup of the deck, clocks of the "
+    "vehicles' own: then they are not at one time"
+)
 QUAT = ("qx", "qy", "qz", "qw")
 ATTITUDE = ("stateEstimate.roll", "stateEstimate.pitch", "stateEstimate.yaw")
 """Degrees; the firmware's pitch is nose up: minus theta."""
@@ -79,7 +85,9 @@ def clock_note(logs: Mapping[str, UsdLog]) -> str:
         return ""
     starts = ", ".join(f"{name} {log.t[0]:.3f} s" for name, log in logs.items())
     if share_clock(logs.values()):
-        return f"clocks count from the start of logging: taken as common ({starts})"
+        note = f"clocks count from the start of logging: taken as common ({starts})"
+        late = any(log.t[0] > LIKELY_S for log in logs.values())
+        return f"{note}; {OWN_CLOCKS}" if late else note
     return f"clocks count from switching on: all first rows are taken as one time ({starts})"
 
 
