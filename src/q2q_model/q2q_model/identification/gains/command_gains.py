@@ -106,8 +106,8 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
     if system.target.size < FEWEST:
         raise ValueError(
             f"{counted(system.target.size, 'row')} with thrust commands in "
-            f"{counted(len(records), 'flight')}, {FEWEST} needed: "
-            "record the topic command, or fit the gains to trajectories"
+            f"{counted(len(records), 'flight')}, {FEWEST} needed, at references with rates: "
+            "record the topics command and reference, or fit the gains to trajectories"
         )
     terms = [K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET]
     for term in (REF_ACC, REF_VEL, FEED_FORWARD, INTEGRAL, OFFSET):
