@@ -13,6 +13,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.monitors.flight_verdict import (
+    IN_FLIGHT,
     FlightVerdict,
     verdict_line,
     verdict_of,
@@ -21,7 +22,6 @@ from q2q_sim.monitors.flight_verdict import (
     with_unknown_end,
 )
 from q2q_sim.monitors.policies import Circumstances, judge
-from q2q_sim.monitors.policies.floor import floor
 from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
 from q2q_sim.replay_page import replay_run
 from q2q_sim.scenarios.scenario_document import scenario_from_document
@@ -69,13 +69,30 @@ def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, f
 
 
 def test_a_fall_that_no_command_prevents_is_a_failure_when_it_happens() -> None:
-    """The policies excuse it, and judge from 3.5 s after the push."""
+    """The policies judge from 3.5 s after the push: a vehicle that lies there then is not excused."""
     push = np.zeros_like(HOVER)
     push[T < 3.0, 0, 2] = -20.0
-    fallen = replace(flown(moved(1.0, 9.0, 0, (0.0, 0.0, 0.0))), true_eta=push)
-    assert output(fallen) == "cf1 hit the floor at 1.0 s (no command could prevent it: policies excuse it)"
-    judged = [one.t for one in judge(trace_from_arrays(fallen), AROUND, {"floor": floor})]
+    while_excused, longer = (
+        replace(flown(moved(1.0, up, 0, (0.0, 0.0, 0.0))), true_eta=push) for up in (6.0, 9.0)
+    )
+    said = "cf1 hit the floor at 1.0 s (no command could prevent it: policies excuse it)"
+    assert output(while_excused) == said
+    assert output(longer) == "cf1 hit the floor at 1.0 s"
+    judged = [one.t for one in judge(trace_from_arrays(longer), AROUND, IN_FLIGHT)]
     assert judged == pytest.approx([6.49])  # the last tick of the push is at 2.99 s
+
+
+def test_a_failure_that_policies_excuse_does_not_hide_one_that_they_do_not() -> None:
+    push = np.zeros_like(HOVER)
+    push[T >= 5.9, 1, 2] = -20.0
+    away = moved(2.0, 2.5, 1, (0.0, 2.7, 1.0))
+    away[(T >= 6.0) & (T < 6.5), 1] = (0.0, 1.0, 2.8)  # further, while no command could carry it
+    assert (
+        output(replace(flown(away), true_eta=push)) == "cf2 left its path at 2.0 s, 1.70 m from its setpoint"
+    )
+    away[T < 5.0] = HOVER[0]
+    excused = "cf2 left its path at 6.0 s, 1.80 m from its setpoint (no command could prevent it: "
+    assert output(replace(flown(away), true_eta=push)).startswith(excused)
 
 
 def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:

@@ -98,10 +98,8 @@ def verdict_of(
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
     trace = trace_from_arrays(flight)
     begin = float(flight.t[0]) if begin is None else begin
-    broken = judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT)
-    excused = judge(trace, circumstances, IN_FLIGHT)
     found = [
-        *(Finding(one.t, _words(one, begin) + ("" if one in excused else EXCUSED)) for one in broken),
+        *_broken(trace, circumstances, begin),
         *_sent_down(trace, circumstances, begin),
         *_commands_ended(trace),
         *_missed(trace, missed_ticks),
@@ -158,6 +156,15 @@ def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:
     if len(flights) == 1:
         return f"verdict: {flights[0][1]}"
     return "verdict: " + " | ".join(f"{name}: {verdict}" for name, verdict in flights)
+
+
+def _broken(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
+    """Yield what policies find, falls when they began; and what they excuse, of whom they find nothing."""
+    judged = {(one.policy, one.who): one for one in judge(trace, circumstances, IN_FLIGHT)}
+    for one in judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT):
+        found = judged.get((one.policy, one.who))
+        told = one if found is None or one.policy == "floor" else found
+        yield Finding(told.t, _words(told, begin) + (EXCUSED if found is None else ""))
 
 
 def _words(broken: Violation, begin: float) -> str:
