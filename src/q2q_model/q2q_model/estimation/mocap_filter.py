@@ -15,9 +15,10 @@ about frames:
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
-  So is one stamp far ahead. Old stamps that increase for 0.1 s (q2q_model.signals.clock_resets) mean a clock
-  that was set back: the tracks go on in the new time, their last samples as old as the first of these stamps.
-  By more than `clock_jump_s` it is another flight, as of a restarted bag: the filter resets.
+  So is one stamp far ahead, under which ages have grown by the gap. Old stamps that increase for 0.1 s
+  (q2q_model.signals.clock_resets) mean a clock that was set back: the tracks go on in the new time, their
+  last samples as old as the first of these stamps. By more than `clock_jump_s` it is another flight, as of a
+  restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
   more than GAP_S do not count for that.
@@ -134,13 +135,17 @@ class MocapFilter:
 
         The frame's poses are remembered, as they may come again under new stamps.
         """
-        apart = abs(frame.t - last.t)
-        self._counts["repeated_frames" if apart <= SAME_INSTANT else "stale_frames"] += 1
-        if not apart > SAME_INSTANT:
+        ahead = frame.t - last.t
+        self._counts["repeated_frames" if abs(ahead) <= SAME_INSTANT else "stale_frames"] += 1
+        if not abs(ahead) > SAME_INSTANT:
             return last
         if frame.names == self._frame_names:
             remember_poses(self._by_track(frame), self._recent)
-        return replace(last, t=frame.t, status=np.where(last.status == _TRACKED, _COASTING, last.status))
+        age = last.age + max(ahead, 0.0)
+        lost = (ahead > 0.0) & (age > self._params.coast_s + SAME_INSTANT)
+        status = np.where(lost, _LOST, np.where(last.status == _TRACKED, _COASTING, last.status))
+        vel, ang_vel_body = (np.where(lost[:, None], 0.0, rate) for rate in (last.vel, last.ang_vel_body))
+        return replace(last, t=frame.t, vel=vel, ang_vel_body=ang_vel_body, age=age, status=status)
 
     def _set_back(self, by: float) -> None:
         """Go on in the time of a clock that was set back [s], or begin another flight."""
