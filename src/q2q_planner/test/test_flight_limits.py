@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from q2q_model.trajectory.flatness import flat_state
 from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, GRAVITY
-from q2q_planner.offline.minimum_snap.feasibility import check_feasible
+from q2q_planner.offline.minimum_snap.feasibility import check_feasible, plan_peaks
 from q2q_planner.offline.minimum_snap.flight_limits import (
     FlightLimits,
     allocate_times,
@@ -123,6 +123,19 @@ def test_more_tilt_than_controllers_command_names_vehicle_waypoint_and_bound() -
         check_feasible(minimum_snap_plan(quick), quick, CRAZYFLIE_2_1)
     slow = [VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 1)), Waypoint(1.5, (1, 0, 1))))]
     check_feasible(minimum_snap_plan(slow), slow, CRAZYFLIE_2_1)
+    check_feasible(minimum_snap_plan(quick), quick, CRAZYFLIE_2_0, tilt_max=0.8)
+
+
+def test_the_peaks_of_a_plan_are_those_of_its_fastest_vehicle() -> None:
+    """One metre from rest to rest in T: 35 / 16 / T and 84 sqrt(5) / 25 / T^2."""
+    swarm = [
+        VehicleWaypoints(f"cf{k}", (Waypoint(0, (0, k, 1)), Waypoint(t, (1, k, 1))))
+        for k, t in ((1, 2.0), (2, 5.0))
+    ]
+    speed, acceleration, tilt = plan_peaks(minimum_snap_plan(swarm))
+    assert speed == pytest.approx(35.0 / 16.0 / 2.0, rel=1e-3)
+    assert acceleration == pytest.approx(84.0 * np.sqrt(5.0) / 25.0 / 4.0, rel=1e-3)
+    assert tilt == pytest.approx(np.arctan(acceleration / GRAVITY), rel=1e-3)
 
 
 def test_limits_are_cut_to_what_thrust_and_tilt_allow() -> None:

@@ -19,6 +19,7 @@ from q2q_model.commands.command_line import (
     run_command,
 )
 from q2q_model.model_files.model_names import check_model_name
+from q2q_model.vehicle.attitude_limits import TILT_MAX
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, vehicle_by_name
 
 EXAMPLE = """  ros2 run q2q_planner plan waypoints.yaml --out plan.json
@@ -134,13 +135,21 @@ def _add_risk(made: CommandLine) -> None:
 
 
 def _add_limits(made: CommandLine) -> None:
-    limits = made.add_argument_group("limits, used to time waypoints without t")
+    limits = made.add_argument_group(
+        "limits, used to time waypoints without t: a way around a zone may exceed speed and acceleration"
+    )
     limits.add_argument(
         "--vehicle",
         help=f"one of {', '.join(VEHICLES)}, in place of the file's (if it names none: {DEFAULT_VEHICLE})",
     )
     limits.add_argument("--speed", type=float, default=2.0, help="largest speed [m/s]")
     limits.add_argument("--acceleration", type=float, default=2.0, help="largest acceleration [m/s^2]")
+    limits.add_argument(
+        "--tilt",
+        type=float,
+        default=TILT_MAX,
+        help="largest tilt of the thrust, with t as well: `tilt_max` of the controllers (default 0.35 rad)",
+    )
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ def read_swarm(asked: Namespace) -> tuple[Namespace, tuple[VehicleWaypoints, ...
     with naming_file(asked.waypoints):
         vehicle = _vehicle_of(asked.vehicle, document)
     flown = Namespace(**vars(asked) | {"vehicle": vehicle, "reading": asked.reading or document.reading})
-    limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration), vehicle)
+    limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration, asked.tilt), vehicle)
     return flown, timed_waypoints(asked.waypoints, document, limits, flown.reading)
 
 

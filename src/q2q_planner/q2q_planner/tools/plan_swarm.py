@@ -18,7 +18,7 @@ from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.certificate.certificate import Certificate, as_certified, certify
 from q2q_planner.offline.certificate.convex_zone import zone_around
 from q2q_planner.offline.certificate.rounding_bound import NOT_BOUNDED
-from q2q_planner.offline.minimum_snap.feasibility import check_feasible
+from q2q_planner.offline.minimum_snap.feasibility import check_feasible, plan_peaks
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan, plan_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, prove_within
@@ -99,7 +99,7 @@ def run(asked: Namespace) -> int:
     zone, words = zone_of(asked, swarm, _params_of(asked), warm)
     made = make_plan(asked, swarm, zone, warm, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold
-    check_feasible(made.plan, swarm, asked.vehicle, reserve)
+    check_feasible(made.plan, swarm, asked.vehicle, reserve, asked.tilt)
     uploads = upload_rows(made.plan) if asked.upload else {}
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)
     asked.out.parent.mkdir(parents=True, exist_ok=True)
@@ -111,6 +111,8 @@ def run(asked: Namespace) -> int:
     print(f"{asked.out}: {count} vehicle{'s' if count > 1 else ''}, {made.plan.duration:g} s")
     more = f", {made.cost / made.infimum:.4f} times that without avoidance" if made.infimum > 0.0 else ""
     print(f"  snap cost {made.cost:.6g}{more}")
+    speed, acceleration, tilt = plan_peaks(made.plan)
+    print(f"  at most {speed:.3g} m/s, {acceleration:.3g} m/s^2, tilted by {tilt:.2g} rad")
     print(f"  {_verdict(made)} ({words})")
     if made.wall_proof:
         print(f"  {_wall_verdict(made.wall_proof)} ({made.wall_proof.walls})")

@@ -1,6 +1,7 @@
 """Whether a vehicle can fly a plan: thrust, tilt and yaw rate, bounded for every t (`flight_limits`)."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,16 +22,46 @@ class NotFlyableError(ValueError):
     """Error that names vehicle, waypoint and bound that a trajectory exceeds."""
 
 
+class PlanPeaks(NamedTuple):
+    """Largest values of a plan, over all vehicles and times; bounds from above."""
+
+    speed: float
+    """[m/s]"""
+    acceleration: float
+    """[m/s^2]"""
+    tilt: float
+    """Angle of thrust to vertical [rad]."""
+
+
+def plan_peaks(plan: SwarmPlan) -> PlanPeaks:
+    """Return the largest speed, acceleration and tilt of a plan."""
+    curves = plan.trajectories
+    return PlanPeaks(
+        max(peak_norm(curve, 1).value for curve in curves),
+        max(peak_norm(curve, 2).value for curve in curves),
+        max(peak_tilt(curve).value for curve in curves),
+    )
+
+
 def check_feasible(
-    plan: SwarmPlan, swarm: Sequence[VehicleWaypoints], vehicle: Vehicle, reserve: float = 0.0
+    plan: SwarmPlan,
+    swarm: Sequence[VehicleWaypoints],
+    vehicle: Vehicle,
+    reserve: float = 0.0,
+    tilt_max: float = TILT_MAX,
 ) -> None:
     """Raise NotFlyableError if a trajectory needs too much thrust, tilt or yaw rate.
 
-    `reserve` is the acceleration that the thrust must give on top of the plan's, in any direction [m/s^2].
+    Args:
+        plan: to be flown.
+        swarm: its waypoints.
+        vehicle: that flies it.
+        reserve: acceleration that the thrust must give on top of the plan's, in any direction [m/s^2].
+        tilt_max: largest angle of thrust to vertical that its controllers command [rad].
     """
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         _check_thrust(trajectory, waypoints, vehicle, reserve)
-        _check_tilt(peak_tilt(trajectory), waypoints)
+        _check_tilt(peak_tilt(trajectory), waypoints, tilt_max)
         _check_yaw_rate(peak_yaw_rate(trajectory), waypoints)
 
 
@@ -45,9 +76,9 @@ def _check_thrust(
         raise NotFlyableError(f"{_place(waypoints, peak)}: {needs}")
 
 
-def _check_tilt(peak: Peak, waypoints: VehicleWaypoints) -> None:
-    if peak.value > TILT_MAX * (1.0 + ROUNDING):
-        tilts = f"tilts by {peak.value:.3g} rad, controllers do by at most {TILT_MAX:g} rad"
+def _check_tilt(peak: Peak, waypoints: VehicleWaypoints, tilt_max: float) -> None:
+    if peak.value > tilt_max * (1.0 + ROUNDING):
+        tilts = f"tilts by {peak.value:.3g} rad, controllers do by at most {tilt_max:g} rad"
         raise NotFlyableError(f"{_place(waypoints, peak)}: {tilts}; allow more time")
 
 

@@ -7,7 +7,7 @@ Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a leng
 35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
 vehicles stop at waypoints. A turn by psi, 3 u^2 - 2 u^3, takes T >= 3/2 |psi| / rate_max, too. Times of free
 curves are then scaled by one factor. In every direction thrust is kept by a <= rpyt_thrust_max / m - g, and
-tilt by a <= g sin(TILT_MAX).
+tilt by a <= g sin(tilt).
 """
 
 from collections.abc import Callable, Sequence
@@ -50,6 +50,7 @@ class FlightLimits:
     speed: float = tunable(2.0, "largest speed", unit="m/s", low=0.01, high=50.0)
     acceleration: float = tunable(2.0, "largest acceleration", unit="m/s^2", low=0.01, high=100.0)
     """The default leaves controllers half of their tilt: from 3 on, PID saturates in half of its ticks."""
+    tilt: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.5)
 
     def __post_init__(self) -> None:
         """Raise ValueError if a number is out of bounds."""
@@ -119,7 +120,7 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
     if spare <= 0.0:
         raise ValueError(f"{vehicle.name}: {vehicle.rpyt_thrust_max} N does not carry {vehicle.mass} kg")
-    return replace(limits, acceleration=min(limits.acceleration, spare, GRAVITY * sin(TILT_MAX)))
+    return replace(limits, acceleration=min(limits.acceleration, spare, GRAVITY * sin(limits.tilt)))
 
 
 def allocate_times(
