@@ -1,6 +1,7 @@
 """The record of a flight whose frames have other stamps than their ticks is that of the flight itself."""
 
 from collections import defaultdict
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -32,8 +33,9 @@ ANSWERED = ("ref_pos", "safe_pos", "eta", "thrust", "roll", "pitch", "command_st
 
 
 def scenario(fault: str) -> Scenario:
-    """Return a flight in which cf2 passes cf1 in contact with it, under a fault."""
-    return scenario_from_document("pass", yaml.safe_load(ROOM) | {"faults": [yaml.safe_load(FAULTS[fault])]})
+    """Return a flight in which cf2 passes cf1 in contact with it, under a fault if one is named."""
+    faults = [yaml.safe_load(FAULTS[fault])] if fault else []
+    return scenario_from_document("pass", yaml.safe_load(ROOM) | {"faults": faults})
 
 
 @cache
@@ -73,6 +75,23 @@ def test_frames_that_the_record_lacks_do_not_hide_what_the_vehicles_did() -> Non
     recorded = flight_from_signals("recorded", signals | {"mocap": frames}).flight
     assert len(recorded.t) == 200
     assert "cf1 and cf2 collided" in str(verdict_of(recorded, Circumstances()))
+
+
+@pytest.mark.parametrize("kind", ["lost", "ended", "of a lower rate", "of a higher rate"])
+def test_truth_that_is_not_recorded_at_every_tick_hides_no_collision(kind: str) -> None:
+    _, signals = flown("")
+    truth = signals["truth"]
+    kept = {
+        "lost": [one for one in truth if not 0.5 < one.t < 1.5],
+        "ended": truth[:50],
+        "of a lower rate": truth[::5],
+        "of a higher rate": [replace(one, t=one.t + late) for one in truth for late in (0.0, 0.005)],
+    }
+    recorded = flight_from_signals("recorded", signals | {"truth": kept[kind]}).flight
+    assert len(recorded.t) == 200
+    said = str(verdict_of(recorded, Circumstances()))
+    assert said == str(verdict_of(flight_from_signals("whole", signals).flight, Circumstances()))
+    assert said.startswith("cf1 and cf2 collided")
 
 
 def test_an_answer_that_is_lost_leaves_the_others_at_their_stamps() -> None:

@@ -7,12 +7,11 @@ has one frame and one answer to it, so that the k-th is that of the k-th tick.
 
 import numpy as np
 
+from q2q_model.flights.flight_ticks import GAP
 from q2q_model.signals.values import Array
 
 ANSWERS = ("reference", "reference_safe", "interference", "command")
 """Topics of what was flown at a tick; state and mocap are about the time of their stamps."""
-GAP = 1.5
-"""Time between two ticks, over the usual one, from which one between them is missing [-]."""
 
 
 def answer_ticks(truth: Array, frames: Array, answers: Array) -> Array:

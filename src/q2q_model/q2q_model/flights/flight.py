@@ -10,6 +10,7 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.flights.answer_ticks import ANSWERS, answer_ticks
+from q2q_model.flights.flight_ticks import flight_ticks
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_model.signals.values import Array, Names, index_of
@@ -78,7 +79,8 @@ FLIGHT_FIELDS: dict[str, dict[str, str]] = {
     "command": {"thrust": "thrust", "roll": "roll", "pitch": "pitch", "status": "command_status"},
     "imu": {"specific_force_body": "specific_force_body", "ang_vel_body": "gyro_body"},
 }
-"""Topic -> attribute of its signal -> field of Flight. The first topic present defines the ticks."""
+"""Topic -> attribute of its signal -> field of Flight. The first topic present defines the ticks; see
+flight_ticks for a truth that does not cover the frames."""
 
 _WIDTHS = {
     field: column.width
@@ -137,7 +139,8 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     Args:
         name: name of the flight.
         signals: topic of FLIGHT_FIELDS -> its signals, in any order. The stamps of the first topic with
-            signals (truth, then mocap) are the ticks; see answer_ticks for frames with other stamps.
+            signals (truth, then mocap) are the ticks; see flight_ticks for a truth that does not cover the
+            frames, and answer_ticks for frames with other stamps.
 
     Raises:
         ValueError: there is no signal, no stamp of a topic is a tick (the clocks are mixed), or all ticks
@@ -149,9 +152,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     names = tuple(
         dict.fromkeys(vehicle for topic in _NAME_SOURCES for vehicle in _names_in(present.get(topic, ())))
     )
-    ticks_of = next(iter(present))
-    t = np.unique(stamps := _stamps(present[ticks_of]))
-    check_clock(ticks_of, stamps)
+    ticks_of, t = _ticks(present)
     arrays = {
         field: np.full((len(t), len(names), width)[: 2 if width == 1 else 3], np.nan)
         for field, width in _WIDTHS.items()
@@ -163,6 +164,16 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
         for rows in found:
             _fill(arrays, topic, rows, (t, names))
     return JoinedFlight(Flight(name=name, names=names, t=t, **arrays), tuple(repairs))
+
+
+def _ticks(present: Mapping[str, Sequence[SignalRows]]) -> tuple[str, Array]:
+    """Return the topic of the ticks, and the ticks [s], rising, (T,)."""
+    first = next(iter(present))
+    check_clock(first, stamps := _stamps(present[first]))
+    if not {"truth", "mocap"} <= set(present):
+        return first, np.unique(stamps)
+    t = flight_ticks(stamps, _stamps(present["mocap"]))
+    return ("truth" if np.isin(stamps, t).all() else "mocap"), t
 
 
 STALLED = 100
