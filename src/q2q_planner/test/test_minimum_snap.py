@@ -118,6 +118,17 @@ def test_times_may_be_whole_numbers_of_any_size() -> None:
     assert snap_cost(found) == pytest.approx(100_800.0 * 36.0 / 600.0**7, rel=1e-9)
 
 
+def test_times_too_unequal_for_the_free_reading_name_the_vehicle_and_the_times() -> None:
+    uneven = VehicleWaypoints(
+        "cf1", tuple(Waypoint(t, (0.1 * t, 0, 1)) for t in (0.0, 32.12, 32.122, 332.0, 332.002, 700.0))
+    )
+    with pytest.raises(
+        ValueError, match=r"cf1: times between waypoints from 0.002 to 367.998 s are too unequal"
+    ):
+        minimum_snap(uneven, "free")
+    minimum_snap(uneven, "stop_and_go")
+
+
 def test_weights_scale_position_and_yaw_apart() -> None:
     turning = VehicleWaypoints("cf1", (Waypoint(0, (0, 0, 0), 0.0), Waypoint(2, (1, 0, 0), 1.0)))
     trajectory = minimum_snap(turning)

@@ -30,15 +30,27 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, check_s
 POSITION_HALF = 4
 YAW_HALF = 2
 
+_GROUPS = ((slice(0, 3), POSITION_HALF), (slice(3, 4), YAW_HALF))
+"""Columns of a waypoint, and the order of their derivative in the cost."""
+
 Reading = Literal["stop_and_go", "free"]
 
 
 def minimum_snap(vehicle: VehicleWaypoints, reading: Reading = "stop_and_go") -> Trajectory:
-    """Return the trajectory of minimum cost (17) through a vehicle's waypoints, from its first time on."""
+    """Return the trajectory of minimum cost (17) through a vehicle's waypoints, from its first time on.
+
+    Raises:
+        ValueError: read as `free`, its times are too unequal to be solved for.
+    """
     durations = np.diff(vehicle.times)
     points = vehicle.points
-    pos = pieces_from_nodes(_nodes(points[:, :3], durations, POSITION_HALF, reading), durations)
-    yaw = pieces_from_nodes(_nodes(points[:, 3:], durations, YAW_HALF, reading), durations)
+    try:
+        nodes = [_nodes(points[:, a], durations, half, reading) for a, half in _GROUPS]
+    except np.linalg.LinAlgError as error:
+        spans = f"times between waypoints from {durations.min():g} to {durations.max():g} s"
+        advice = "give more even ones, or the reading stop_and_go"
+        raise ValueError(f"{vehicle.name}: {spans} are too unequal for the reading free: {advice}") from error
+    pos, yaw = (pieces_from_nodes(one, durations) for one in nodes)
     coefficients = np.zeros((len(durations), AXES, 2 * POSITION_HALF))
     coefficients[:, :3] = pos
     coefficients[:, 3:, : 2 * YAW_HALF] = yaw
