@@ -156,10 +156,23 @@ def test_what_is_said_of_a_flight_is_the_same_whenever_its_clock_began(
 
 
 def test_what_is_said_of_a_part_has_the_times_of_the_whole() -> None:
-    part = of_rows(flown(moved(5.6, 5.8, 1, (0.0, 0.1, 1.0))), slice(500, None))
-    said = "cf1 and cf2 collided at 5.6 s, 0.10 m apart"
+    status = np.zeros((TICKS, 2))
+    status[T > 7.995] = np.nan
+    part = of_rows(flown(moved(5.6, 5.8, 1, (0.0, 0.1, 1.0)), status=status), slice(500, None))
+    said = (
+        "cf1 and cf2 collided at 5.6 s, 0.10 m apart; commands ended at 8.0 s of 10.0 s; "
+        "200 of 500 ticks were missed"
+    )
     assert str(verdict_of(part, AROUND, begin=0.0)) == said
     assert replay_run(part, CRAZYFLIE_2_0, since=5.0).verdict.endswith(f"; {said}")
+
+
+def test_a_part_of_a_flight_is_not_flown_to_the_end() -> None:
+    part = of_rows(flown(), slice(0, 500))
+    said = "ok: 5.0 s judged, a part of the flight"
+    assert str(verdict_of(part, AROUND, begin=0.0)) == said
+    assert replay_run(part, CRAZYFLIE_2_0, since=0.0).verdict.endswith(f"; {said}")
+    assert replay_run(flown(), CRAZYFLIE_2_0).verdict.endswith("; ok: 10.0 s flown to the end")
 
 
 def test_a_hundredth_of_the_ticks_may_be_missed_and_no_more() -> None:

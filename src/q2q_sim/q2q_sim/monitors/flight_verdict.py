@@ -66,6 +66,8 @@ class FlightVerdict:
     findings: tuple[Finding, ...] = ()
     unjudged: tuple[str, ...] = ()
     """Quantities missing from the recording."""
+    is_part: bool = False
+    """Whether a part of a flight was judged, which says nothing of its end."""
 
     @property
     def ok(self) -> bool:
@@ -76,7 +78,8 @@ class FlightVerdict:
         """Return one line."""
         if self.findings:
             return "; ".join(one.words for one in self.findings)
-        known = f"ok: {self.duration:.1f} s flown to the end"
+        how = "judged, a part of the flight" if self.is_part else "flown to the end"
+        known = f"ok: {self.duration:.1f} s {how}"
         return "; ".join([known, *(f"not judged: {one}" for one in self.unjudged)])
 
 
@@ -96,16 +99,16 @@ def verdict_of(
     """
     if not len(flight.t):
         return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
-    trace = trace_from_arrays(flight)
+    trace, is_part = trace_from_arrays(flight), begin is not None
     begin = float(flight.t[0]) if begin is None else begin
     found = [
         *_broken(trace, circumstances, begin),
         *_sent_down(trace, circumstances, begin),
-        *_commands_ended(trace),
+        *_commands_ended(trace, begin),
         *_missed(trace, missed_ticks),
     ]
     found.sort(key=lambda one: one.t)
-    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(trace, begin)))
+    return FlightVerdict(_duration(flight), tuple(found), tuple(_unjudged(trace, begin)), is_part)
 
 
 def with_lost_ticks(verdict: FlightVerdict, flight: Flight, flown: int) -> FlightVerdict:
@@ -190,14 +193,14 @@ def _sent_down(trace: FlightTrace, circumstances: Circumstances, begin: float) -
             yield Finding(float(t), f"{owner} {words} at {t - begin:.1f} s")
 
 
-def _commands_ended(trace: FlightTrace) -> Iterator[Finding]:
+def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:
     """Yield the vehicles whose commands ended before the flight; all at once, if theirs ended together."""
     t = trace.t
     last = {name: float(t[given][-1]) for name, given in _commanded(trace).items()}
     for name, at in _once_if_of_all(last).items():
         if t[-1] - at > COMMANDS_END_S:
             whose = f"{name}'s commands" if name else "commands"
-            yield Finding(at, f"{whose} ended at {at - t[0]:.1f} s of {t[-1] - t[0]:.1f} s")
+            yield Finding(at, f"{whose} ended at {at - begin:.1f} s of {t[-1] - begin:.1f} s")
 
 
 def _missed(trace: FlightTrace, counted: int | None) -> Iterator[Finding]:

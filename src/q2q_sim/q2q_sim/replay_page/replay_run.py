@@ -83,7 +83,7 @@ def replay_run(
     vehicle: Vehicle,
     name: str = "",
     verdict: FlightVerdict | None = None,
-    since: float = 0.0,
+    since: float | None = None,
 ) -> ReplayRun:
     """Return the run of a flight of `vehicle`s.
 
@@ -101,7 +101,9 @@ def replay_run(
     if not np.isfinite(pos).any():
         raise ValueError(f"flight {flight.name} has no positions: record mocap, state or truth")
     if verdict is None:
-        verdict = verdict_of(flight, Circumstances(vehicle=vehicle), begin=float(flight.t[0]) - since)
+        begin = None if since is None else float(flight.t[0]) - since
+        verdict = verdict_of(flight, Circumstances(vehicle=vehicle), begin=begin)
+    since = since or 0.0
     loss = height_loss_text(flight, pos, _reference(flight), since)
     return ReplayRun(
         name=name or flight.name,

@@ -50,7 +50,8 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     whole = recording.flight
     part, begin = part_of_flight(whole, args.start, args.end), float(whole.t[0])
     around = Circumstances(vehicle=flown.vehicle, faults=flown_faults(path))
-    verdict = verdict_of(part, around, begin=begin)
+    is_part = len(part.t) < len(whole.t)
+    verdict = verdict_of(part, around, begin=begin if is_part else None)
     if part.t[-1] == whole.t[-1] and not is_table:
         verdict = with_end(verdict, whole, read_facts(path).duration, is_cut=BagReader(path).is_cut)
     since = float(part.t[0]) - begin
