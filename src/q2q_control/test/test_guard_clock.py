@@ -87,15 +87,17 @@ def test_a_flight_that_begins_again_is_another_one() -> None:
     assert anew[-1].t == guard.newest
 
 
+@pytest.mark.parametrize("frames", [1, 10])
 @pytest.mark.parametrize("off", [-1e9, -6.0, -3.0, 3.0, 6.0, 1e9])
-def test_one_stamp_far_off_is_held_and_leaves_no_trace(off: float) -> None:
+def test_few_stamps_far_off_are_held_and_leave_no_trace(off: float, frames: int) -> None:
     guard, twin = guarded(), guarded()
     before = fly(guard, 0, 50)[-1]
     fly(twin, 0, 50)
-    wrong = guard.update(state_at(0.5 + off), setpoint_at(0.5 + off), None)
-    assert (wrong.t, wrong.status.tolist()) == (0.5 + off, [HOLD, HOLD])
-    np.testing.assert_array_equal(wrong.thrust, before.thrust)
-    for output, expected in zip(fly(guard, 51, 60), fly(twin, 51, 60), strict=True):
+    for t in (off + (50 + k) * TICK for k in range(frames)):
+        wrong = guard.update(state_at(t), setpoint_at(t), None)
+        assert (wrong.t, wrong.status.tolist()) == (t, [HOLD, HOLD])
+        np.testing.assert_array_equal(wrong.thrust, before.thrust)
+    for output, expected in zip(fly(guard, 61, 70), fly(twin, 61, 70), strict=True):
         assert output.status.tolist() == [OK, OK]
         np.testing.assert_array_equal(output.pitch, expected.pitch)
 
@@ -110,8 +112,8 @@ def test_live_a_clock_set_ahead_cuts_nobody_and_who_is_not_measured_lands_by_the
         ages = t - 0.8 if k > 80 else 0.0, 0.0
         output = guard.update(state_at(ahead, ages), setpoint_at(ahead), None)
         statuses.append(output.status.tolist())
-    assert statuses[100][1] == HOLD
-    assert {status for _, status in statuses[101:]} == {OK}
+    assert {status for _, status in statuses[100:110]} == {HOLD}
+    assert {status for _, status in statuses[110:]} == {OK}
     assert [first for first, _ in statuses].index(LAND) == pytest.approx(180, abs=1)
     assert CUT not in statuses[-1]
 
@@ -121,9 +123,16 @@ def test_in_lockstep_stamps_are_the_only_clock() -> None:
     fly(guard, 0, 50)
     statuses = [
         guard.update(state_at(t, (t - 0.49, 0.0), coast=10.0), setpoint_at(t), None).status.tolist()
-        for t in (6.0, 6.01)
+        for t in (6.0 + k * TICK for k in range(11))
     ]
-    assert statuses == [[HOLD, HOLD], [CUT, OK]]
+    assert statuses == [[HOLD, HOLD]] * 10 + [[CUT, OK]]
+
+
+def test_at_a_low_rate_a_gap_is_believed_with_its_second_stamp() -> None:
+    guard = guarded()
+    fly(guard, 0, 50)
+    ticks = [guard.update(state_at(t, (t - 0.49, 0.0)), setpoint_at(t), None) for t in (2.0, 3.5, 5.0, 6.5)]
+    assert [one.status.tolist() for one in ticks] == [[HOLD, HOLD], [LAND, OK], [LAND, HOLD], [CUT, OK]]
 
 
 def test_a_repeated_tick_is_no_older_one() -> None:

@@ -25,8 +25,13 @@ def test_one_stamp_far_off_is_late_however_far_it_is(off: float) -> None:
     assert late_ones([10.0, 10.0 + off, 10.01, 10.02]) == [10.0 + off]
 
 
-def test_a_stamp_far_ahead_is_late_until_a_newer_one_follows() -> None:
-    assert late_ones([1.0, 5.0, 5.0, 4.9, 4.91, 4.92]) == [5.0, 5.0, 4.9]
+def test_stamps_far_ahead_are_late_until_they_have_risen_for_a_tenth_of_a_second() -> None:
+    assert late_ones([1.0, 5.0, 5.0, 4.9, 4.99, 5.0, 5.01]) == [5.0, 5.0, 4.9, 4.99]
+
+
+def test_stamps_that_go_on_from_before_are_no_clock_set_back() -> None:
+    ahead = [7.0 + 0.01 * k for k in range(10)]
+    assert late_ones([1.0, *ahead, 1.11, 1.12]) == ahead
 
 
 def test_a_clock_is_set_back_to_the_first_of_its_old_stamps() -> None:

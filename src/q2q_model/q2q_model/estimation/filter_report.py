@@ -44,7 +44,7 @@ class FilterReport:
     repeated_names: int = 0
     """Rows with a name that occurred before in the same frame; the first counts."""
     stale_frames: int = 0
-    """Frames older than the last one, alone far ahead of it, or without a time."""
+    """Frames older than the last one, too far ahead of it, or without a time."""
     repeated_frames: int = 0
     """Frames with the last one's stamp."""
     clock_resets: int = 0

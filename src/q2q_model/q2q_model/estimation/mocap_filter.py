@@ -15,10 +15,10 @@ about frames:
 - A vehicle never seen is LOST with position and velocity zero, level attitude, and infinite age.
 - A repeated stamp returns the last state. An older stamp (stale, reordered) is ignored: it returns the last
   state with the older stamp, COASTING since nobody was there then, and ages grow with the next newer frame.
-  So is one stamp far ahead, under which ages have grown by the gap. Old stamps that increase for 0.1 s
-  (q2q_model.signals.clock_resets) mean a clock that was set back: the tracks go on in the new time, their
-  last samples as old as the first of these stamps. By more than `clock_jump_s` it is another flight, as of a
-  restarted bag: the filter resets.
+  So is a stamp far ahead, under which ages have grown by the gap. Stamps that increase for 0.1 s from there
+  are followed (q2q_model.signals.clock_resets). Old ones that do mean a clock that was set back: the tracks
+  go on in the new time, their last samples as old as the first of these stamps. By more than `clock_jump_s`
+  it is another flight, as of a restarted bag: the filter resets.
 - Ages and gates grow with a gap between stamps. After a gap beyond `coast_s` a vehicle is lost, and is
   tracked again once its samples have stayed together for `reacquire_s`. Rejected ones from before a gap of
   more than GAP_S do not count for that.

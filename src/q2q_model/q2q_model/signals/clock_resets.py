@@ -3,7 +3,7 @@
 Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
 times and for PATIENCE_S are the new time, also when frames between them come in another order. A frame from
 before is none of them, whether it is delivered again or late: one whose stamp is nearer to those before.
-A stamp further ahead than AHEAD_S is wrong, unless the next one goes on from there, as after a gap.
+Stamps further ahead than AHEAD_S are wrong, unless they go on from there for PATIENCE_S, as after a gap.
 """
 
 from math import inf
@@ -13,17 +13,17 @@ CONFIRM_STAMPS = 3
 SET_BACK_S = 1.0
 """Step back of a clock beyond which another flight begins, unless set otherwise [s]."""
 AHEAD_S = 1.0
-"""Step ahead beyond which a stamp is wrong, unless the next one is newer still [s]: by less nobody lands
-(land_s of q2q_control.failsafe.ladder)."""
+"""Step ahead beyond which a stamp may be wrong [s]: by less nobody lands (land_s of
+q2q_control.failsafe.ladder)."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1
-"""Time for which they must have increased [s]: as long as a command holds
+"""Time for which old stamps, or those far ahead, must have increased [s]: as long as a command holds
 (q2q_control.attitude.command_limits), and longer than the bursts in which a network delivers frames."""
 
 
 class ClockResetDetector:
-    """Old stamps, and the last one far ahead, since the last newer one."""
+    """Old stamps, and those far ahead, since the last newer one."""
 
     def __init__(self) -> None:
         """Start without stamps."""
@@ -31,7 +31,7 @@ class ClockResetDetector:
 
     def reset(self) -> None:
         """Forget these stamps: a newer one has come."""
-        self._ahead = inf
+        self._ahead = inf  # oldest of those far ahead
         self._first, self._newest, self._count = inf, inf, 0
         self._before = inf  # newest of the old stamps before they went back
         self._was_late = False
@@ -42,11 +42,14 @@ class ClockResetDetector:
         return self._first
 
     def is_ahead(self, t: float, newest: float) -> bool:
-        """Take a stamp t [s] that may be newer; return whether it is too far ahead of `newest` [s]."""
-        if not t - newest > AHEAD_S or t > self._ahead:
+        """Take a stamp t [s] that may be newer; return whether it is too far ahead of `newest` [s].
+
+        It is not once stamps have gone on from there for long enough: at a low rate, with the second one.
+        """
+        if not t - newest > AHEAD_S:
             return False
-        self._ahead = t
-        return True
+        self._ahead = min(self._ahead, t)
+        return t - self._ahead < PATIENCE_S - ROUNDING
 
     def rise(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""

@@ -30,7 +30,7 @@ class TickClock:
         """By how much the clock was set back at the last tick [s]; 0 if it was not."""
 
     def is_late(self, t: float) -> bool:
-        """Take the stamp of a tick [s]; return whether it is older, or alone far ahead, of the same clock."""
+        """Take the stamp of a tick [s]; return whether it is older, or too far ahead, of the same clock."""
         self.set_back = 0.0
         if self._newest > -inf and self._old.is_ahead(t, self._newest):
             return True

@@ -8,7 +8,7 @@ While waiting (`wait`), the reference follows the measured vehicles, so it comma
 keep vehicles in flight where they are, and `wait` is refused while one is at its reference. After a low
 flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
 reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
-newest stamp, whatever late frames come after it, or one alone far ahead. If the clock is set back by more
+newest stamp, whatever late frames come after it, or ones far ahead. If the clock is set back by more
 than SET_BACK_S, a plan that began with the first tick begins again with the first of the old stamps, and what
 was called (a glide, a start, a hold) goes on (q2q_model.signals.clock_resets).
 """
