@@ -240,6 +240,48 @@ def test_one_stamp_far_off_moves_no_plan(off: float, *, called: bool) -> None:
     assert player.played == played
 
 
+@pytest.mark.parametrize("off", [-100.0, -1.5, 1.5, 100.0])
+def test_a_frame_far_off_gets_the_last_reference_under_its_stamp(off: float) -> None:
+    for player in (PlanPlayer(PLAN, start, GlideParams(), wait=False) for start in (-1.0, 100.0)):
+        player.update(frame(100.0, GROUND))
+        last = player.update(frame(100.9, GROUND))
+        wrong = player.update(frame(100.9 + off, GROUND))
+        assert wrong.t == 100.9 + off
+        np.testing.assert_array_equal(wrong.pos, last.pos)
+        np.testing.assert_array_equal(wrong.vel, last.vel)
+
+
+def frames_ahead_and_back(player: PlanPlayer, began: float) -> None:
+    """Play on from a stamp [s] while the clock is 5.5 s ahead for 0.2 s, and then for 0.2 s as it was."""
+    for k in range(40):
+        player.update(frame(began + STEP * k + (5.5 if k < 20 else 0.0), GROUND))
+
+
+@pytest.mark.parametrize("called", [False, True])
+def test_frames_ahead_that_come_back_move_no_plan_that_began_before(*, called: bool) -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
+    player.update(frame(100.0, GROUND))
+    if called:
+        assert player.hold().granted
+    played = player.played
+    frames_ahead_and_back(player, 100.01)
+    assert player.played == played
+    set_back(player, 90.0)  # the clock before them is forgotten
+    assert player.played is not None
+    assert player.played.start == (pytest.approx(100.0 - 10.4) if called else 90.0)
+
+
+def test_what_is_called_while_a_clock_is_ahead_comes_back_with_it() -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
+    player.update(frame(100.0, GROUND))
+    for k in range(20):
+        player.update(frame(105.5 + STEP * k, GROUND))
+    assert player.hold().granted  # at 105.69
+    set_back(player, 100.2)
+    assert player.played is not None
+    assert player.played.start == pytest.approx(100.2)
+
+
 def test_a_clock_that_is_set_back_starts_the_plan_of_the_first_tick_anew_and_lets_a_called_one_go_on() -> (
     None
 ):

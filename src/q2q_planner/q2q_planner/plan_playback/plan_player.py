@@ -8,19 +8,21 @@ While waiting (`wait`), the reference follows the measured vehicles, so it comma
 keep vehicles in flight where they are, and `wait` is refused while one is at its reference. After a low
 flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
 reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
-newest stamp, whatever late frames come after it, or ones far ahead. If the clock is set back by more
-than SET_BACK_S, a plan that began with the first tick begins again with the first of the old stamps, and what
-was called (a glide, a start, a hold) goes on (q2q_model.signals.clock_resets).
+newest stamp, whatever late frames come after it, or ones far ahead; in play, frames that are off by more than
+SET_BACK_S get the last reference under their stamps. If the clock is set back by more, a plan that began with
+the first tick begins again with the first of the old stamps, and what was called (a glide, a start, a hold)
+goes on (q2q_model.signals.clock_resets); but not if it comes back from a step ahead: what began before that
+is where it was.
 """
 
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
-from q2q_model.signals.clock_resets import SET_BACK_S, ClockResetDetector
+from q2q_model.signals.clock_resets import AHEAD_S, SET_BACK_S, ClockResetDetector
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.plan_playback.braked_plan import brake_plan
@@ -67,6 +69,7 @@ class PlanPlayer:
         self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
         self._last: SwarmSetpoint | None = None  # at the newest stamp
         self._old = ClockResetDetector()
+        self._before_ahead, self._ahead = -inf, 0.0  # stamp before the last step ahead, and that step [s]
         self._apart = 0.0  # speed of the waiting reference since the tick before [m/s]
 
     def update(self, frame: MocapFrame) -> SwarmSetpoint:
@@ -76,7 +79,10 @@ class PlanPlayer:
             ValueError: while waiting, a vehicle has not been measured yet.
         """
         self._see(frame)
-        is_late = self._is_late(frame.t)
+        last = self._last
+        is_late = last is not None and self._is_late(frame.t, last.t)
+        if last is not None and self.played is not None and is_late and abs(frame.t - last.t) > SET_BACK_S:
+            return replace(last, t=frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
         setpoint = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
@@ -135,21 +141,25 @@ class PlanPlayer:
         left = max(self.played.start + self.played.plan.duration - now, 0.0)
         return Reply(granted=True, reason=f"at rest in {left:.1f} s")
 
-    def _is_late(self, t: float) -> bool:
+    def _is_late(self, t: float, last: float) -> bool:
         """Return whether a frame at t [s] is older than the last one, or far ahead; follow the clock."""
-        if self._last is not None:
-            if self._old.is_ahead(t, self._last.t):
+        if self._old.is_ahead(t, last):
+            return True
+        if t < last:
+            if not self._old.rise(t):
                 return True
-            if t < self._last.t:
-                if not self._old.rise(t):
-                    return True
-                self._set_back(self._last.t, self._old.first)
+            self._set_back(last, self._old.first)
+            self._before_ahead = -inf
+        elif t - last > AHEAD_S:
+            self._before_ahead, self._ahead = last, t - last
         self._old.reset()
         return False
 
     def _set_back(self, last: float, first: float) -> None:
         """Follow a clock that was set back from `last` to `first` [s]."""
         if self.played is None or last - first <= SET_BACK_S:
+            return
+        if self.played.start <= self._before_ahead and abs(last - first - self._ahead) <= SET_BACK_S:
             return
         if self.played.called:
             self.played = replace(self.played, start=self.played.start + first - last)
