@@ -1,5 +1,7 @@
 """A single step back of stamps sets no clock back; once they rise from there, all blocks follow it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,9 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoin
 from q2q_planner.online.tick_clock import TickClock
 from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
+from q2q_sim.faults.faults import Fault
+from q2q_sim.loop.closed_loop import FlightOptions, fly
+from q2q_sim.scenarios import library
 
 NAMES = ("cf1",)
 BEGIN = 16.0  # steps back from here are exact in float64
@@ -64,3 +69,11 @@ def test_all_blocks_follow_a_clock_that_is_set_back_with_the_same_tick(back: flo
     rising = [BEGIN - back + k / 128 for k in range(14)]
     assert followed(rising[:-1]) == set()
     assert followed(rising) == {"mocap filter", "guard", "plan player", "replanner"}
+
+
+@pytest.mark.parametrize("size", [-100.0, 5.5, 100.0])
+def test_a_tenth_of_a_second_of_frames_far_off_leaves_vehicles_on_their_paths(size: float) -> None:
+    faults = (Fault("clock_jump", 5.0, 0.1, size=size),)
+    flight = fly(replace(library.load("table6"), duration=6.0, faults=faults), FlightOptions())
+    off = np.linalg.norm(flight.true_pos - flight.ref_pos, axis=2)
+    assert off.max() < 0.02  # 5 mm at 0.07 m/s; the plan is 3.9 m away at these stamps

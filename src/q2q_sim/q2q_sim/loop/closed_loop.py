@@ -16,7 +16,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_NS, TICK_S
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
-from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
+from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.loop.flight_blocks import BlockChoices, Blocks, Mode, blocks_of
 from q2q_sim.loop.recording import FlightRecording
@@ -147,7 +147,7 @@ def _blocks(scenario: Scenario, options: FlightOptions) -> Blocks:
 
 def _answer(blocks: Blocks, tick: Tick, state: SwarmState, downwash: Interference | None) -> BlockSignals:
     """Return the answer to a tick; without downwash, the controller ignores it."""
-    reference = setpoint_at(blocks.plan, tick.frame.t)
+    reference = blocks.player.update(tick.frame)
     reference_safe = blocks.replanner.update(reference, state)
     return BlockSignals(
         state, reference, reference_safe, blocks.controller.update(state, reference_safe, downwash)

@@ -34,6 +34,8 @@ from q2q_planner.online.potential_field import PotentialField, PotentialFieldPar
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_planner.plan_playback.glide import GlideParams
+from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_sim.loop.flown_plan import plan_for
 from q2q_sim.scenarios.block_overrides import block_params
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
@@ -81,6 +83,8 @@ class Blocks:
     plan: SwarmPlan
     mocap_filter: MocapFilter
     predictor: InteractionPredictor
+    player: PlanPlayer
+    """Plays the plan from stamp 0."""
     replanner: Replanner
     controller: Controller
     sense: Callable[[SwarmImu], None] = ignore_accelerometers
@@ -184,6 +188,7 @@ def blocks_of(
         plan=flown,
         mocap_filter=MocapFilter(filter_params(scenario), scenario.names),
         predictor=InteractionPredictor(model),
+        player=PlanPlayer(flown, 0.0, GlideParams(), wait=False),
         replanner=_replanner(scenario, choices),
         controller=Guard(controller, FallbackParams(), scenario.vehicle.hover_thrust),
         sense=sense,
