@@ -31,6 +31,11 @@ def test_a_clock_that_jumps_makes_no_ticks(jump: float) -> None:
     np.testing.assert_array_equal(flight_ticks(lost(2.0, 3.0), frames), TICKS)
 
 
+def test_a_frame_that_is_sent_again_under_a_clock_that_jumped_makes_no_tick() -> None:
+    frames = TICKS + 100.0 * (TICKS > 5.0)
+    np.testing.assert_array_equal(flight_ticks(TICKS, np.append(frames[:20], frames[19:])), TICKS)
+
+
 def test_truth_of_another_rate_makes_no_ticks() -> None:
     for truth in (TICKS[::5], np.linspace(0.0, 9.995, 2000), np.linspace(0.0, 9.998, 5000), TICKS[:1]):
         np.testing.assert_array_equal(flight_ticks(truth, TICKS), TICKS)

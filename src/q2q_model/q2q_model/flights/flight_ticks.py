@@ -34,14 +34,15 @@ def _period(stamps: Array) -> float:
 
 
 def _ticks_without_truth(true: Array, framed: Array, lost: int) -> Array:
-    """Return the stamps of frames in gaps of the truth, and of as many outside it as it has lost ones [s].
+    """Return the stamps of frames in gaps of the truth, and of as many beside it as it has lost ones [s].
 
-    Of frames outside the truth some may be stamped by a clock that jumped; then truth has not lost theirs.
+    Frames outside the truth may be stamped by a clock that jumped; then the truth has not lost theirs.
     """
     after = np.clip(np.searchsorted(true, framed), 1, len(true) - 1)
-    away = np.minimum(np.abs(framed - true[after - 1]), np.abs(framed - true[after]))
-    apart = away > 0.5 * GAP * _period(true)
-    within = (true[0] < framed) & (framed < true[-1])
-    outside = np.flatnonzero(apart & ~within)
-    nearest = outside[np.argsort(away[outside], kind="stable")][: max(lost - int((apart & within).sum()), 0)]
-    return np.concatenate((framed[apart & within], framed[nearest]))
+    away = np.minimum(np.abs(framed - true[after - 1]), np.abs(framed - true[after])) / _period(true)
+    apart = away > 0.5 * GAP
+    within = apart & (true[0] < framed) & (framed < true[-1])
+    left = max(lost - int(within.sum()), 0)
+    outside = np.flatnonzero(apart & ~within & (away < GAP * left))
+    nearest = outside[np.argsort(away[outside], kind="stable")][:left]
+    return np.concatenate((framed[within], framed[nearest]))
