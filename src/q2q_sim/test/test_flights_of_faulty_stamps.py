@@ -10,6 +10,7 @@ import yaml
 
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.flight_verdict import verdict_of
 from q2q_sim.monitors.metrics import measure
@@ -32,6 +33,9 @@ ROOM = """
 ANSWERED = ("ref_pos", "safe_pos", "eta", "thrust", "roll", "pitch", "command_status", "true_pos")
 
 
+Signals = dict[str, list[Signal]]
+
+
 def scenario(fault: str) -> Scenario:
     """Return a flight in which cf2 passes cf1 in contact with it, under a fault if one is named."""
     faults = [yaml.safe_load(FAULTS[fault])] if fault else []
@@ -39,9 +43,9 @@ def scenario(fault: str) -> Scenario:
 
 
 @cache
-def flown(fault: str) -> tuple[Flight, dict[str, list[Signal]]]:
+def flown(fault: str) -> tuple[Flight, Signals]:
     """Return the flight in arrays, tick by tick, and the signals that its nodes would record."""
-    signals: dict[str, list[Signal]] = defaultdict(list)
+    signals: Signals = defaultdict(list)
     flight = fly(
         scenario(fault), FlightOptions(on_signal=lambda topic, _, signal: signals[topic].append(signal))
     )
@@ -67,6 +71,35 @@ def test_a_collision_while_frames_have_other_stamps_is_in_the_verdict_of_the_rec
     assert str(verdict_of(recorded, around)) == str(verdict_of(flight, around))
     of_both = [measure(one, around.vehicle).min_separation_m for one in (recorded, flight)]
     assert of_both[0] == of_both[1] < 0.13
+
+
+def sent_again(signals: Signals, tick: int) -> Signals:
+    """Return the signals of a loop that sends one frame again, which its nodes answer again."""
+    once = ("truth", "truth_interference", "imu")
+    return {
+        topic: some if topic in once else some[: tick + 1] + some[tick:] for topic, some in signals.items()
+    }
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_frame_that_is_sent_again_moves_no_answer(fault: str) -> None:
+    _, signals = flown(fault)
+    whole = flight_from_signals("recorded", signals).flight
+    recorded = flight_from_signals("recorded", again := sent_again(signals, 20)).flight
+    for name in ANSWERED:
+        np.testing.assert_array_equal(getattr(recorded, name), getattr(whole, name), name)
+    np.testing.assert_array_equal(trace_in_lockstep(again).sent_pos, whole.safe_pos)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_vehicle_may_have_a_controller_of_its_own(fault: str) -> None:
+    _, signals = flown(fault)
+    whole = flight_from_signals("recorded", signals).flight
+    each = [of_vehicles(one, np.array([row])) for one in signals["command"] for row in (0, 1)]
+    for commands in (each, each[:41] + each[40:]):  # cf1 is sent the frame of a tick again
+        recorded = flight_from_signals("recorded", signals | {"command": commands}).flight
+        for name in ("thrust", "roll", "pitch", "command_status"):
+            np.testing.assert_array_equal(getattr(recorded, name), getattr(whole, name), name)
 
 
 def test_frames_that_the_record_lacks_do_not_hide_what_the_vehicles_did() -> None:

@@ -2,7 +2,7 @@
 
 The simulator stamps the truth with the time of its tick, and the nodes stamp their answers with the stamp of
 the frame. A clock jump, a late or a repeated frame makes that the time of another tick. In lockstep each tick
-has one frame and one answer to it, so that the k-th is that of the k-th tick.
+has one frame and one answer of each node to it, so that the k-th is that of the k-th tick.
 """
 
 import numpy as np
@@ -12,19 +12,26 @@ from q2q_model.signals.values import Array
 
 ANSWERS = ("reference", "reference_safe", "interference", "command")
 """Topics of what was flown at a tick; state and mocap are about the time of their stamps."""
+MOST_AGAIN = 0.01
+"""Largest fraction of ticks whose frames were sent again [-]."""
 
 
 def answer_ticks(truth: Array, frames: Array, answers: Array) -> Array:
     """Return the tick of each answer [s], (K,): its own stamp, unless frames have those of other ticks.
 
+    A frame that is sent again, after an answer that was late, is answered again, under the same stamp.
+
     Args:
         truth: stamps of the truth in the order of recording [s]; none without a simulator.
         frames: stamps of motion capture [s].
-        answers: stamps of a topic of answers [s], (K,).
+        answers: stamps of the answers of one node on a topic in the order of recording [s], (K,).
     """
-    each_has_one = len(truth) == len(frames) == len(answers)
-    if each_has_one and _is_gapless(truth) and not np.array_equal(np.sort(frames), truth):
-        return truth
+    surplus = len(answers) - len(truth)
+    again = np.diff(answers, prepend=np.nan) == 0.0
+    again &= np.cumsum(again) <= surplus
+    each_has_one = again.sum() == surplus <= MOST_AGAIN * len(truth) and len(frames) >= len(truth)
+    if each_has_one and _is_gapless(truth) and not np.array_equal(np.unique(frames), truth):
+        return np.asarray(truth[np.cumsum(~again) - 1])
     return answers
 
 

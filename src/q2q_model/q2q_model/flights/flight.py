@@ -211,9 +211,13 @@ def _stamps(found: Sequence[SignalRows]) -> Array:
 def _at_ticks(answers: Sequence[SignalRows], present: Mapping[str, Sequence[SignalRows]]) -> list[SignalRows]:
     """Return the rows of a topic of answers, stamped with the ticks of their frames."""
     truth, frames = (_stamps(present[topic]) if topic in present else np.zeros(0) for topic in _CLOCKS)
-    ticks = answer_ticks(truth, frames, _stamps(answers))
-    order = np.sort(np.concatenate([rows.place for rows in answers]))
-    return [replace(rows, t=ticks[np.searchsorted(order, rows.place)]) for rows in answers]
+    made = []
+    for rows in answers:
+        of_node = [one for one in answers if set(one.names) & set(rows.names)]
+        ticks = answer_ticks(truth, frames, _stamps(of_node))
+        order = np.sort(np.concatenate([one.place for one in of_node]))
+        made.append(replace(rows, t=ticks[np.searchsorted(order, rows.place)]))
+    return made
 
 
 _CLOCKS = ("truth", "mocap")
