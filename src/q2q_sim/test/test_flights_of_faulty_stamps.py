@@ -3,14 +3,17 @@
 from collections import defaultdict
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
+from q2q_model.bag import BagWriter, read_flight
 from q2q_model.flights.flight import Flight, flight_from_signals
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.some_vehicles import of_vehicles
+from q2q_model.signals.stamps import stamp_from_time
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.monitors.flight_verdict import verdict_of
 from q2q_sim.monitors.metrics import measure
@@ -71,6 +74,19 @@ def test_a_collision_while_frames_have_other_stamps_is_in_the_verdict_of_the_rec
     assert str(verdict_of(recorded, around)) == str(verdict_of(flight, around))
     of_both = [measure(one, around.vehicle).min_separation_m for one in (recorded, flight)]
     assert of_both[0] == of_both[1] < 0.13
+
+
+@pytest.mark.filterwarnings("ignore::q2q_model.bag.BagRepairWarning")
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_bag_in_the_time_of_headers_has_each_answer_at_its_tick(fault: str, tmp_path: Path) -> None:
+    flight, signals = flown(fault)
+    with BagWriter(tmp_path / "bag") as writer:
+        for topic, some in signals.items():
+            for one in some:
+                writer.write_signal(f"/{topic}", stamp_from_time(one.t), one)
+    recorded = read_flight(tmp_path / "bag")
+    for name in ANSWERED:
+        np.testing.assert_array_equal(getattr(recorded, name), getattr(flight, name), name)
 
 
 def sent_again(signals: Signals, tick: int) -> Signals:

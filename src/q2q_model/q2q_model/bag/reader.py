@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 
 from q2q_model.bag.storage.errors import BagError
@@ -97,13 +98,19 @@ class BagReader:
             yield TimedSignal(message.topic, message.stamp_ns, signal)
 
     def rows(self, topics: Collection[str]) -> dict[str, list[SignalRows]]:
-        """Return the messages of signal topics, by topic, as arrays over time.
+        """Return the messages of signal topics, by topic, as arrays over time, in the order of recording.
+
+        In lockstep bag times are those of headers, which a clock that jumped back has twice.
 
         Raises BagError for a missing topic, damage, or a message that does not fit its type.
         """
-        data: dict[str, list[bytes]] = {topic: [] for topic in topics}
-        for message in self.raw(data):
-            data[message.topic].append(message.data)
+        found: dict[str, list[RawMessage]] = {topic: [] for topic in topics}
+        for message in self.raw(found):
+            found[message.topic].append(message)
+        data = {
+            topic: [one.data for one in sorted(some, key=attrgetter("place"))]
+            for topic, some in found.items()
+        }
         try:
             return {topic: rows_of_messages(data[topic], SIGNALS[self.topics[topic]]) for topic in data}
         except BadMessageError as bad:

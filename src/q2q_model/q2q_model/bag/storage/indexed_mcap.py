@@ -31,8 +31,8 @@ _RECORD = struct.Struct("<BQHIQQ")
 _LEAD = 9
 """Bytes of op and length."""
 
-Logged = tuple[int, int, bytes]
-"""Channel number, log time [ns], data."""
+Logged = tuple[int, int, bytes, tuple[int, int]]
+"""Channel number, log time [ns], data, place in the file (chunk, record): that of the order of recording."""
 
 
 class NotIndexedError(ValueError):
@@ -87,8 +87,8 @@ def messages_by_log_time(file: IndexedFile, topics: Collection[str]) -> Iterator
     waiting: list[Logged] = []
     with file.path.open("rb") as stream:
         for place, chunk in enumerate(file.chunks if left else ()):
-            found = _messages_of(_unpacked(stream, chunk), left.keys())
-            for number, _, _ in found:
+            found = _messages_of(_unpacked(stream, chunk), left.keys(), chunk.chunk_start_offset)
+            for number, *_ in found:
                 left[number] -= 1
             waiting = sorted(waiting + found, key=lambda one: one[1])
             later = [one.message_start_time for one in file.chunks[place + 1 : place + 2]]
@@ -103,7 +103,7 @@ def _count_before(waiting: list[Logged], later: list[int]) -> int:
     """Return how many messages precede all later chunks."""
     if not later or not waiting or waiting[-1][1] < later[0]:
         return len(waiting)
-    return sum(stamp_ns < later[0] for _, stamp_ns, _ in waiting)
+    return sum(one[1] < later[0] for one in waiting)
 
 
 def _named_files(bag: Path) -> list[Path]:
@@ -160,7 +160,7 @@ def _unpacked(stream: BinaryIO, chunk: ChunkIndex) -> bytes:
     return unpacked
 
 
-def _messages_of(records: bytes, selected: Collection[int]) -> list[Logged]:
+def _messages_of(records: bytes, selected: Collection[int], begin: int) -> list[Logged]:
     found: list[Logged] = []
     at, end, data_at = 0, len(records), _RECORD.size
     while at < end:
@@ -168,7 +168,7 @@ def _messages_of(records: bytes, selected: Collection[int]) -> list[Logged]:
             _, length, number, _, stamp_ns, _ = _RECORD.unpack_from(records, at)
             after = at + _LEAD + length
             if number in selected:
-                found.append((number, stamp_ns, records[at + data_at : after]))
+                found.append((number, stamp_ns, records[at + data_at : after], (begin, at)))
         else:
             after = at + _LEAD + int.from_bytes(records[at + 1 : at + _LEAD], "little")
         if after > end:

@@ -52,6 +52,8 @@ class RawMessage:
     """Bag time: time of recording [ns]."""
     data: bytes
     type_name: str
+    place: tuple[int, ...] = ()
+    """Rising in the order of recording; empty if only the bag time is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,11 +136,11 @@ def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> S
     def read(topics: Collection[str]) -> Iterator[RawMessage]:
         done = 0
         try:
-            for file in files:
-                for number, stamp_ns, data in messages_by_log_time(file, topics):
+            for part, file in enumerate(files):
+                for number, stamp_ns, data, place in messages_by_log_time(file, topics):
                     channel = file.channels[number]
                     done += 1
-                    yield RawMessage(channel.topic, stamp_ns, data, channel.type_name)
+                    yield RawMessage(channel.topic, stamp_ns, data, channel.type_name, (part, *place))
         except Exception as damage:
             raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
 
