@@ -68,6 +68,27 @@ def test_a_repeated_stamp_gets_the_same_answer_and_changes_no_memory():
             np.testing.assert_array_equal(often.update(now).acc, expected.acc)
 
 
+@pytest.mark.parametrize("off", [-1e9, -3.0, 3.0, 1e9])
+def test_few_stamps_far_off_leave_no_trace(off: float) -> None:
+    some, none = InteractionPredictor(MEASURED_LAW), InteractionPredictor(MEASURED_LAW)
+    for k in range(60):
+        now = state(0.01 * k, [[0, 0, 1.0], [0.01 * k - 0.59, 0, 1.6]], [[0, 0, 0], [1.0, 0, 0]])
+        if 50 <= k < 55:
+            some.update(replace(now, t=now.t + off))
+        else:
+            np.testing.assert_array_equal(some.update(now).acc, none.update(now).acc)
+
+
+def test_a_clock_set_ahead_is_followed_once_its_stamps_have_risen() -> None:
+    predictor = InteractionPredictor(MEASURED_LAW)
+    fly_past(predictor)
+    for k in range(60):
+        t = 5.0 + 0.01 * k
+        now = state(t, [[0, 0, 1.0], [t - 5.59, 0, 1.6]], [[0, 0, 0], [1.0, 0, 0]])
+        answer = predictor.update(now)
+    np.testing.assert_allclose(answer.acc, fly_past(InteractionPredictor(MEASURED_LAW)).acc, rtol=1e-9)
+
+
 def test_a_bag_that_starts_again_gives_the_answers_of_the_first_time():
     predictor = InteractionPredictor(MEASURED_LAW)
     first = fly_past(predictor)

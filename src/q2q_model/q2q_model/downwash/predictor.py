@@ -10,7 +10,8 @@ observed for less than its delay counts with its first observed state.
 | input | output |
 |---|---|
 | a repeated stamp | the previous output; the history is unchanged |
-| a stamp older than the history (a bag restarts) | the history is cleared |
+| a stamp older than the history, or far ahead | the history is unchanged until they have risen for 0.1 s |
+| a clock that was set back so (a bag restarts) | the history is cleared |
 | vehicles appear, vanish, or change rows | the history follows the names |
 | a source COASTING or LOST, or without past states | included; STALE_SOURCE on the exposed vehicle |
 | NaN in a vehicle's position or velocity | in no pair; NO_MODEL, eta 0, std NaN |
@@ -44,6 +45,7 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.downwash.sweep_and_prune import Pairs
+from q2q_model.signals.clock_resets import ClockResetDetector
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 
@@ -68,6 +70,7 @@ class InteractionPredictor:
         """Clear the history."""
         self._names: Names = ()
         self._history = StateHistory(0, 0.0)
+        self._old = ClockResetDetector()
         self._last: Interference | None = None
 
     def exchange(self, model: InteractionModel) -> None:
@@ -102,15 +105,28 @@ class InteractionPredictor:
         sum_over_sources(pairs, answers, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
-        if state.t < self._history.oldest:
-            self.reset()
+        left_out = self._is_left_out(state.t)
         if state.names != self._names:
             fresh = StateHistory(len(state.names), _span(self.model))
             rows = index_of(state.names, self._names)
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
-        if state.t > self._history.newest:
+        if not left_out:
             self._history.push(state.t, now)
+
+    def _is_left_out(self, t: float) -> bool:
+        """Return whether a state at t [s] is old or too far ahead; clear the history of a clock set back."""
+        oldest, newest = self._history.oldest, self._history.newest
+        if newest == -np.inf:
+            return False
+        if self._old.is_ahead(t, newest) or (t < oldest and not self._old.rise(t)):
+            return True
+        if t < oldest:
+            self.reset()
+        elif not t > newest:
+            return True
+        self._old.reset()
+        return False
 
     def _answers(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""
