@@ -264,11 +264,27 @@ def test_frames_ahead_that_come_back_move_no_plan_that_began_before(*, called: b
     if called:
         assert player.hold().granted
     played = player.played
+    assert played is not None
     frames_ahead_and_back(player, 100.01)
-    assert player.played == played
-    set_back(player, 90.0)  # the clock before them is forgotten
     assert player.played is not None
-    assert player.played.start == (pytest.approx(100.0 - 10.4) if called else 90.0)
+    assert player.played.start == pytest.approx(played.start + 0.12)  # in which steps were not believed yet
+    set_back(player, 90.0)  # the step ahead is forgotten
+    assert player.played.start == (pytest.approx(100.12 - 10.4) if called else 90.0)
+
+
+@pytest.mark.parametrize("called", [False, True])
+def test_a_step_of_the_clock_ahead_lets_the_reference_go_on(*, called: bool) -> None:
+    player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
+    player.update(frame(100.0, GROUND))
+    for k in range(1, 201):
+        last = player.update(frame(100.0 + STEP * k, GROUND))
+    if called:
+        assert player.hold().granted
+    ahead = [player.update(frame(105.0 + STEP * k, GROUND)) for k in range(12)]
+    for one in ahead[:11]:
+        np.testing.assert_allclose(one.pos, last.pos, atol=1e-12)
+    step = ahead[11].pos - last.pos
+    np.testing.assert_allclose(step, STEP * last.vel, atol=1e-3)
 
 
 def test_what_is_called_while_a_clock_is_ahead_comes_back_with_it() -> None:

@@ -9,14 +9,14 @@ keep vehicles in flight where they are, and `wait` is refused while one is at it
 flight one that has landed is there, too: `wait_landed` is for callers that know it has. Calls never make the
 reference jump: a glide starts where it rests, the plan starts where the glide has ended. They act at the
 newest stamp, whatever late frames come after it, or ones far ahead; in play, frames that are off by more than
-SET_BACK_S get the last reference under their stamps. If the clock is set back by more, a plan that began with
-the first tick begins again with the first of the old stamps, and what was called (a glide, a start, a hold)
-goes on (q2q_model.signals.clock_resets); but not if it comes back from a step ahead: what began before that
-is where it was.
+SET_BACK_S get the last reference under their stamps. If the clock steps by more, or frames pause,
+what was called (a glide, a start, a hold) goes on from there, and so does a plan that began with the first
+tick; but that begins again with a clock that was set back, unless it comes back from a step ahead
+(q2q_model.signals.clock_resets). A plan with a given start keeps to its stamps.
 """
 
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import isfinite
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class PlanPlayer:
         self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
         self._last: SwarmSetpoint | None = None  # at the newest stamp
         self._old = ClockResetDetector()
-        self._before_ahead, self._ahead = -inf, 0.0  # stamp before the last step ahead, and that step [s]
+        self._ahead = 0.0  # the last step ahead [s]; 0 once the clock was set back
         self._apart = 0.0  # speed of the waiting reference since the tick before [m/s]
 
     def update(self, frame: MocapFrame) -> SwarmSetpoint:
@@ -148,23 +148,28 @@ class PlanPlayer:
         if t < last:
             if not self._old.rise(t):
                 return True
-            self._set_back(last, self._old.first)
-            self._before_ahead = -inf
+            self._set_back(last - self._old.first, self._old.first)
         elif t - last > AHEAD_S:
-            self._before_ahead, self._ahead = last, t - last
+            self._ahead = t - last
+            self._shift(self._ahead)
         self._old.reset()
         return False
 
-    def _set_back(self, last: float, first: float) -> None:
-        """Follow a clock that was set back from `last` to `first` [s]."""
-        if self.played is None or last - first <= SET_BACK_S:
+    def _set_back(self, by: float, first: float) -> None:
+        """Follow a clock that was set back `by` [s], to `first` [s]."""
+        if by <= SET_BACK_S:
             return
-        if self.played.start <= self._before_ahead and abs(last - first - self._ahead) <= SET_BACK_S:
-            return
-        if self.played.called:
-            self.played = replace(self.played, start=self.played.start + first - last)
-        elif self._at_first_tick:
+        again = not (self.played is None or self.played.called) and self._at_first_tick
+        if again and abs(by - self._ahead) > SET_BACK_S:
             self.played = Played(self._plan, first)
+        else:
+            self._shift(-by)
+        self._ahead = 0.0
+
+    def _shift(self, by: float) -> None:
+        """Shift what is played by a step of the clock [s], unless it has its own stamp."""
+        if self.played is not None and (self.played.called or self._at_first_tick):
+            self.played = replace(self.played, start=self.played.start + by)
 
     def _see(self, frame: MocapFrame) -> None:
         """Keep the measured poses; those of a whole frame are taken only when they are asked for."""
