@@ -200,7 +200,8 @@ def test_the_ground_and_holes_in_the_positions_do_not_move_the_gains():
 
 def test_a_flight_without_commands_is_refused_with_the_way_out():
     record = record_of(CALM)
-    with pytest.raises(ValueError, match="0 rows with thrust commands in 1 flight, 200 needed, at references with rates"):
+    missing = "0 rows with thrust commands in 1 flight, 200 needed, at references with rates"
+    with pytest.raises(ValueError, match=missing):
         gains_from_commands([replace(record, commanded_acc=np.full_like(record.commanded_acc, np.nan))])
 
 

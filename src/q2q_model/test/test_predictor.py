@@ -95,6 +95,30 @@ def test_a_bag_that_starts_again_gives_the_answers_of_the_first_time():
     np.testing.assert_array_equal(fly_past(predictor).acc, first.acc)
 
 
+@pytest.mark.parametrize("off", [3.0, 1e9, -0.05, -0.5, -3.0])
+@pytest.mark.parametrize("renamed", [False, True])
+def test_a_state_under_a_wrong_stamp_is_no_past_of_its_vehicles(off: float, *, renamed: bool) -> None:
+    right, got = InteractionPredictor(MEASURED_LAW), InteractionPredictor(MEASURED_LAW)
+    for k in range(60):
+        t = 0.01 * k
+        now = state(t, [[0, 0, 1.0], [t - 0.4, 0, 1.6]], [[0, 0, 0], [1.0, 0, 0]])
+        if k == 35:
+            wrong = replace(now, t=t + off)
+            got.update(_taken(wrong, [1, 0]) if renamed else wrong)
+        else:
+            np.testing.assert_allclose(got.update(now).acc, right.update(now).acc, rtol=1e-12)
+
+
+@pytest.mark.parametrize("off", [100.0, -100.0])
+def test_a_clock_that_is_set_is_followed_after_a_tenth_of_a_second(off: float) -> None:
+    predictor = InteractionPredictor(MEASURED_LAW)
+    fly_past(predictor)
+    for k in range(12):
+        answer = predictor.update(state(off + 0.01 * k, [[0, 0, 1.0], [0.01 * k, 0, 1.6]]))
+    behind = np.array([0.10, 0, 0.6])  # where its first state of the new clock was followed
+    np.testing.assert_allclose(answer.acc[0], MEASURED_LAW.acceleration(behind, LEVEL), rtol=1e-9)
+
+
 def test_a_source_that_is_only_guessed_is_announced_on_the_vehicle_it_pushes():
     now = state(0.0, [[0, 0, 1.0], [0, 0, 1.5], [5.0, 0, 1.0]])
     coasting = np.array([TrackStatus.TRACKED, TrackStatus.COASTING, TrackStatus.LOST], dtype=np.uint8)

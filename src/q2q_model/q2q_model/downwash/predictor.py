@@ -10,8 +10,8 @@ observed for less than its delay counts with its first observed state.
 | input | output |
 |---|---|
 | a repeated stamp | the previous output; the history is unchanged |
-| a stamp older than the history, or far ahead | the history is unchanged until they have risen for 0.1 s |
-| a clock that was set back so (a bag restarts) | the history is cleared |
+| a late stamp, or one more than AHEAD_S ahead | not in the history |
+| such stamps that go on (a bag restarts, a pause): signals.clock_resets | the history begins again |
 | vehicles appear, vanish, or change rows | the history follows the names |
 | a source COASTING or LOST, or without past states | included; STALE_SOURCE on the exposed vehicle |
 | NaN in a vehicle's position or velocity | in no pair; NO_MODEL, eta 0, std NaN |
@@ -45,7 +45,7 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.downwash.sweep_and_prune import Pairs
-from q2q_model.signals.clock_resets import ClockResetDetector
+from q2q_model.signals.clock_resets import AHEAD_S, ClockResetDetector
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 
@@ -70,7 +70,7 @@ class InteractionPredictor:
         """Clear the history."""
         self._names: Names = ()
         self._history = StateHistory(0, 0.0)
-        self._old = ClockResetDetector()
+        self._clock_reset = ClockResetDetector()
         self._last: Interference | None = None
 
     def exchange(self, model: InteractionModel) -> None:
@@ -105,28 +105,25 @@ class InteractionPredictor:
         sum_over_sources(pairs, answers, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
-        left_out = self._is_left_out(state.t)
+        is_wrong = self._is_wrong(state.t)
         if state.names != self._names:
             fresh = StateHistory(len(state.names), _span(self.model))
             rows = index_of(state.names, self._names)
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
-        if not left_out:
+        if not is_wrong and state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _is_left_out(self, t: float) -> bool:
-        """Return whether a state at t [s] is old or too far ahead; clear the history of a clock set back."""
-        oldest, newest = self._history.oldest, self._history.newest
-        if newest == -np.inf:
+    def _is_wrong(self, t: float) -> bool:
+        """Return whether a stamp [s] is late or too far ahead; clear the history if its clock was set."""
+        newest = self._history.newest
+        if newest == -np.inf or 0.0 <= t - newest <= AHEAD_S:
+            self._clock_reset.reset()
             return False
-        if self._old.is_ahead(t, newest) or (t < oldest and not self._old.rise(t)):
-            return True
-        if t < oldest:
+        is_wrong = not self._clock_reset.rise(t) if t < newest else self._clock_reset.is_ahead(t, newest)
+        if not is_wrong:
             self.reset()
-        elif not t > newest:
-            return True
-        self._old.reset()
-        return False
+        return is_wrong
 
     def _answers(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""

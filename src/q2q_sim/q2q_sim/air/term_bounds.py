@@ -1,12 +1,9 @@
 """Bounds of the numbers of an air's terms: NaN and correlation times of 0 would reach the vehicles."""
 
 from dataclasses import fields
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
 ABOVE_ZERO = (
     "width_m", "time_s", "radius_m", "rotor_radius_m", "gust_time_s", "headroom", "attitude_frequency",
@@ -20,7 +17,7 @@ NOT_NEGATIVE = (
 """Fields of terms whose numbers are 0 or more; all others are any finite numbers."""
 
 
-def check_term(name: str, term: "DataclassInstance") -> None:
+def check_term(name: str, term: Any) -> None:  # noqa: ANN401  any dataclass
     """Raise ValueError for a number of a term that is not allowed, with its field and what is."""
     for entry in fields(term):
         given = getattr(term, entry.name)
