@@ -251,21 +251,22 @@ def test_a_frame_far_off_gets_the_last_reference_under_its_stamp(off: float) -> 
         np.testing.assert_array_equal(wrong.vel, last.vel)
 
 
-def frames_ahead_and_back(player: PlanPlayer, began: float) -> None:
-    """Play on from a stamp [s] while the clock is 5.5 s ahead for 0.2 s, and then for 0.2 s as it was."""
+def frames_ahead_and_back(player: PlanPlayer, began: float, size: float) -> None:
+    """Play on from a stamp [s] while the clock is ahead by a size [s] for 0.2 s, and for 0.2 s as it was."""
     for k in range(40):
-        player.update(frame(began + STEP * k + (5.5 if k < 20 else 0.0), GROUND))
+        player.update(frame(began + STEP * k + (size if k < 20 else 0.0), GROUND))
 
 
+@pytest.mark.parametrize("size", [1.0, 5.5])
 @pytest.mark.parametrize("called", [False, True])
-def test_frames_ahead_that_come_back_move_no_plan_that_began_before(*, called: bool) -> None:
+def test_frames_ahead_that_come_back_move_no_plan_that_began_before(size: float, *, called: bool) -> None:
     player = PlanPlayer(PLAN, -1.0, GlideParams(), wait=False)
     player.update(frame(100.0, GROUND))
     if called:
         assert player.hold().granted
     played = player.played
     assert played is not None
-    frames_ahead_and_back(player, 100.01)
+    frames_ahead_and_back(player, 100.01, size)
     assert player.played is not None
     assert player.played.start == pytest.approx(played.start + 0.12)  # in which steps were not believed yet
     set_back(player, 90.0)  # the step ahead is forgotten

@@ -81,7 +81,7 @@ class PlanPlayer:
         self._see(frame)
         last = self._last
         is_late = last is not None and self._is_late(frame.t, last.t)
-        if last is not None and self.played is not None and is_late and abs(frame.t - last.t) > SET_BACK_S:
+        if self.played and last and is_late and not 0.0 <= last.t - frame.t <= SET_BACK_S:
             return replace(last, t=frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
@@ -157,7 +157,7 @@ class PlanPlayer:
 
     def _set_back(self, by: float, first: float) -> None:
         """Follow a clock that was set back `by` [s], to `first` [s]."""
-        if by <= SET_BACK_S:
+        if by <= SET_BACK_S and not self._ahead:
             return
         again = not (self.played is None or self.played.called) and self._at_first_tick
         if again and abs(by - self._ahead) > SET_BACK_S:
