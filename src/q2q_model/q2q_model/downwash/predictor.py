@@ -45,8 +45,7 @@ from q2q_model.downwash.source_strength import (
 )
 from q2q_model.downwash.state_history import StateHistory
 from q2q_model.downwash.sweep_and_prune import Pairs
-from q2q_model.signals.clock_resets import AHEAD_S, ClockResetDetector
-from q2q_model.signals.repeated_stamp import is_repeated
+from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 
 _TRACKED = int(TrackStatus.TRACKED)  # numpy takes 5 us to read an enumeration
@@ -70,7 +69,7 @@ class InteractionPredictor:
         """Clear the history."""
         self._names: Names = ()
         self._history = StateHistory(0, 0.0)
-        self._clock_reset = ClockResetDetector()
+        self._order = StampOrder()
         self._last: Interference | None = None
 
     def exchange(self, model: InteractionModel) -> None:
@@ -105,7 +104,9 @@ class InteractionPredictor:
         sum_over_sources(pairs, answers, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
-        is_wrong = self._is_wrong(state.t)
+        is_wrong = self._order.is_wrong(state.t)
+        if self._order.was_set:
+            self._names = ()  # the history begins again
         if state.names != self._names:
             fresh = StateHistory(len(state.names), _span(self.model))
             rows = index_of(state.names, self._names)
@@ -113,17 +114,6 @@ class InteractionPredictor:
             self._names = state.names
         if not is_wrong and state.t > self._history.newest:
             self._history.push(state.t, now)
-
-    def _is_wrong(self, t: float) -> bool:
-        """Return whether a stamp [s] is late or too far ahead; clear the history if its clock was set."""
-        newest = self._history.newest
-        if newest == -np.inf or 0.0 <= t - newest <= AHEAD_S:
-            self._clock_reset.reset()
-            return False
-        is_wrong = not self._clock_reset.rise(t) if t < newest else self._clock_reset.is_ahead(t, newest)
-        if not is_wrong:
-            self.reset()
-        return is_wrong
 
     def _answers(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
         """Return the model's answers to the pairs of a tick."""
