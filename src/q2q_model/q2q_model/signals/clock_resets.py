@@ -13,8 +13,9 @@ CONFIRM_STAMPS = 3
 SET_BACK_S = 1.0
 """Step back of a clock beyond which another flight begins, unless set otherwise [s]."""
 AHEAD_S = 1.0
-"""Step ahead beyond which a stamp may be wrong [s]: by less nobody lands (land_s of
-q2q_control.failsafe.ladder)."""
+"""Step ahead beyond which a stamp may be wrong [s]. One such stamp by less ages states by the step until old
+stamps have risen and tracks are found again, for 0.3 s at most: by 0.8 s or more vehicles land meanwhile
+(land_s of q2q_control.failsafe.ladder)."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1
