@@ -18,6 +18,7 @@ from std_msgs.msg import Header
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.vehicle_publishers import VehiclePublishers
+from q2q_model.signals.repeated_stamp import StampOrder
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 
 LOST = int(TrackStatus.LOST)
@@ -29,10 +30,14 @@ class VehicleTopics:
     def __init__(self, node: Node, rate_hz: float, names: Names) -> None:
         """Publish at most at `rate_hz` [Hz]; `names` are the vehicles known before flight."""
         self._writers = VehiclePublishers(node, {"pose": PoseStamped, "odom": Odometry}, rate_hz, names)
+        self._order = StampOrder()
 
     def publish(self, stamp_ns: int, state: SwarmState) -> None:
-        """Publish pose and odometry of every vehicle that is not lost, at most `rate_hz` times per second."""
-        if not self._writers.due(state.t, stamp_ns, state.names):
+        """Publish pose and odometry of every vehicle that is not lost, at most `rate_hz` times per second.
+
+        Nothing is published under a wrong stamp: software that takes these topics expects them to rise.
+        """
+        if self._order.is_wrong(state.t) or not self._writers.due(state.t, stamp_ns, state.names):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
         for row in np.flatnonzero(state.status != LOST):
