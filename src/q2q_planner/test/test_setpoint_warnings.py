@@ -1,6 +1,7 @@
 """Tests of what is reported of setpoints that a replanner cannot repair."""
 
 import numpy as np
+import pytest
 
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.online.setpoint_warnings import SETTLED_S, SetpointWarnings
@@ -32,12 +33,21 @@ def test_a_warning_is_reported_once_until_it_has_been_over_for_a_while() -> None
 
 
 def test_a_clock_that_is_set_back_makes_no_time_of_sound_setpoints() -> None:
-    """Sound from 8 s on, set back to 2 s at 12 s: 4 s of them, and whatever follows."""
+    """Sound from 8 s on, set back to 2 s at 12 s: 3.985 s of them, and 10 ms with each that follows."""
     warnings = SetpointWarnings()
     assert warnings.take(setpoint(8.0, broken=True))
-    after = [*(8.0 + 0.01 * k for k in range(1, 400)), *(2.0 + 0.01 * k for k in range(1200))]
+    after = [*(8.005 + 0.01 * k for k in range(399)), *(2.0 + 0.01 * k for k in range(1200))]
     over = [k for k, t in enumerate(after) if warnings.take(setpoint(t))]
-    assert over == [399 + 1 + round(100 * SETTLED_S)]
+    assert over == [399 + 602]  # 3.985 s + 6.02 s
+
+
+@pytest.mark.parametrize("off", [-1e6, -20.0, 20.0, 1e6])
+@pytest.mark.parametrize(("broken", "unsound"), [(0, 0.02), (100, 1.01)])
+def test_a_wrong_stamp_makes_no_time_of_sound_setpoints(off: float, broken: int, unsound: float) -> None:
+    """Also if the last warning came under it; the steps to and from it count as `unsound` time [s]."""
+    warnings, stamps = SetpointWarnings(), [2e6 + 0.01 * k + (off if k == 100 else 0.0) for k in range(1300)]
+    over = [k for k, t in enumerate(stamps) if "sound" in warnings.take(setpoint(t, broken=k == broken))]
+    assert over == [pytest.approx(100 * (SETTLED_S + unsound), abs=1.0)]  # ticks
 
 
 def test_setpoints_that_are_not_finite_are_named_beside_broken_promises() -> None:

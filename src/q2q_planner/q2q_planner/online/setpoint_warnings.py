@@ -4,6 +4,7 @@ from math import isfinite
 
 import numpy as np
 
+from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.values import Mask, Names, SetpointStatus, SwarmSetpoint
 
 SETTLED_S = 10.0
@@ -17,20 +18,21 @@ class SetpointWarnings:
     def __init__(self) -> None:
         self.text = ""
         """Warning of the last setpoints; empty if there is none."""
-        self._last = (
-            -np.inf
-        )  # stamp of the last setpoints with a warning, until it is reported that they are over [s]
+        self._t = -np.inf  # stamp of the last setpoints [s]
+        self._warned = -np.inf  # that of the last ones with a warning, until it is reported as over [s]
 
     def take(self, setpoint: SwarmSetpoint) -> str:
         """Return what to log of new setpoints; empty if nothing has changed."""
         self.text = setpoint_warning(setpoint)
-        reported = self._last > -np.inf
+        step, self._t = setpoint.t - self._t, setpoint.t
+        reported = self._warned > -np.inf
         if self.text:
-            self._last = setpoint.t
+            self._warned = setpoint.t
             return "" if reported else self.text
-        self._last = min(self._last, setpoint.t)  # the clock may be set back
-        if reported and setpoint.t - self._last > SETTLED_S:
-            self._last = -np.inf
+        if reported and abs(step) > SET_BACK_S:
+            self._warned += step  # to or from a wrong stamp, or a clock that is set: no time has passed
+        if reported and setpoint.t - self._warned > SETTLED_S:
+            self._warned = -np.inf
             return f"setpoints have been sound for {SETTLED_S:g} s"
         return ""
 
