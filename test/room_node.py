@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from rclpy.clock import Clock
 from std_srvs.srv import Trigger
 
 from q2q_model.node.reply import Reply
@@ -138,6 +139,10 @@ class RoomNode(StandInNode):
     def create_timer(self, period: float, act: Callable[[], None], **_: object) -> None:
         """Keep a timer for the room to call."""
         self.timers.append((period, act))
+
+    def get_clock(self) -> Clock:
+        """Return the wall clock."""
+        return Clock()
 
     def get_logger(self) -> "RoomNode":
         """Return the node itself, which keeps the lines."""

@@ -10,7 +10,6 @@ import pytest
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.clock import Clock
 from room_node import RoomNode, Writer
 
 from q2q_control.ros import mpc_node, pid_node
@@ -49,10 +48,6 @@ class SharedRoom(RoomNode):
         names = self.writers.get(topic.removeprefix("/"), ())
         places = self.namespaces or ("/",) * len(names)
         return [Writer(name, place) for name, place in zip(names, places, strict=False)]
-
-    def get_clock(self) -> Clock:
-        """Return the wall clock."""
-        return Clock()
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ import pytest
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.clock import Clock
 from room_node import RoomNode
 
 from q2q_control.crazyswarm.message_conversion import NamedPose
@@ -25,18 +24,10 @@ TOLD = (
 )
 
 
-class ClockedNode(RoomNode):
-    """Node with the clock of the wall."""
-
-    def get_clock(self) -> Clock:
-        """Return it."""
-        return Clock()
-
-
 def test_the_duplicate_vehicle_alone_is_left_out_and_told_once(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, module in interface_packages().items():
         monkeypatch.setitem(sys.modules, name, module)
-    node = ClockedNode("crazyswarm", {"vehicles": ("cf1", "cf2")}, {})
+    node = RoomNode("crazyswarm", {"vehicles": ("cf1", "cf2")}, {})
     Crazyswarm(node)
     (report,) = [act for period, act in node.timers if period == PERIOD_S]
     places = ("cf1", 1.0), ("cf2", 2.0), ("wand", 3.0), ("cf1", 4.0), ("wand", 5.0)

@@ -6,11 +6,15 @@ import pytest
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
+from diagnostic_msgs.msg import DiagnosticArray
 from room_node import RoomNode
 
 from q2q_control.mpc.prediction import downwash_horizon, vehicle_tracks
 from q2q_control.mpc.solver import horizon_solver
 from q2q_control.ros import mpc_node
+from q2q_model.node.warm_up import synthetic_signal
+from q2q_model.signals.cdr import encode
+from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 ALONE = {"vehicles": ("cf1",)}
 
@@ -36,3 +40,20 @@ def test_every_kernel_of_a_tick_runs_before_the_first(
         monkeypatch.setattr(module, name, noted(getattr(module, name)))
     mpc_node.build(RoomNode("mpc", {"model": model, **given}, {}))
     assert ran == {name for _, name in kernels}
+
+
+def test_diagnostics_show_the_recursions_of_ticks_and_none_of_the_warm_up() -> None:
+    node = RoomNode("mpc", {"aware": False}, {})
+    mpc_node.build(node)
+    assert _reported_iterations(node) == 0
+    for topic, signal in (("state", SwarmState), ("reference_safe", SwarmSetpoint)):
+        node.takers[topic](encode(synthetic_signal(signal, 1.0), 10**9))
+    assert _reported_iterations(node) > 0
+
+
+def _reported_iterations(node: RoomNode) -> int:
+    for _, act in node.timers:
+        act()
+    last = node.published["/diagnostics"][-1]
+    assert isinstance(last, DiagnosticArray)
+    return int({value.key: value.value for value in last.status[0].values}["iterations"])

@@ -8,7 +8,6 @@ import pytest
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.clock import Clock
 from room_node import RoomNode
 
 from q2q_control.flight_procedure.hand_over import STATUS_TOPIC, reporter_name
@@ -23,14 +22,6 @@ NAMES = ("cf1", "cf2")
 MESSAGE = "far from their setpoints: cf2 3.0 m: does the plan begin where they fly?"
 
 
-class ClockedNode(RoomNode):
-    """Node with the clock of the wall."""
-
-    def get_clock(self) -> Clock:
-        """Return it."""
-        return Clock()
-
-
 def fly(node: RoomNode, tick: int, aside: float, lost_s: float = 0.0) -> None:
     """Give a tick in which cf2's setpoint is so far beside it [m], and cf2 lost for so long [s]."""
     state = synthetic_signal(SwarmState, 0.01 * tick, NAMES)
@@ -43,7 +34,7 @@ def fly(node: RoomNode, tick: int, aside: float, lost_s: float = 0.0) -> None:
 
 
 def test_a_setpoint_that_is_far_is_a_doubt_while_it_is_and_one_line_of_the_log() -> None:
-    node = ClockedNode("pid", {"aware": False}, {})
+    node = RoomNode("pid", {"aware": False}, {})
     wiring = pid_node.build(node)
     (report,) = [act for period, act in node.timers if period == PERIOD_S]
     doubts = []
@@ -56,7 +47,7 @@ def test_a_setpoint_that_is_far_is_a_doubt_while_it_is_and_one_line_of_the_log()
 
 
 def test_a_vehicle_that_the_failsafe_has_landed_is_far_for_that_and_not_for_its_plan() -> None:
-    node = ClockedNode("pid", {"aware": False}, {})
+    node = RoomNode("pid", {"aware": False}, {})
     wiring = pid_node.build(node)
     (report,) = [act for period, act in node.timers if period == PERIOD_S]
     for tick in range(150):
@@ -71,7 +62,7 @@ def test_a_vehicle_that_the_failsafe_has_landed_is_far_for_that_and_not_for_its_
 
 
 def test_a_vehicle_that_lands_or_has_landed_is_not_far_and_is_again_in_the_next_flight() -> None:
-    node = ClockedNode("pid", {"aware": False}, {})
+    node = RoomNode("pid", {"aware": False}, {})
     wiring = pid_node.build(node)
     (report,) = [act for period, act in node.timers if period == PERIOD_S]
     doubts = []
@@ -86,7 +77,7 @@ def test_a_vehicle_that_lands_or_has_landed_is_not_far_and_is_again_in_the_next_
 
 
 def test_no_vehicle_is_far_once_the_node_has_gone_that_flew_it() -> None:
-    node = ClockedNode("pid", {"aware": False}, {})
+    node = RoomNode("pid", {"aware": False}, {})
     wiring = pid_node.build(node)
     (report,) = [act for period, act in node.timers if period == PERIOD_S]
     doubts = []
@@ -102,7 +93,7 @@ def test_no_vehicle_is_far_once_the_node_has_gone_that_flew_it() -> None:
 
 
 def test_a_vehicle_in_flight_is_far_whatever_another_node_reports_from_the_ground() -> None:
-    node = ClockedNode("pid", {"aware": False}, {})
+    node = RoomNode("pid", {"aware": False}, {})
     wiring = pid_node.build(node)
     (report,) = [act for period, act in node.timers if period == PERIOD_S]
     doubts = []

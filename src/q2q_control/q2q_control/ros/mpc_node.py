@@ -104,11 +104,10 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         if exchange is not None:
             exchange.begin(state)
         command = guarded.update(state, setpoint, downwash)
-        report = block.report
-        wiring.health.fallbacks += int(report.shifted + report.pd > 0)
-        wiring.health.extra["iterations"] = str(report.iterations)
+        wiring.health.fallbacks += int(block.report.shifted + block.report.pd > 0)
         return command
 
+    wiring.add_diagnostic_values(lambda: {"iterations": str(block.report.iterations)})
     _receive_plans(node, block, wiring)
     warmed_up = _hearing_itself(block, answer) if mpc.distributed else answer
     _warm_up(block, wiring, warmed_up, guarded.reset, (*(own.vehicles or STAND_IN), NEIGHBOUR))
