@@ -217,6 +217,19 @@ def test_nothing_old_unknown_or_invalid_corrects() -> None:
     assert block.update(prediction(0.0, -2.0)).acc[0, 2] == -2.0
 
 
+@pytest.mark.parametrize("off", [3.0, 1e9, -0.05, -3.0])
+def test_a_prediction_under_a_wrong_stamp_unlearns_nothing(off: float) -> None:
+    right, got = ResidualCorrector(PROCESS), ResidualCorrector(PROCESS)
+    for k in range(1000):
+        now = prediction(STEP * k, 0.0 if k < 900 else -2.0)
+        if k == 899:
+            assert got.update(replace(now, t=now.t + off)).acc[0, 2] == 0.0
+            continue
+        np.testing.assert_array_equal(got.update(now).acc, right.update(now).acc)
+        for block in (right, got):
+            block.measure(now.t, NAMES, now.acc[:, 2] + 0.25)
+
+
 def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_push() -> None:
     """The lower of a hovering stack is pushed by 0.5 m/s^2 more than the law says; the next tick knows."""
     vehicle, still, flag = CRAZYFLIE_2_1, np.zeros((2, 3)), np.zeros(2, np.uint8)

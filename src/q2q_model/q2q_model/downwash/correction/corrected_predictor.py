@@ -15,7 +15,8 @@ and the standard deviation of eta^ is the square root of P, propagated over h. T
 | no measurement yet, one of another vehicle, NaN | the prediction unchanged |
 | a measurement older than `OLDEST` | the prediction unchanged: nothing of the residual is left |
 | a measurement not later than the last, or of a time without prediction | ignored |
-| a prediction earlier than the last: a late one, or the clock was set back | is reset |
+| a prediction under a wrong stamp (q2q_model.signals.repeated_stamp) | unchanged, not remembered |
+| one of a clock that was set back | all is forgotten |
 | measurements of other vehicles than the last time | what is known of each follows its name |
 | a vehicle without prediction (NO_MODEL) | the prediction unchanged |
 """
@@ -27,7 +28,8 @@ import numpy as np
 from q2q_model.downwash.correction.measured_push import MeasuredPush
 from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProcess
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.signals.recent_ticks import SAME_STAMP, RecentTicks
+from q2q_model.signals.recent_ticks import RecentTicks
+from q2q_model.signals.repeated_stamp import StampOrder
 from q2q_model.signals.values import (
     Array,
     Interference,
@@ -57,6 +59,10 @@ class ResidualCorrector:
 
     def reset(self) -> None:
         """Forget predictions and measurements."""
+        self._order = StampOrder()
+        self._forget()
+
+    def _forget(self) -> None:
         self._predicted: RecentTicks[Interference] = RecentTicks(OLDEST)
         self._t = -np.inf
         self._names: Names = ()
@@ -68,9 +74,11 @@ class ResidualCorrector:
 
     def update(self, prediction: Interference) -> Interference:
         """Return a prediction corrected by what has been measured."""
+        if self._order.is_wrong(prediction.t):
+            return prediction
         last = self._predicted.last
-        if last is not None and prediction.t < last.t - SAME_STAMP:
-            self.reset()
+        if last is not None and prediction.t < last.t:
+            self._forget()
         self._predicted.remember(prediction)
         age = prediction.t - self._t
         rows = index_of(prediction.names, self._names)
