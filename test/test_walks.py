@@ -33,7 +33,6 @@ SERVICES = {
     "q2q_model/signals/values.py",
     "q2q_model/tunable.py",
     "q2q_model/writable_places.py",
-    "q2q_planner/online/tick_clock.py",
 }
 """Services that blocks and commands use: parsing, parameters, compilation, stamps, rows and words."""
 BESIDE_IDENTIFICATION = {

@@ -13,11 +13,11 @@ from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.clock_resets import SET_BACK_S
+from q2q_model.signals.repeated_stamp import StampOrder
 from q2q_model.signals.values import MocapFrame, SwarmSetpoint
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-from q2q_planner.online.tick_clock import TickClock
 from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_sim.faults.faults import Fault
@@ -43,12 +43,12 @@ def followed(stamps: list[float]) -> set[str]:
     guard = Guard(Pid(PidParams(), CRAZYFLIE_2_0), FallbackParams(), CRAZYFLIE_2_0.hover_thrust)
     ways = Waypoint(0.0, (1.0, 1.0, 1.0)), Waypoint(9.0, (1.0, 1.0, 2.0))
     player = PlanPlayer(minimum_snap_plan([VehicleWaypoints("cf1", ways)]), -1.0, GlideParams(), wait=False)
-    replanner = TickClock()
+    replanner = StampOrder()
     for t in (BEGIN, *stamps):
         state = mocap_filter.update(frame(t))
         guard.update(state, setpoint(t), None)
         player.update(frame(t))
-        late = replanner.is_late(t)
+        late = replanner.is_wrong(t)
     assert player.played is not None
     follow = {
         "mocap filter": mocap_filter.report.clock_resets == 1,

@@ -33,7 +33,7 @@ from scipy.linalg import expm
 
 from q2q_model.downwash.interaction_model import Reach
 from q2q_model.downwash.sweep_and_prune import pairs_in_reach
-from q2q_model.signals.repeated_stamp import is_repeated
+from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
 from q2q_model.tunable import check_bounds, tunable
 from q2q_planner.online.replanner import LONGEST_GAP
@@ -45,7 +45,6 @@ from q2q_planner.online.setpoint_error import (
     settle,
     shift_reference,
 )
-from q2q_planner.online.tick_clock import TickClock
 
 STEP = 0.01
 """Longest step of the integrator [s]: one tick at 100 Hz."""
@@ -91,7 +90,7 @@ class PotentialField:
     def __init__(self, params: PotentialFieldParams | None = None) -> None:
         """Start on the reference."""
         self.params = params or PotentialFieldParams()
-        self._clock = TickClock()
+        self._order = StampOrder()
         self.reset()
 
     def configure(self, params: PotentialFieldParams) -> None:
@@ -102,7 +101,7 @@ class PotentialField:
         """Forget the modified trajectories; the next update starts on the reference."""
         self._error = no_error(())
         self._on_reference = True
-        self._clock.reset()
+        self._order.reset()
         self._before: SwarmSetpoint | None = None
         self._answer: SwarmSetpoint | None = None
 
@@ -115,7 +114,7 @@ class PotentialField:
         """
         if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
-        if self._clock.is_late(setpoint.t):
+        if self._order.is_wrong(setpoint.t):
             error = match_rows(self._error, setpoint.names)
             return _shifted(
                 setpoint, error, swarm_repulsion(setpoint.pos + error.pos, self.params), self.params

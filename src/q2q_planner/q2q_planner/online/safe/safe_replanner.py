@@ -46,7 +46,7 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.repeated_stamp import is_repeated
+from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import (
     Array,
@@ -85,7 +85,6 @@ from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_unc
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
 from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion, wanted_motion
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
-from q2q_planner.online.tick_clock import TickClock
 
 _SHIFTED, _PROMISE_BROKEN = int(SetpointStatus.SHIFTED), int(SetpointStatus.PROMISE_BROKEN)
 
@@ -97,7 +96,7 @@ class SafeReplanner:
         """Start on the reference."""
         self.configure(params or SafeReplannerParams())
         self._last_known = LastKnownStates()
-        self._clock = TickClock()
+        self._order = StampOrder()
         self.reset()
 
     def reset(self) -> None:
@@ -106,7 +105,7 @@ class SafeReplanner:
         self._answer: SwarmSetpoint | None = None
         self._turn = 0
         self._last_known.reset()
-        self._clock.reset()
+        self._order.reset()
         self._lost = LostVehicles()
         self._forget_proofs()
 
@@ -127,16 +126,16 @@ class SafeReplanner:
 
         The first ones start on the reference; where a vehicle is tracked off it, where that is measured.
         A repeated stamp returns the same setpoints, and a late one the newest, under its own stamp. Where
-        the clock is set back motions go on in the new time (TickClock); after a gap over LONGEST_GAP either
+        the clock is set back motions go on in the new time (StampOrder); after a gap over LONGEST_GAP either
         way vehicles start as at the first tick. `state` None assumes ideal tracking and no external vehicles.
         """
         last = self._answer
         if is_repeated(last, setpoint.t, setpoint.names):
             return last
-        if self._clock.is_late(setpoint.t) and last is not None:
+        if self._order.is_wrong(setpoint.t) and last is not None:
             return answer_for_all(setpoint, last)
-        if self._clock.set_back > 0.0:
-            self._set_back(self._clock.set_back)
+        if self._order.set_back > 0.0:
+            self._set_back(self._order.set_back)
         if state is not None:
             self._last_known.update(state)
         reference = reference_rows(setpoint)

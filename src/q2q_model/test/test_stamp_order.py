@@ -1,17 +1,17 @@
-"""Late ticks, and clocks that are set back."""
+"""Wrong stamps, and clocks that are set back."""
 
 import pytest
 
-from q2q_planner.online.tick_clock import TickClock
+from q2q_model.signals.repeated_stamp import StampOrder
 
 
 def late_ones(stamps: list[float]) -> list[float]:
     """Return the stamps that are late."""
-    clock = TickClock()
-    return [t for t in stamps if clock.is_late(t)]
+    order = StampOrder()
+    return [t for t in stamps if order.is_wrong(t)]
 
 
-def test_a_tick_older_than_one_before_is_late_and_newer_or_equal_ones_are_not() -> None:
+def test_a_tick_older_than_one_before_is_wrong_and_newer_or_equal_ones_are_not() -> None:
     assert late_ones([1.0, 1.01, 1.01, 0.7, 1.02, 1.01, 1.03]) == [0.7, 1.01]
 
 
@@ -21,7 +21,7 @@ def test_old_stamps_that_rise_for_a_tenth_of_a_second_are_a_clock_set_back() -> 
 
 
 @pytest.mark.parametrize("off", [-1e9, -7.0, 3.0, 1e9])
-def test_one_stamp_far_off_is_late_however_far_it_is(off: float) -> None:
+def test_one_stamp_far_off_is_wrong_however_far_it_is(off: float) -> None:
     assert late_ones([10.0, 10.0 + off, 10.01, 10.02]) == [10.0 + off]
 
 
@@ -36,15 +36,15 @@ def test_stamps_that_go_on_from_before_are_no_clock_set_back() -> None:
 
 def test_a_clock_is_set_back_to_the_first_of_its_old_stamps() -> None:
     """The time for which they rise until it is known has passed."""
-    clock, set_back = TickClock(), []
+    order, set_back = StampOrder(), []
     for t in (1.0, 0.7, 1.01, *(0.5 + 0.01 * k for k in range(20)), 1.6, *(0.1 * k - 4.0 for k in range(9))):
-        clock.is_late(t)
-        set_back.append(clock.set_back)
+        order.is_wrong(t)
+        set_back.append(order.set_back)
     assert {k: by for k, by in enumerate(set_back) if by} == pytest.approx({13: 0.51, 26: 5.6})
 
 
-def test_after_a_reset_no_tick_is_late() -> None:
-    clock = TickClock()
-    assert not clock.is_late(1.0)
-    clock.reset()
-    assert not clock.is_late(0.5)
+def test_after_a_reset_no_tick_is_wrong() -> None:
+    order = StampOrder()
+    assert not order.is_wrong(1.0)
+    order.reset()
+    assert not order.is_wrong(0.5)
