@@ -160,7 +160,7 @@ def measured(signals: RecordedSignal) -> None:
     any_in_zone(pos, Cylinder())
     in_zone_once(pos, Cylinder())
     near_sample(pos, pos, 0.1)
-    exposure(pos, 0.01)
+    exposure(pos, 0.01 * np.arange(len(pos)))
 
 
 def drawn(signals: RecordedSignal) -> None:

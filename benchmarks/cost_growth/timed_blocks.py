@@ -212,7 +212,8 @@ def _unseen(state: SwarmState, last: float) -> SwarmState:
 def _mpc(scene: Scene) -> TimedBlock:
     def make(names: Names) -> Made:
         plan = SwarmPlan(names, scene.plan.trajectories[: len(names)])
-        block = blocks_of(scene.scenario, BlockChoices(controller="mpc"), scene.model, plan).controller
+        flown = replace(scene.scenario, waypoints=scene.scenario.waypoints[: len(names)])
+        block = blocks_of(flown, BlockChoices(controller="mpc"), scene.model, plan).controller
         return block, lambda tick: block.update(tick.state, tick.planned, tick.downwash)
 
     return _by_pairs("MPC of pairs", scene, make)
