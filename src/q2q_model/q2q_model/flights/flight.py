@@ -252,7 +252,7 @@ def _remarks(topic: str, found: Sequence[SignalRows], t: Array, ticks_of: str) -
     repeated = _repeated(found)
     if repeated:
         remarks.append(f"{counted(repeated, 'repeated stamp')} on {topic}: the last message is used")
-    if np.any(np.diff(stamps) < 0.0):
+    if any(np.any(np.diff(rows.t) < 0.0) for rows in found):  # each of one node
         remarks.append(f"stamps on {topic} are out of order: sorted")
     return remarks
 
