@@ -22,7 +22,8 @@ import numpy as np
 
 from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
-from q2q_model.signals.clock_resets import AHEAD_S, SET_BACK_S, ClockResetDetector
+from q2q_model.signals.clock_resets import SET_BACK_S
+from q2q_model.signals.repeated_stamp import StampOrder
 from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.plan_playback.braked_plan import brake_plan
@@ -68,7 +69,7 @@ class PlanPlayer:
         self._seen = np.full((len(plan.names), 4), np.nan)
         self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
         self._last: SwarmSetpoint | None = None  # at the newest stamp
-        self._old = ClockResetDetector()
+        self._order = StampOrder()
         self._ahead = 0.0  # the last step ahead [s]; 0 once the clock was set back
         self._apart = 0.0  # speed of the waiting reference since the tick before [m/s]
 
@@ -80,7 +81,11 @@ class PlanPlayer:
         """
         self._see(frame)
         last = self._last
-        is_late = last is not None and self._is_late(frame.t, last.t)
+        if last is None:
+            self._order.reset()
+        is_late = self._order.is_wrong(frame.t)
+        if last and self._order.was_set:
+            self._follow_clock(frame.t, last.t)
         if self.played and last and is_late and not 0.0 <= last.t - frame.t <= SET_BACK_S:
             return replace(last, t=frame.t)
         if self.played is None and not self._wait:
@@ -141,19 +146,13 @@ class PlanPlayer:
         left = max(self.played.start + self.played.plan.duration - now, 0.0)
         return Reply(granted=True, reason=f"at rest in {left:.1f} s")
 
-    def _is_late(self, t: float, last: float) -> bool:
-        """Return whether a frame at t [s] is older than the last one, or far ahead; follow the clock."""
-        if self._old.is_ahead(t, last):
-            return True
-        if t < last:
-            if not self._old.rise(t):
-                return True
-            self._set_back(last - self._old.first, self._old.first)
-        elif t - last > AHEAD_S:
+    def _follow_clock(self, t: float, last: float) -> None:
+        """Follow a clock that was set, under whose stamp t [s] the last one is `last` [s]."""
+        if by := self._order.set_back:
+            self._set_back(by, last - by)
+        else:
             self._ahead = t - last
             self._shift(self._ahead)
-        self._old.reset()
-        return False
 
     def _set_back(self, by: float, first: float) -> None:
         """Follow a clock that was set back `by` [s], to `first` [s]."""
