@@ -163,8 +163,10 @@ def verdict_line(flights: Sequence[tuple[str, FlightVerdict]]) -> str:
 
 def _broken(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
     """Yield what policies find, falls when they began; and what they excuse, of whom they find nothing."""
-    judged = {(one.policy, one.who): one for one in judge(trace, circumstances, IN_FLIGHT)}
-    for one in judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT):
+    broken = judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT)
+    with_excuses = judge(trace, circumstances, IN_FLIGHT) if broken else ()
+    judged = {(one.policy, one.who): one for one in with_excuses}
+    for one in broken:
         found = judged.get((one.policy, one.who))
         told = one if found is None or one.policy == "floor" else found
         yield Finding(told.t, _words(told, begin) + (EXCUSED if found is None else ""))
