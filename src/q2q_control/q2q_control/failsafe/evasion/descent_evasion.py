@@ -101,7 +101,7 @@ class DescentEvasion:
     def _begin_anew(
         self, setpoint: SwarmSetpoint, names: Names, places: tuple[Array, Array], dt: float
     ) -> None:
-        """Begin the evasions again, in directions chosen again, of vehicles to which their setpoints jump.
+        """Begin the evasions again, in new directions, of vehicles to which their setpoints jump.
 
         Args:
             setpoint: reference of the tick.
