@@ -78,18 +78,23 @@ def _(signal: SwarmCommand) -> Mapping[str, str]:
 
 
 def smallest_separation(pos: Array) -> float:
-    """Return the smallest distance between two vehicles at pos [m], (n, 3); infinite for fewer than two."""
+    """Return the smallest distance between two vehicles at pos [m], (n, 3); infinite for fewer than two.
+
+    Vehicles in order of their widest axis: once all pairs so many places apart are further apart along it
+    than the nearest pair, all others are too.
+    """
     seen = pos[np.isfinite(pos).all(axis=1)]
     if len(seen) < 2:
         return float("inf")
-    centred = seen - seen.mean(axis=0)
-    squares = np.sum(centred * centred, axis=1)
-    gaps = (
-        squares[:, None] + squares - 2.0 * centred @ centred.T
-    )  # squared; rounded, so only to find the pair
-    np.fill_diagonal(gaps, np.inf)
-    i, j = np.unravel_index(np.argmin(gaps), gaps.shape)
-    return float(np.linalg.norm(seen[i] - seen[j]))
+    widest = int(np.argmax(np.ptp(seen, axis=0)))
+    row = seen[np.argsort(seen[:, widest])]
+    nearest = np.inf
+    for ahead in range(1, len(row)):
+        gaps = row[ahead:] - row[:-ahead]
+        if gaps[:, widest].min() >= nearest:
+            break
+        nearest = float(min(nearest, np.linalg.norm(gaps, axis=1).min()))
+    return nearest
 
 
 def _count(which: Mask) -> str:
