@@ -51,7 +51,7 @@ from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import CONTROLLERS, REPLANNERS
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.tools.compile_kernels import import_kernels
+from q2q_sim.tools.kernels.compile_kernels import import_kernels
 from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 
 SHORT_ROOM = library.load(str(ROOT / "test" / "scenarios" / "short_room.yaml"))

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.compiled import entry_kernels
-from q2q_sim.tools.compile_kernels import import_kernels
-from q2q_sim.tools.kernel_calls import calls
+from q2q_sim.tools.kernels.compile_kernels import import_kernels
+from q2q_sim.tools.kernels.kernel_calls import calls
 
 Call = tuple[str, bytes, bytes]
 """Module and function, arguments before the call, arguments and result after it."""

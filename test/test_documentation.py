@@ -26,7 +26,7 @@ from q2q_sim.bag_topics.topics import LATCHED_TYPES, is_latched
 from q2q_sim.commands.docs import OUT
 from q2q_sim.processes.processes import find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
-from q2q_sim.tools.node_pages import out_of_date, pages, table
+from q2q_sim.tools.docs.node_pages import out_of_date, pages, table
 
 NODES_TOGETHER = "stack"
 """A process of several nodes: like a node it takes parameters only."""

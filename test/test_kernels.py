@@ -12,7 +12,7 @@ from fresh_checkout import ROOT
 SOURCES = [path for path in (ROOT / "src").rglob("*.py") if "test" not in path.parts]
 EVERY_KERNEL = """
 from q2q_model.compiled import KERNELS, uncached_kernels
-from q2q_sim.tools.compile_kernels import import_kernels
+from q2q_sim.tools.kernels.compile_kernels import import_kernels
 import_kernels()
 print(len(KERNELS), *uncached_kernels(), sep="\\n")
 """
@@ -44,7 +44,7 @@ def test_every_kernel_is_made_by_the_decorator_of_the_house() -> None:
 def test_set_up_has_compiled_every_kernel() -> None:
     count, *missing = run("-c", EVERY_KERNEL).split()
     assert int(count) > 100
-    assert missing == [], "call them in q2q_sim.tools.kernel_calls"
+    assert missing == [], "call them in q2q_sim.tools.kernels.kernel_calls"
 
 
 def test_what_users_fly_calls_every_kernel_and_compiles_none() -> None:
@@ -56,5 +56,5 @@ def test_what_users_fly_calls_every_kernel_and_compiles_none() -> None:
 def test_every_kernel_computes_what_its_plain_form_does(tmp_path: Path) -> None:
     entries = json.loads(run(PLAIN, "record", str(tmp_path / "calls")))
     differences = json.loads(run(PLAIN, "compare", str(tmp_path / "calls"), NUMBA_DISABLE_JIT="1"))
-    assert sorted(differences) == sorted(entries), "call them in q2q_sim.tools.kernel_calls"
+    assert sorted(differences) == sorted(entries), "call them in q2q_sim.tools.kernels.kernel_calls"
     assert {name: size for name, size in differences.items() if not size < ROUNDING} == {}

@@ -61,7 +61,7 @@ def add_toy_package(root: Path) -> None:
 
 def add_kernel_compiler(folder: Path) -> None:
     """Write a module that leaves a word in the cache in the place of every kernel's code."""
-    module = folder / "q2q_sim/tools/compile_kernels.py"
+    module = folder / "q2q_sim/tools/kernels/compile_kernels.py"
     module.parent.mkdir(parents=True)
     module.write_text(COMPILE_KERNELS_PY)
 

@@ -12,7 +12,7 @@ import resource
 from concurrent.futures import ThreadPoolExecutor
 
 from q2q_model.compiled import KERNELS, compiled
-from q2q_sim.tools import compile_kernels
+from q2q_sim.tools.kernels import compile_kernels
 
 
 def called(x): return 0.5 * x
@@ -27,7 +27,7 @@ compile_kernels.calls = lambda: (lambda: half(3.0),)
 resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, resource.RLIM_INFINITY))
 raise SystemExit(compile_kernels.main())
 """
-NEVER = "compile_kernels: __main__.never is never called: call it in q2q_sim.tools.kernel_calls"
+NEVER = "compile_kernels: __main__.never is never called: call it in q2q_sim.tools.kernels.kernel_calls"
 NOT_STORED = (
     "compile_kernels: compiled kernels that could not be stored: 1; make room on the disk, or set "
     "NUMBA_CACHE_DIR to a folder that can be written"

@@ -24,9 +24,9 @@ from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun
 from q2q_sim.report.run_table import run_notes
 from q2q_sim.scenarios import library
-from q2q_sim.tools import demo_real
-from q2q_sim.tools.demo_flights import key_numbers, passage_times, write_demo_page
-from q2q_sim.tools.demo_real_page import median_flight, write_real_page
+from q2q_sim.tools.demo import real_flight
+from q2q_sim.tools.demo.demo_flights import key_numbers, passage_times, write_demo_page
+from q2q_sim.tools.demo.real_flight_page import median_flight, write_real_page
 
 QUICK = (
     VehicleWaypoints("cf1", (Waypoint(0.0, (0.0, 0.0, 1.5)), Waypoint(6.0, (0.0, 0.0, 1.5)))),
@@ -76,7 +76,7 @@ def test_real_flights_are_taught_unless_the_air_was_learned_from_their_family(
     ):
         (folder / f"{name}.parquet").touch()
     monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
-    found = demo_real.find_flights([])
+    found = real_flight.find_flights([])
     assert [one.stem for one in found.taught] == ["dc19_swap_ss_02", "dc19_walk_ss_04"]
     assert [one.stem for one in found.further] == ["dc21_swap_ss_03", "dc21_walk_sss_99"]
 
@@ -85,7 +85,7 @@ def test_without_real_flights_it_says_where_they_are_found_and_takes_the_shipped
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
-    found = demo_real.find_flights([])
+    found = real_flight.find_flights([])
     assert [one.name for one in found.taught] == [f"table2_{k}" for k in range(1, 7)]
     assert found.further == ()
     assert "https://github.com/aerorobotics/neural-swarm" in found.origin
@@ -93,25 +93,25 @@ def test_without_real_flights_it_says_where_they_are_found_and_takes_the_shipped
 
 
 def test_given_flights_come_first() -> None:
-    assert demo_real.find_flights([Path("mine")]).taught == (Path("mine"),)
+    assert real_flight.find_flights([Path("mine")]).taught == (Path("mine"),)
 
 
 def test_without_any_flight_it_asks_for_some(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
-    monkeypatch.setattr(demo_real, "SHIPPED_BAGS", tmp_path)
+    monkeypatch.setattr(real_flight, "SHIPPED_BAGS", tmp_path)
     with pytest.raises(ValueError, match=r"scripts/demo --real FLIGHT\.\.\."):
-        demo_real.find_flights([])
+        real_flight.find_flights([])
 
 
 def test_the_model_knows_its_flights_by_their_digests(monkeypatch: pytest.MonkeyPatch) -> None:
-    bags = tuple(demo_real.SHIPPED_BAGS / f"table2_{k}" for k in (1, 2))
+    bags = tuple(real_flight.SHIPPED_BAGS / f"table2_{k}" for k in (1, 2))
     others = [
         HeldOutFlight(one.name, (), (), PushScore(0.9, None, None, 1), (other.name,))
         for one, other in (bags, bags[::-1])
     ]
     scores = HeldOutScores(MEASURED_LAW, tuple(others))
-    monkeypatch.setattr(demo_real, "held_out_scores", lambda *_: scores)
-    fit = demo_real.score_flights(demo_real.DemoFlights(bags, (), "")).fit
+    monkeypatch.setattr(real_flight, "held_out_scores", lambda *_: scores)
+    fit = real_flight.score_flights(real_flight.DemoFlights(bags, (), "")).fit
     assert fit.flights == ("table2_1", "table2_2")
     assert fit.digests == tuple(flight_digest(recording_of_bag(one).flight) for one in bags)
 

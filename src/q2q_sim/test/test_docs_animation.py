@@ -1,7 +1,7 @@
 import numpy as np
 
 from q2q_model.geometry.rotations import quat_from_euler
-from q2q_sim.tools.docs_animation import ARM, _outline
+from q2q_sim.tools.docs.animation import ARM, _outline
 
 POS = np.array([0.3, -0.2, 1.5])
 

@@ -37,11 +37,11 @@ def _prepare(args: Namespace) -> Work:
 
     start_fork_server()  # it imports in parallel
     if args.real is not None:
-        from q2q_sim.tools import demo_real
+        from q2q_sim.tools.demo import real_flight
 
-        return demo_real.run
+        return real_flight.run
     print("demo: three flights: starting", file=sys.stderr, flush=True)
-    from q2q_sim.tools import demo_flights
+    from q2q_sim.tools.demo import demo_flights
 
     return demo_flights.run
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.ros.stand_in import Declared, RecordedPort
-from q2q_sim.tools.docs_animation import write_animation
-from q2q_sim.tools.docs_images import OUT, write_images
+from q2q_sim.tools.docs.animation import write_animation
+from q2q_sim.tools.docs.images import OUT, write_images
 
 MADE = "<!-- Made by scripts/docs from the nodes themselves; change those, then run it again. -->"
 

@@ -20,8 +20,8 @@ from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.report.panels import save
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.tools.demo_real import find_flights, score_flights
-from q2q_sim.tools.demo_real_page import held_out_figure, median_flight
+from q2q_sim.tools.demo.real_flight import find_flights, score_flights
+from q2q_sim.tools.demo.real_flight_page import held_out_figure, median_flight
 from q2q_sim.view.scene import SceneBuilder, SceneParams, SceneSignals
 from q2q_sim.view.shapes import Scene, Shape, ShapeKind
 

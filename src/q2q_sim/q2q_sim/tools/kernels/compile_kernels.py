@@ -11,7 +11,7 @@ from time import monotonic
 
 from q2q_model.compiled import COMPILED, KERNELS, uncached_kernels
 from q2q_sim.processes.worker_pool import worker_pool
-from q2q_sim.tools.kernel_calls import calls
+from q2q_sim.tools.kernels.kernel_calls import calls
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
 NOT_PURE = (".ros", ".tools", ".commands", ".launching", ".experiments", ".torch_training")
@@ -54,7 +54,7 @@ def _tell_left(left: list[str], made: set[str]) -> None:
     """Report the kernels that are not in the cache, in spite of those made."""
     for name in left:
         if name not in made:
-            _report(f"{name} is never called: call it in q2q_sim.tools.kernel_calls")
+            _report(f"{name} is never called: call it in q2q_sim.tools.kernels.kernel_calls")
     if lost := made.intersection(left):
         _report(
             f"compiled kernels that could not be stored: {len(lost)}; make room on the disk, or set "

@@ -13,7 +13,7 @@ from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure
 from q2q_sim.report.run_table import run_grid, run_verdicts
 from q2q_sim.report.significant_digits import significant_digits
-from q2q_sim.tools.demo_flights import key_numbers, plot_runs, replay_of
+from q2q_sim.tools.demo.demo_flights import key_numbers, plot_runs, replay_of
 
 HEAD = ("flight", "samples under another", "R2", "R2, 20 ms ahead", "model fitted to")
 MOST_NAMED = 3

@@ -25,8 +25,8 @@ from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path, flights_folder
 from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun
-from q2q_sim.tools.demo_flights import fly_requests, print_numbers
-from q2q_sim.tools.demo_real_page import write_real_page
+from q2q_sim.tools.demo.demo_flights import fly_requests, print_numbers
+from q2q_sim.tools.demo.real_flight_page import write_real_page
 from q2q_sim.tools.fly_scenario import print_flights as print_runs
 from q2q_sim.tools.fly_scenario import print_verdict
 
@@ -40,7 +40,7 @@ SIMULATED = (
     "The flights used here are the simulated ones of bags/, whose downwash is several times weaker than that "
     "of real Crazyflies: in the room's air, their model helps little."
 )
-SHIPPED_BAGS = Path(__file__).resolve().parents[4] / "bags"
+SHIPPED_BAGS = Path(__file__).resolve().parents[5] / "bags"
 
 
 @dataclass(frozen=True, slots=True)

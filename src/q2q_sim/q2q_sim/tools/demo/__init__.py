@@ -1,0 +1,1 @@
+"""Flights and pages of the demo."""

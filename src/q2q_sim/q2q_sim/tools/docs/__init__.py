@@ -1,0 +1,1 @@
+"""What the documentation shows: pictures, the moving picture and the pages of the nodes."""

@@ -1,0 +1,1 @@
+"""Machine code of all kernels, made at set-up."""
