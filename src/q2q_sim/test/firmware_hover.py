@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 
 HOVER = Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.0))
 

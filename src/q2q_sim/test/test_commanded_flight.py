@@ -10,7 +10,7 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.firmware.commanded_flight import CommandedFlight
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.plant.body.state_row import QUAT
 from q2q_sim.plant.swarm import Swarm

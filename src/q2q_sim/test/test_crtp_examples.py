@@ -104,7 +104,7 @@ def test_a_motion_commander_moves_turns_circles_and_lands(stage: Stage) -> None:
             motion.circle_right(0.5, velocity=0.5, angle_degrees=180)
             motion.turn_left(90)
             stage.clock.sleep(1.0)
-            assert stage.pilot.firmware().attitude_deg[2] == pytest.approx(-90.0, abs=10.0)
+            assert stage.pilot.firmware().rows.attitude_deg[2] == pytest.approx(-90.0, abs=10.0)
             motion.move_distance(-1, 0.0, 0.5, velocity=0.6)
             motion.start_left(velocity=0.5)
             stage.clock.sleep(1.0)

@@ -8,7 +8,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.supervisor.rules import State
 
 commander = pytest.importorskip("cflib.crazyflie.commander", reason="cflib is not installed").Commander
@@ -90,7 +90,7 @@ def test_an_estimator_fed_by_a_client_flies_as_well_and_lags_by_what_the_client_
 def test_a_flow_deck_flies_from_where_the_estimate_began_and_forgets_the_room() -> None:
     pilot = Pilot(np.array([[2.0, -1.0, 0.0, 0.0]]), build=Build(positioning_deck=False, flow_deck=True))
     pilot.fly(0.5)
-    np.testing.assert_allclose(pilot.firmware().pos, 0.0, atol=1e-3)
+    np.testing.assert_allclose(pilot.firmware().rows.pos, 0.0, atol=1e-3)
     sender = commander(pilot.wire())
     for rise in np.linspace(0.0, 0.5, 100):
         sender.send_hover_setpoint(0.0, 0.0, 0.0, rise)
@@ -98,7 +98,7 @@ def test_a_flow_deck_flies_from_where_the_estimate_began_and_forgets_the_room() 
     pilot.fly(4.0, lambda _: sender.send_hover_setpoint(0.25, 0.0, 0.0, 0.5))
     moved = pilot.pos() - [2.0, -1.0, 0.0]
     np.testing.assert_allclose(moved, [1.0, 0.0, 0.5], atol=0.1)  # 0.25 m/s for 4 s, less the start
-    np.testing.assert_allclose(pilot.firmware().pos, moved, atol=1e-3)  # exact but for the room's origin
+    np.testing.assert_allclose(pilot.firmware().rows.pos, moved, atol=1e-3)  # exact but for the room's origin
     assert pilot.firmware().estimator.variance[0] > 1.0  # where it is in the room, nobody knows
 
 

@@ -12,7 +12,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.plant.body.state_row import QUAT, RATE, VEL
 from q2q_sim.sensors.range_finder import NOTHING_MM, RoomBox

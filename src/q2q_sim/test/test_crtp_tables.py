@@ -11,7 +11,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.tables import log_toc, param_toc
 from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.crtp.tables.toc import Toc, TocEntry
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.parameters.parameter_table import GAINS, TABLE
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")

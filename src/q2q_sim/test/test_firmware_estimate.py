@@ -5,7 +5,7 @@ import pytest
 
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.estimator import Estimator
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.motors.battery import LOW_POWER, Battery
 
 
@@ -51,7 +51,7 @@ def test_a_reset_of_the_estimate_happens_once(grounded: Pilot) -> None:
     grounded.fly(0.01)
     assert firmware.parameters["kalman.resetEstimation"] == 0
     grounded.fly(0.5)
-    assert firmware.pos[0] == pytest.approx(0.0, abs=1e-3)  # the deck has corrected it
+    assert firmware.rows.pos[0] == pytest.approx(0.0, abs=1e-3)  # the deck has corrected it
 
 
 def test_external_positions_matter_without_a_deck_only() -> None:
@@ -59,7 +59,7 @@ def test_external_positions_matter_without_a_deck_only() -> None:
         pilot = Pilot(np.zeros((1, 4)), build=Build(positioning_deck=deck))
         pilot.fly(1.0, lambda _, one=pilot: one.firmware().locate((3.0, 4.0, 0.0)))
         expected = [0.0, 0.0] if deck else [3.0, 4.0]
-        np.testing.assert_allclose(pilot.firmware().pos[:2], expected, atol=1e-2)
+        np.testing.assert_allclose(pilot.firmware().rows.pos[:2], expected, atol=1e-2)
 
 
 def test_a_battery_lasts_for_its_hover_time_and_says_when_it_is_low() -> None:

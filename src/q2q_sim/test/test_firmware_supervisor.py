@@ -11,7 +11,7 @@ from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR, SET_THRUST
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware.supervisor.info import Info

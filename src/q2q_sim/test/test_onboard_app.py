@@ -23,7 +23,7 @@ from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.pilot import ECHO
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.loop.room import Room
 from q2q_sim.monitors.exposure import exposure

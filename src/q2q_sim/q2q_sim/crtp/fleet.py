@@ -17,7 +17,9 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.crtp.vehicle import CrtpVehicle
 from q2q_sim.firmware.controllers.columns import IDLE, MOTOR, SET_ACC
-from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.firmware_build import Build
+from q2q_sim.firmware.firmware_rows import FirmwareRows
 from q2q_sim.firmware.firmware_tick import airframe_in, fly_tick, fresh_controllers
 from q2q_sim.firmware.onboard_apps import OnboardApps
 from q2q_sim.plant.swarm import Swarm

@@ -9,7 +9,7 @@ from q2q_control.onboard.native_app import compile_app
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.start_positions import spread_start_positions
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.firmware.parameters.parameter_table import DECKS
 from q2q_sim.loop.room import Room

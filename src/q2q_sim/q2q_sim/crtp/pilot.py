@@ -15,7 +15,8 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.vehicle import LOCAL
 from q2q_sim.firmware.commander.setpoint import Setpoint
-from q2q_sim.firmware.firmware import Build, Firmware
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.plant.swarm import Swarm
 
 STILL = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)

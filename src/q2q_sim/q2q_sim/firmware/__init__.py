@@ -15,6 +15,7 @@ q2q_model.geometry.rotations. Everything else is SI, world frame, z up.
 | parameters/ | parameter table, values of one vehicle, uploads of clients |
 | supervisor/ | arming, watchdogs, emergency stop |
 | estimator | onboard position estimate |
+| firmware_build, firmware_rows | options and decks of a vehicle; what it knows of its motion |
 | firmware | everything above the controllers, for one vehicle, at 100 Hz |
 | firmware_tick | 10 ms of flight of a swarm under its own controllers |
 """

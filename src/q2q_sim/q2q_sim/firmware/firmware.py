@@ -6,11 +6,10 @@ time is in milliseconds since the start of the room.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.commander.commander import Commander, Priority
@@ -18,62 +17,24 @@ from q2q_sim.firmware.commander.planner import MOVING, Planner, PlanState
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three, setpoint_of
 from q2q_sim.firmware.controllers.choice import FirmwareController, choose, refusal_of, start_controller
 from q2q_sim.firmware.controllers.columns import MOTOR, SETPOINT_WIDTH, Power, setpoint_row
-from q2q_sim.firmware.controllers.state_attitude import DEG, legacy_degrees
 from q2q_sim.firmware.estimator import DT, Estimator
+from q2q_sim.firmware.firmware_build import Build
+from q2q_sim.firmware.firmware_rows import FirmwareRows
 from q2q_sim.firmware.motors.airframe import Airframe
 from q2q_sim.firmware.motors.battery import VOLT_FULL, Battery
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware.parameters.uploads import Uploads
 from q2q_sim.firmware.supervisor.info import supervisor_info
 from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
-from q2q_sim.plant.body.state_row import ACC, POS, QUAT, RATE, ROTORS, VEL
-from q2q_sim.sensors.range_finder import DOWN, RoomBox, ranges_mm
+from q2q_sim.plant.body.state_row import POS, ROTORS
 
 TICK_MS = 10
 SUPERVISOR_TICKS = 4
 """RATE_SUPERVISOR of the firmware: 25 Hz."""
 ZERO_EXPIRES_MS = 500
 """Age at which a vehicle at rest drops a setpoint without thrust, if the build does so."""
-SEES_FLOW = frozenset(("bcFlow", "bcFlow2"))
-"""Decks that see the ground move."""
-LOOKS_DOWN = SEES_FLOW | {"bcZRanger", "bcZRanger2"}
-"""Decks that measure the range downwards."""
-LOOKS_AROUND = "bcMultiranger"
-"""Deck that measures the other ranges."""
 SUPPLY_SHARE = 1.0 - 0.99**TICK_MS
 """Weight of a new voltage in the supply after a tick: the low-pass of stabilizer.c takes 1 % each 1 ms."""
-
-
-@dataclass(frozen=True, slots=True)
-class Build:
-    """Build options of the firmware and equipment of the vehicle."""
-
-    auto_arming: bool = True
-    """False: CONFIG_MOTORS_REQUIRE_ARMING."""
-    number: int = 0
-    """Index of the vehicle in the room: the last byte of its radio address."""
-    positioning_deck: bool = True
-    """The vehicle measures its position, as with a Lighthouse deck; else clients send it."""
-    flow_deck: bool = False
-    """Without a positioning deck: it measures velocity and height, relative to the initial estimate."""
-    decks: tuple[str, ...] = ()
-    """Decks reported to clients (parameter_table.DECKS)."""
-    room: RoomBox = field(default_factory=RoomBox)
-    """What the range finders see."""
-    zero_expires: bool = False
-    """Unlike the firmware: a client's setpoint without thrust expires after ZERO_EXPIRES_MS."""
-
-
-@dataclass(frozen=True, slots=True)
-class FirmwareRows:
-    """One vehicle's rows of the swarm's arrays, as views."""
-
-    state: Array
-    """quadcopter, (21,)."""
-    memory: Array
-    """columns, (MEMORY_WIDTH,)."""
-    drift: Array
-    """(6,)"""
 
 
 @dataclass(slots=True)
@@ -136,40 +97,6 @@ class Firmware:
     def seconds(self) -> float:
         """Return the time [s]."""
         return self.now_ms * 1e-3
-
-    @property
-    def pos(self) -> Array:
-        """Return the estimated position [m], world, (3,)."""
-        return np.asarray(self.rows.state[POS] + self.rows.drift[:3])
-
-    @property
-    def vel(self) -> Array:
-        """Return the estimated velocity [m/s], world, (3,)."""
-        return np.asarray(self.rows.state[VEL] + self.rows.drift[3:])
-
-    @property
-    def attitude_deg(self) -> Three:
-        """Return roll, legacy pitch, yaw [deg]."""
-        angles: Three = legacy_degrees(self.rows.state)
-        return angles
-
-    @property
-    def specific_force_g(self) -> Array:
-        """Return the accelerometer reading [g], body, (3,)."""
-        up = np.array([0.0, 0.0, GRAVITY])
-        return np.asarray(rotate_inverse(self.rows.state[QUAT], self.rows.state[ACC] + up) / GRAVITY)
-
-    @property
-    def rates_deg(self) -> Array:
-        """Return the gyroscope reading [deg/s], body, (3,)."""
-        return np.asarray(DEG * self.rows.state[RATE])
-
-    @property
-    def ranges_mm(self) -> Array:
-        """Return the ranges to front, back, up, left, right, down [mm], (6,); 0 without a deck."""
-        around, below = LOOKS_AROUND in self.build.decks, not LOOKS_DOWN.isdisjoint(self.build.decks)
-        looks = np.where(np.arange(DOWN + 1) == DOWN, below, around)
-        return looks * ranges_mm(self.rows.state[POS], self.rows.state[QUAT], self.build.room)
 
     def reset_estimate(self) -> None:
         """Reset the position estimate to kalman.initialX, Y, Z."""
@@ -286,10 +213,10 @@ class Firmware:
             self.commander.offer(setpoint, Priority.HIGH_LEVEL, self.now_ms)
 
     def _update_planner(self) -> None:
-        self.planner.set_state(self.pos, self.vel, math.radians(self.attitude_deg[2]))
+        self.planner.set_state(self.rows.pos, self.rows.vel, math.radians(self.rows.attitude_deg[2]))
 
     def _supervise(self) -> None:
-        x, y, z = self.specific_force_g.tolist()
+        x, y, z = self.rows.specific_force_g.tolist()
         look = SupervisorInput(
             now_ms=self.now_ms,
             acc=(x, y, z),

@@ -6,7 +6,9 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.crtp.vehicle import CrtpVehicle
 from q2q_sim.firmware.controllers.columns import frame_row, fresh_memory
-from q2q_sim.firmware.firmware import Build, Firmware, FirmwareRows
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.firmware_build import Build
+from q2q_sim.firmware.firmware_rows import FirmwareRows
 from q2q_sim.firmware.firmware_tick import STEPS, Controllers, control_motors
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.plant.body.state_row import ACC, state_at_rest

@@ -33,7 +33,8 @@ from q2q_sim.firmware.controllers.columns import (
     Z_AXIS_SETPOINT,
 )
 from q2q_sim.firmware.estimator import FLOW_HEIGHT_MIN, PIXELS
-from q2q_sim.firmware.firmware import SEES_FLOW, Firmware
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.firmware_build import SEES_FLOW
 from q2q_sim.plant.body.state_row import ACC, QUAT, RATE
 
 Numbers = Array | tuple[float, ...]
@@ -88,7 +89,7 @@ def _legacy_rates(firmware: Firmware) -> Array:
 
 
 def _vel_body(firmware: Firmware) -> Array:
-    return rotate_inverse(_quat(firmware), firmware.vel)
+    return rotate_inverse(_quat(firmware), firmware.rows.vel)
 
 
 def _compressed_quat(firmware: Firmware) -> float:
@@ -98,7 +99,7 @@ def _compressed_quat(firmware: Firmware) -> float:
 
 def _turned(firmware: Firmware, vector: Array) -> Array:
     """Return a world vector in the frame rotated by the yaw."""
-    yaw = math.radians(firmware.attitude_deg[2])
+    yaw = math.radians(firmware.rows.attitude_deg[2])
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])
 
@@ -109,7 +110,7 @@ def _flow(firmware: Firmware) -> Numbers:
         return 0.0, 0.0
     (x, y, _), rates = _vel_body(firmware), firmware.rows.state[RATE]
     upright = matrix_from_quat(_quat(firmware))[2, 2]
-    per_height = upright / max(float(firmware.pos[2]), FLOW_HEIGHT_MIN)
+    per_height = upright / max(float(firmware.rows.pos[2]), FLOW_HEIGHT_MIN)
     return PIXELS * (per_height * x - rates[1]), PIXELS * (per_height * y + rates[0])
 
 
@@ -125,19 +126,19 @@ def _memory(first: int) -> Callable[[Firmware], Numbers]:
 
 
 _STATE = (
-    _vector("stateEstimate: x y z", "float", lambda one: one.pos),
-    _vector("stateEstimate: vx vy vz", "float", lambda one: one.vel),
+    _vector("stateEstimate: x y z", "float", lambda one: one.rows.pos),
+    _vector("stateEstimate: vx vy vz", "float", lambda one: one.rows.vel),
     _vector("stateEstimate: ax ay az", "float", _acc, 1.0 / GRAVITY),
-    _vector("stateEstimate: roll pitch yaw", "float", lambda one: one.attitude_deg),
+    _vector("stateEstimate: roll pitch yaw", "float", lambda one: one.rows.attitude_deg),
     _vector("stateEstimate: qx qy qz qw", "float", _quat),
-    _vector("stateEstimateZ: x y z", "int16", lambda one: one.pos, 1e3),
-    _vector("stateEstimateZ: vx vy vz", "int16", lambda one: one.vel, 1e3),
+    _vector("stateEstimateZ: x y z", "int16", lambda one: one.rows.pos, 1e3),
+    _vector("stateEstimateZ: vx vy vz", "int16", lambda one: one.rows.vel, 1e3),
     _vector("stateEstimateZ: ax ay az", "int16", lambda one: _acc(one) + np.array([0.0, 0.0, GRAVITY]), 1e3),
     _one("stateEstimateZ.quat", "uint32", _compressed_quat),
     _vector("stateEstimateZ: rateRoll ratePitch rateYaw", "int16", _legacy_rates, 1e3),
 )
 _CONTROL = (
-    _vector("stabilizer: roll pitch yaw", "float", lambda one: one.attitude_deg),
+    _vector("stabilizer: roll pitch yaw", "float", lambda one: one.rows.attitude_deg),
     _vector("stabilizer: thrust", "float", _memory(CONTROL + 3)),
     _vector("ctrltarget: x y z", "float", lambda one: one.flown.pos),
     _vector("ctrltarget: vx vy vz", "float", lambda one: one.flown.vel),
@@ -154,30 +155,30 @@ _CASCADE = (
     _one("controller.cmd_thrust", "float", lambda one: one.rows.memory[CONTROL + 3]),
     _vector("controller: cmd_roll cmd_pitch cmd_yaw", "float", _memory(CONTROL)),
     _vector("controller: r_roll r_pitch r_yaw", "float", _legacy_rates),
-    _one("controller.accelz", "float", lambda one: one.specific_force_g[2]),
+    _one("controller.accelz", "float", lambda one: one.rows.specific_force_g[2]),
     _one("controller.actuatorThrust", "float", lambda one: one.rows.memory[THRUST_SETPOINT]),
     _vector("controller: roll pitch yaw", "float", _memory(ATTITUDE_SETPOINT)),
     _vector("controller: rollRate pitchRate yawRate", "float", _memory(RATE_SETPOINT)),
     _one("controller.ctr_yaw", "int16", lambda one: one.rows.memory[CONTROL + 2]),
     _vector("posCtl: targetVX targetVY targetVZ", "float", _memory(VEL_TARGET)),
     _vector("posCtl: targetX targetY targetZ", "float", _memory(POS_TARGET)),
-    _vector("posCtl: bodyVX bodyVY", "float", lambda one: _turned(one, one.vel)),
-    _vector("posCtl: bodyX bodyY", "float", lambda one: _turned(one, one.pos)),
+    _vector("posCtl: bodyVX bodyVY", "float", lambda one: _turned(one, one.rows.vel)),
+    _vector("posCtl: bodyX bodyY", "float", lambda one: _turned(one, one.rows.pos)),
 )
 _SENSORS = (
-    _vector("acc: x y z", "float", lambda one: one.specific_force_g),
-    _vector("gyro: x y z", "float", lambda one: one.rates_deg),
-    _vector("kalman: stateX stateY stateZ", "float", lambda one: one.pos),
+    _vector("acc: x y z", "float", lambda one: one.rows.specific_force_g),
+    _vector("gyro: x y z", "float", lambda one: one.rows.rates_deg),
+    _vector("kalman: stateX stateY stateZ", "float", lambda one: one.rows.pos),
     _vector("kalman: statePX statePY statePZ", "float", _vel_body),
     _vector("kalman: varX varY varZ varPX varPY varPZ", "float", lambda one: one.estimator.variance),
     _vector("kalman: q0 q1 q2 q3", "float", lambda one: np.roll(_quat(one), 1)),  # w x y z
     _vector("kalman_pred: predNX predNY", "float", _flow),
     _vector("kalman_pred: measNX measNY", "float", _flow),  # an exact sensor (estimator.py)
     _vector("motion: deltaY deltaX", "int16", _flow, -10.0),  # of the sensor, turned, in tenths of a pixel
-    _vector("baro: asl temp pressure", "float", lambda one: _baro(float(one.pos[2]))),
+    _vector("baro: asl temp pressure", "float", lambda one: _baro(float(one.rows.pos[2]))),
     _vector("locSrv: x y z", "float", lambda one: one.external.pos),
     _vector("locSrv: qx qy qz qw", "float", lambda one: one.external.quat),
-    _vector("range: front back up left right zrange", "uint16", lambda one: one.ranges_mm),
+    _vector("range: front back up left right zrange", "uint16", lambda one: one.rows.ranges_mm(one.build)),
     _one("locSrvZ.tick", "uint16", lambda one: one.external.at_ms),
 )
 _HEALTH = (
@@ -194,7 +195,7 @@ _HEALTH = (
     _one("sys.isFlying", "uint8", lambda one: one.supervisor.flying),
     _one("sys.isTumbled", "uint8", lambda one: one.supervisor.tumbled),
     _one("supervisor.info", "uint16", lambda one: one.info),
-    _one("supervisor.accNorm", "float", lambda one: float(np.linalg.norm(one.specific_force_g))),
+    _one("supervisor.accNorm", "float", lambda one: float(np.linalg.norm(one.rows.specific_force_g))),
 )
 
 VARIABLES: tuple[Variable, ...] = tuple(

@@ -26,7 +26,7 @@ from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.pilot import ECHO
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
-from q2q_sim.firmware.firmware import Build
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.firmware_tick import MELLINGER
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.loop.closed_loop import ticks_of

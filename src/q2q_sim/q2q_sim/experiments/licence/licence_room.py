@@ -26,7 +26,8 @@ from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.firmware.commander.setpoint import Mode
 from q2q_sim.firmware.controllers.columns import MOTOR
-from q2q_sim.firmware.firmware import Build, Firmware
+from q2q_sim.firmware.firmware import Firmware
+from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.supervisor.rules import State
 from q2q_sim.loop.room import Room
 from q2q_sim.plant.body.state_row import POS, QUAT, ROTORS, VEL, R
