@@ -23,10 +23,10 @@ from q2q_sim.experiments.licence.licence_reports import (
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
-from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, always
 from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
 from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.loop.room import Room
 

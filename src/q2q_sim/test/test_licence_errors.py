@@ -23,9 +23,9 @@ from q2q_sim.experiments.licence.licence_reports import (
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.licence_rules import BrokenRule
 from q2q_sim.experiments.licence.licence_score import LicenceScore, ScoredProgram, licence_score_json
 from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
+from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 
 WAITING = "import time\ntime.sleep(0.1)\n"

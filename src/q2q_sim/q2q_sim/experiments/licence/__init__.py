@@ -16,7 +16,7 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | licence_log | log of a flight as arrays, commands and the end of the program |
 | program_flight | one flight of a program |
 | trials | flights of a licence, with the faults' times from the flight without faults |
-| licence_rules | what a flight must not do, and what it did first |
+| rules/ | what a flight must not do, and what it did first |
 | licence_causes | why: the command or the silence before it |
 | licence_flights | all flights of a program |
 | licence_reports | verdict as text, JSON, JUnit XML and page |

@@ -19,7 +19,6 @@ from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehic
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
-from q2q_sim.experiments.licence.licence_rules import BrokenRule, LicenceLimits, broken_rules
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
 from q2q_sim.experiments.licence.program_flight import (
     PATIENCE_S,
@@ -28,6 +27,9 @@ from q2q_sim.experiments.licence.program_flight import (
     fly_program,
     received_log,
 )
+from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
+from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
+from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
 from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.processes.fork_server import start_fork_server
 from q2q_sim.sensors.range_finder import RoomBox

@@ -13,10 +13,10 @@ from q2q_sim.experiments.licence.licence_reports import (
     report_text,
     write_licence_page,
 )
-from q2q_sim.experiments.licence.licence_rules import LicenceLimits
 from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.program_flight import Program
+from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.node_flights.run_json import Json
 
 

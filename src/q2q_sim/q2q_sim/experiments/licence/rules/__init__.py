@@ -1,0 +1,1 @@
+"""Rules of a licence: limits, what breaks one and when, of one vehicle, of two, of the program."""

@@ -1,0 +1,68 @@
+"""Rules of a licence: what a vehicle must not do in a program's flight, and when it first did.
+
+| rule | broken when |
+|---|---|
+| motors | the motors stop for 0.05 s more than 0.25 m above the floor |
+| landing | a vehicle reaches the floor faster than 2.25 m/s, as after a fall from 0.25 m |
+| room | it leaves the room, or is asked to, as to go more than 0.15 m below the floor |
+| collision | two vehicles touch, within 0.14 m of each other; only a remark if one has lost its link |
+| downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
+| tumble | the supervisor finds a vehicle tumbled |
+| setpoints | their age levels a vehicle out at least twice, for a tenth of its flight |
+| spin | it turns faster than 500 deg/s for 0.2 s |
+| yaw | the high-level commander, whose unit is rad, is asked for more than a turn, half a turn at once |
+| command | it is asked for what no vehicle can follow (client_commands) |
+| end | it still flies 5 s after the end of the program, or at the time limit |
+| program | the program fails, dies, does not end, or opens more vehicles than there are |
+| idle | a vehicle was asked to fly and never did, or was connected and never asked while others flew |
+
+MotionCommander of cflib itself stops the motors 0.1 m above the floor. Between notify_setpoint_stop and the
+command after it the firmware stops them, too, for a packet or two: a fall of millimetres. The ellipsoid is
+that of Hoenig et al., Trajectory Planning for Quadrotor Swarms, IEEE T-RO 2018.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
+from q2q_sim.experiments.licence.rules.command_rules import command, end, idle, setpoints, yaw
+from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
+from q2q_sim.experiments.licence.rules.motion_rules import landing, motors, room, spin, tumble
+from q2q_sim.experiments.licence.rules.pair_rules import nearness
+from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
+
+Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
+
+RULES: tuple[Rule, ...] = (motors, landing, room, tumble, setpoints, spin, yaw, command, end, idle)
+"""Rules of one vehicle."""
+
+
+def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ...]:
+    """Return the broken rules of a flight in the order of time."""
+    found = [one for one in (_program(log), *nearness(log, limits)) if one is not None]
+    for row in range(len(log.uris)):
+        if row != log.trial.excused:
+            checked = [rule(log, row, limits) for rule in RULES]
+            found += [one for one in checked if one is not None]
+    return tuple(sorted(found, key=lambda one: one.t))
+
+
+def _program(log: LicenceLog) -> BrokenRule | None:
+    end, trial = log.end, log.trial
+    rows = [row for row in range(len(log.uris)) if row != trial.excused]
+    if end.unknown:
+        why = f"{end.unknown} is one more than {len(log.uris)}"
+        return BrokenRule("program", end.t, "the program opens more vehicles than there are", why)
+    if trial.kind in EXCUSED:
+        return None
+    if end.overdue:
+        return BrokenRule("program", end.t, "the program does not end", end.waits)
+    if not end.status:
+        return None
+    tick = min(int(np.searchsorted(log.t, end.t)), len(log.t) - 1)
+    safe = trial.kind != TrialKind.NOMINAL and not log.airborne[tick, rows].any()
+    where = f", line {end.line}" if end.line else ""
+    why = (end.error or f"exit status {end.status}") + where
+    return None if safe else BrokenRule("program", end.t, "the program fails", why)
