@@ -14,6 +14,7 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 
 from q2q_sim.air.air_names import AirError
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
+from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import Licence, LicenceOptions, fly_trials, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
@@ -25,7 +26,6 @@ from q2q_sim.experiments.licence.licence_reports import (
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, always
 from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
-from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.loop.room import Room

@@ -3,9 +3,9 @@
 from math import inf
 from pathlib import Path
 
+from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials
 from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
 READ = """

@@ -15,11 +15,11 @@ from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import (
     stock_vehicles,
     vehicles_from_file,
 )
+from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
-from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.trials import GAP_S, LicenceTrial, TrialKind
 
 HEAD = """

@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import (
     FlownTrial,
     Licence,
@@ -24,7 +25,6 @@ from q2q_sim.experiments.licence.licence_reports import (
 )
 from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.licence_score import LicenceScore, ScoredProgram, licence_score_json
-from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from q2q_sim.experiments.licence.client_commands.client_command import Asked, ClientCommand, CommandKind
+from q2q_sim.experiments.licence.flight_order import Program
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_reports import junit_xml, report_text
-from q2q_sim.experiments.licence.program_flight import Program
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
 from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind

@@ -8,9 +8,9 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
 
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
+from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
 from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.program_flight import FlightOrder, Program
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
 FED = """

@@ -14,7 +14,9 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | licence_room | vehicles, their motion capture and faults, with the log of a flight |
 | client_commands | commands in the packets of a program, in words; plans that no vehicle can follow |
 | licence_log | log of a flight as arrays, commands and the end of the program |
+| flight_order | program to fly, and how |
 | program_flight | one flight of a program |
+| last_lines, program_lines | the end of its output; the lines of its errors and of its waiting threads |
 | trials | flights of a licence, with the faults' times from the flight without faults |
 | rules/ | what a flight must not do, and what it did first |
 | licence_causes | why: the command or the silence before it |

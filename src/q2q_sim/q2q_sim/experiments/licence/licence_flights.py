@@ -16,17 +16,12 @@ from time import monotonic
 
 from q2q_model.counted import counted
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, Start
+from q2q_sim.experiments.licence.flight_order import PATIENCE_S, FlightOrder, Program
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
-from q2q_sim.experiments.licence.program_flight import (
-    PATIENCE_S,
-    FlightOrder,
-    Program,
-    fly_program,
-    received_log,
-)
+from q2q_sim.experiments.licence.program_flight import fly_program, received_log
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.rules.licence_rules import broken_rules

@@ -6,6 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import vehicles_from_file
+from q2q_sim.experiments.licence.flight_order import Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
 from q2q_sim.experiments.licence.licence_reports import (
     junit_xml,
@@ -15,7 +16,6 @@ from q2q_sim.experiments.licence.licence_reports import (
 )
 from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
-from q2q_sim.experiments.licence.program_flight import Program
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.node_flights.run_json import Json
 

@@ -14,14 +14,10 @@ import runpy
 import signal
 import sys
 import threading
-import traceback
-from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
-from io import TextIOBase
 from multiprocessing.connection import Connection
-from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
@@ -30,77 +26,21 @@ from q2q_model.vehicle.vehicle_uri import canonical_uri
 from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
 from q2q_sim.experiments.licence.crazyflie_py.modules import SwarmHost, install_modules
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, stock_vehicles
+from q2q_sim.experiments.licence.flight_order import FlightOrder
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd, escaped
-from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.licence_room import LicenceRoom
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
+from q2q_sim.experiments.licence.program.last_lines import LastLines
 from q2q_sim.experiments.licence.program.link_host import LinkHost
 from q2q_sim.experiments.licence.program.patched_threading import patch_threading, watch_main_thread
+from q2q_sim.experiments.licence.program.program_lines import error_in, waiting_lines
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure, end_by, is_of_room
-from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.processes.parent_death import die_with_parent
 
 REST_S = 5.0
 """Longer than the firmware's watchdog of 2 s and a fall from the ceiling [s]."""
-PATIENCE_S = 140.0
-"""Wall time after which a flight that waits outside Python's clock is ended [s]."""
 LOOK_S = 1.0
 """Wall time between two looks at such a flight [s]."""
-KEPT_LINES = 20
-"""Lines of output that are kept."""
-
-
-@dataclass(frozen=True, slots=True)
-class Program:
-    """Program with its arguments."""
-
-    file: Path
-    arguments: tuple[str, ...] = ()
-    folder: Path = Path()
-    """Working folder."""
-
-    @property
-    def name(self) -> str:
-        """Return the name of the file, as it can be written."""
-        return escaped(self.file.name)
-
-
-@dataclass(frozen=True, slots=True)
-class FlightOrder:
-    """What is flown."""
-
-    program: Program
-    params: LicenceParams
-    trial: LicenceTrial
-    uris: tuple[str, ...]
-    """URIs of the vehicles; empty for those that the program opens, in its order."""
-    scanned: tuple[str, ...]
-    """URIs that a scan answers."""
-    limit: float
-    """Longest flight [s]."""
-    served: tuple[ServedVehicle, ...] = ()
-    """Vehicles of a crazyflies.yaml, which are all; empty for stock ones at the URIs that a scan answers."""
-    survey: bool = False
-    """Only up to the first command that asks for flight."""
-    patience: float = PATIENCE_S
-    """[s]"""
-
-
-class _LastLines(TextIOBase):
-    """Text stream that keeps the last lines."""
-
-    def __init__(self) -> None:
-        self._lines: deque[str] = deque([""], maxlen=KEPT_LINES)
-
-    def write(self, text: str) -> int:
-        """Keep what is written."""
-        first, *others = text.split("\n")
-        self._lines[-1] += first
-        self._lines.extend(others)
-        return len(text)
-
-    def text(self) -> str:
-        """Return the last lines."""
-        return "\n".join(self._lines).strip()
 
 
 class _Flight:
@@ -109,7 +49,7 @@ class _Flight:
     def __init__(self, order: FlightOrder, answer: Connection) -> None:
         self._order, self._answer = order, answer
         self._uris = list(order.uris)
-        self._output = _LastLines()
+        self._output = LastLines()
         self._failed = ProgramEnd(0.0)
         self._caught = ""
         self._seen = (-1, 0.0)
@@ -214,10 +154,8 @@ class _Flight:
         return ProgramEnd(self._scheduler.now)
 
     def _error(self, error: BaseException) -> ProgramEnd:
-        file = str(self._order.program.file)
-        frames = [one for one in traceback.extract_tb(error.__traceback__) if one.filename == file]
-        said = traceback.format_exception_only(error)[-1].strip()
-        return ProgramEnd(self._scheduler.now, 1, said, (frames[-1].lineno or 0) if frames else 0)
+        found = error_in(str(self._order.program.file), error)
+        return ProgramEnd(self._scheduler.now, 1, *found)
 
     def _note_thread(self, args: "threading.ExceptHookArgs") -> None:
         """Note an error of a thread of the program; cflib's own threads are not the program's."""
@@ -265,20 +203,6 @@ def _end_looks() -> None:
     """End the looks at the program, which fly ticks: what follows flies its own, and none within another."""
     for timer in (signal.ITIMER_PROF, signal.ITIMER_REAL):
         signal.setitimer(timer, 0.0)
-
-
-def waiting_lines(file: str) -> tuple[int, ...]:
-    """Return the lines of a file on which threads of this process are, the main thread first."""
-    frames = sys._current_frames()  # noqa: SLF001
-    main = threading.main_thread().ident
-    lines = [_line_in(file, frames[one]) for one in sorted(frames, key=lambda one: (one != main, one))]
-    return tuple(dict.fromkeys(line for line in lines if line))
-
-
-def _line_in(file: str, frame: FrameType) -> int:
-    """Return the innermost line of a file that a frame was called from; 0 if there is none."""
-    stack = traceback.walk_stack(frame)
-    return next((line for one, line in stack if one.f_code.co_filename == file), 0)
 
 
 def fly_program(order: FlightOrder, answer: Connection) -> NoReturn:
