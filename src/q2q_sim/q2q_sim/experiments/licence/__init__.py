@@ -16,10 +16,8 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | licence_log | log of a flight as arrays, commands and the end of the program |
 | flight_order | program to fly, and how |
 | program_flight | one flight of a program |
-| last_lines, program_lines | the end of its output; the lines of its errors and of its waiting threads |
 | trials | flights of a licence, with the faults' times from the flight without faults |
-| rules/ | what a flight must not do, and what it did first |
-| licence_causes | why: the command or the silence before it |
+| rules/ | what a flight must not do, what it did first, and why: the command or the silence before it |
 | licence_flights | all flights of a program |
 | licence_reports | verdict as text, JSON, JUnit XML and page |
 | licence_score | programs with and without seeded bugs |

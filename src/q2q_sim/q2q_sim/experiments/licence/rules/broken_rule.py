@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Mask
-from q2q_sim.experiments.licence.licence_causes import failure_cause
 from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.rules.licence_causes import failure_cause
 
 
 @dataclass(frozen=True, slots=True)
