@@ -9,19 +9,21 @@ import pytest
 from fresh_checkout import ROOT
 
 from q2q_model.trajectory import plan_file
-from q2q_sim.launching.launch_plan import (
+from q2q_sim.launching.launch_arguments import (
     COMMON_ARGUMENTS,
     CRAZYSWARM_ARGUMENTS,
-    ENDS_ALL,
     ROOM_ARGUMENTS,
     SCENARIO_ARGUMENTS,
-    crazyswarm_nodes,
     defaults,
+    undeclared,
+)
+from q2q_sim.launching.launched_nodes import (
+    ENDS_ALL,
+    crazyswarm_nodes,
     folder_of,
     room_nodes,
     scenario_nodes,
     server_arguments,
-    undeclared,
 )
 from q2q_sim.loop import flight_blocks
 from q2q_sim.node_flights.scenario_flight import FlightRequest

@@ -14,8 +14,9 @@ from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch_ros.actions import SetRemap
 
 from launch import LaunchDescription, LaunchDescriptionEntity
+from q2q_sim.launching.launch_arguments import CRAZYSWARM_ARGUMENTS
 from q2q_sim.launching.launch_description import describe
-from q2q_sim.launching.launch_plan import CRAZYSWARM_ARGUMENTS, crazyswarm_nodes, server_arguments
+from q2q_sim.launching.launched_nodes import crazyswarm_nodes, server_arguments
 
 
 def server(given: Mapping[str, str]) -> list[LaunchDescriptionEntity]:

@@ -4,8 +4,9 @@ Motion capture comes from outside on the topic `mocap:=`. Nothing moves before `
 """
 
 from launch import LaunchDescription
+from q2q_sim.launching.launch_arguments import ROOM_ARGUMENTS
 from q2q_sim.launching.launch_description import describe
-from q2q_sim.launching.launch_plan import ROOM_ARGUMENTS, room_nodes
+from q2q_sim.launching.launched_nodes import room_nodes
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -7,7 +7,8 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
-from q2q_sim.launching.launch_plan import COMMON_ARGUMENTS, ENDS_ALL, YES, Argument, undeclared
+from q2q_sim.launching.launch_arguments import COMMON_ARGUMENTS, YES, Argument, undeclared
+from q2q_sim.launching.launched_nodes import ENDS_ALL
 from q2q_sim.processes.processes import NodeSpec
 
 

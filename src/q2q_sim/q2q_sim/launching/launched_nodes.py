@@ -1,104 +1,27 @@
-"""Nodes and arguments of the launch files.
+"""Nodes of the launch files.
 
 `scenario` flies in the simulator, `real_room` flies vehicles over radios with external motion capture,
-`crazyswarm` leaves the radios to Crazyswarm2's server. Arguments are strings, as from `ros2 launch`.
+`crazyswarm` leaves the radios to Crazyswarm2's server.
 """
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from q2q_control.pid.gains_file import TUNED, load_gains
+from q2q_control.pid.gains_file import load_gains
 from q2q_model.bag import FlightFacts, facts_as_text
 from q2q_model.model_files.find_model import find_model
 from q2q_model.tunable import ParameterValue
-from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, Vehicle, firmware_of, vehicle_by_name
-from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
+from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, firmware_of, vehicle_by_name
+from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.certificate.certified_file import load_plan
+from q2q_sim.launching.launch_arguments import YES
 from q2q_sim.node_flights.running_nodes import RECORDER
 from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
-from q2q_sim.scenarios.choices import REPLANNERS
 from q2q_sim.scenarios.scenario_variants import with_choices, with_firmware
-
-YES, NO = "true", "false"
-
-
-@dataclass(frozen=True, slots=True)
-class Argument:
-    """One argument of a launch file."""
-
-    name: str
-    default: str
-    description: str
-    choices: tuple[str, ...] = ()
-
-
-FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; empty: out/launch/ and the date")
-VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
-FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
-AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
-FIRMWARE = Argument("firmware", STOCK, "its thrust per PWM", FIRMWARES)
-REPLAN = Argument("replan", REPLANNERS[0], "law that moves setpoints out of zones online", REPLANNERS)
-MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
-
-SCENARIO_ARGUMENTS = (
-    Argument("scenario", "table6", "scenario name or file; `scripts/fly --list` names them"),
-    Argument("mode", "aware", "compensate the downwash or not", ("aware", "aware_unlimited", "ignoring")),
-    Argument("controller", "pid", "controller", ("pid", "mpc")),
-    Argument("pace", "live", "100 Hz of wall time, or as fast as commands arrive", ("live", "lockstep")),
-    Argument("seed", "0", "random seed"),
-    MODEL,
-    FOLDER,
-    VIEW,
-    FOXGLOVE,
-)
-
-ROOM_ARGUMENTS = (
-    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
-    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
-    Argument("mode", "command", "attitude and thrust, or full states", ("command", "setpoint")),
-    Argument("vehicle", DEFAULT_VEHICLE, "vehicle constants", tuple(VEHICLES)),
-    FIRMWARE,
-    Argument(
-        "gains",
-        TUNED,
-        "with mode:=command: tuned, firmware, mellinger, learned, or a file (docs/nodes/pid.md)",
-    ),
-    AWARE,
-    REPLAN,
-    Argument("mocap", "mocap", "topic of the motion capture (q2q_msgs/MocapFrame)"),
-    Argument("model", "measured_law", MODEL.description),
-    FOLDER,
-    VIEW,
-    FOXGLOVE,
-)
-
-COMMON_ARGUMENTS = (
-    Argument("namespace", "", "namespace of all nodes and topics"),
-    Argument("use_sim_time", NO, "use /clock, as with a simulator", (YES, NO)),
-)
-"""Arguments of every launch file."""
-
-CRAZYSWARM_ARGUMENTS = (
-    Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
-    Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
-    Argument("vehicle", "", f"vehicle constants; empty: the twin's, or {DEFAULT_VEHICLE}", ("", *VEHICLES)),
-    Argument("firmware", "", f"its thrust per PWM; empty: the twin's, or {STOCK}", ("", *FIRMWARES)),
-    Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
-    Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
-    Argument("motion_capture", "", "motion_capture.yaml of server and bridge, in place of poses_version"),
-    AWARE,
-    REPLAN,
-    Argument("twin", NO, "simulator in place of radios and room", (YES, NO)),
-    Argument("scenario", "table6", "with twin: scenario of the vehicles and the wake"),
-    Argument("model", "measured_law", MODEL.description),
-    FOLDER,
-    VIEW,
-    FOXGLOVE,
-)
 
 SIMULATOR = "simulator"
 ENDS_ALL = frozenset({RECORDER, "trajectory", "radio", "crazyswarm", SIMULATOR})
@@ -247,20 +170,6 @@ def _control_loop(given: Mapping[str, str], folder: Path, facts: FlightFacts) ->
 def _replanner(replan: str) -> dict[str, ParameterValue]:
     """Return the node's parameters; with "none" it passes setpoints on."""
     return {"law": "safe"} if replan == "safe" else {"law": "paper", "enabled": replan == "paper"}
-
-
-def undeclared(given: Collection[str], declared: Collection[str]) -> str:
-    """Return a warning of the arguments that a launch file does not have; empty if there are none."""
-    others = sorted(set(given) - set(declared))
-    words = (
-        f"ignored: {', '.join(f'{name}:=' for name in others)}; arguments are {', '.join(sorted(declared))}"
-    )
-    return words if others else ""
-
-
-def defaults(arguments: Sequence[Argument]) -> dict[str, str]:
-    """Return every argument at its default."""
-    return {one.name: one.default for one in arguments}
 
 
 def _by_itself(specs: Sequence[NodeSpec]) -> list[NodeSpec]:
