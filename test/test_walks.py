@@ -60,6 +60,9 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/gain_notes.py",
     "q2q_model/identification/gains/velocity_limit.py",
     "q2q_model/identification/intervals.py",
+    "q2q_model/identification/push/held_out_deviation.py",
+    "q2q_model/identification/push/jet_deviation.py",
+    "q2q_model/identification/push/jet_form.py",
     "q2q_model/recordings/distinct_flights.py",
     "q2q_model/recordings/filtered_states.py",
     "q2q_model/tools/bag_vehicle.py",
@@ -68,7 +71,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/vehicle/thrust_map.py",
 }
 """Vehicle and format of the bag, repairs, gaps, a lag, vectors, intervals, report, format and bounds of
-files: no step."""
+files, what belongs to a step: no step."""
 
 
 @dataclass

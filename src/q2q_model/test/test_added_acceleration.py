@@ -20,7 +20,8 @@ from q2q_model.identification.identification import (
     recorded_altitudes,
 )
 from q2q_model.identification.identification_data import IdentificationData
-from q2q_model.identification.push.jet_fit import JetForm, fit_to_altitudes
+from q2q_model.identification.push.jet_fit import fit_to_altitudes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.selection.cross_validation import score_on
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array

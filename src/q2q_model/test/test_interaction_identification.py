@@ -37,7 +37,8 @@ from q2q_model.identification.networks.trajectory_loss import (
     trajectory_loss,
 )
 from q2q_model.identification.push.along_flight import eta_along
-from q2q_model.identification.push.jet_fit import JetForm, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.push.jet_fit import fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.selection.candidates import (
     Candidate,

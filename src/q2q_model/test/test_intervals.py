@@ -25,7 +25,8 @@ from q2q_model.identification.intervals import (
     variances,
 )
 from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.push.jet_fit import fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 

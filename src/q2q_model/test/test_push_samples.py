@@ -14,7 +14,9 @@ from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight_log import FlightLog
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion, eta_along, eta_on_vehicle
-from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes, with_held_out_deviation
+from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
+from q2q_model.identification.push.jet_fit import fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import (
     PushRecord,
     PushSamples,

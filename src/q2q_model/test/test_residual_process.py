@@ -13,7 +13,7 @@ from q2q_model.downwash.correction.residual_process import OLDEST, ResidualProce
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.push.jet_fit import deviation_of
+from q2q_model.identification.push.jet_deviation import deviation_of
 from q2q_model.identification.push.push_samples import PushRecord, PushSamples, push_samples
 from q2q_model.identification.push.residual_fit import fit_residual
 from q2q_model.model_files.model_file import ModelFile, decode, encode

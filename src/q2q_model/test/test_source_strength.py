@@ -16,7 +16,8 @@ from q2q_model.identification.push.along_flight import (
     eta_along,
     eta_on_vehicle,
 )
-from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.push.jet_fit import fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_model.signals.values import Array, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY

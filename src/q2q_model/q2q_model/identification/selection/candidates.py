@@ -20,13 +20,9 @@ from q2q_model.identification.identification_data import IdentificationData, eve
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
 from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
-from q2q_model.identification.push.jet_fit import (
-    JetFit,
-    JetForm,
-    fit_to_altitudes,
-    fit_to_pushes,
-    with_held_out_deviation,
-)
+from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
+from q2q_model.identification.push.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.selection.cross_validation import Fitter, Score, score_held_out
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

@@ -20,7 +20,8 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.jet import PAPER_LAW, Jet
-from q2q_model.identification.push.jet_fit import JetForm, fit_to_pushes
+from q2q_model.identification.push.jet_fit import fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual_fit import fit_residual

@@ -1,0 +1,86 @@
+"""Structure of a jet that is fitted, and its free parameters as a vector.
+
+Free are strength, decay, width, spread, upper ratio, and slowness 1 / travel_speed; of a loaded form also the
+share of velocity left by the still air, loading and absorption. The form of the decay and the share of
+velocity and slope that the air keeps are given.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from q2q_model.downwash.jet import Jet
+from q2q_model.signals.values import Array
+
+FASTEST = 500.0
+"""Travel speed above which delay is negligible [m/s]: a tenth of a tick over half a metre."""
+
+
+@dataclass(frozen=True, slots=True)
+class JetForm:
+    """Structure of a jet, chosen before fitting."""
+
+    decay: str = "exponential"
+    carried: float = 1.0
+    delayed: bool = True
+    spreading: bool = True
+    loaded: bool = False
+    """Whether velocity share, loading and, from flights of three or more, absorption are fitted."""
+
+
+class FreeParameter(NamedTuple):
+    """First value of a parameter, its bounds, and the change of it that counts as one."""
+
+    start: float
+    low: float
+    high: float
+    scale: float
+
+
+FREE_PARAMETERS = {
+    "strength": FreeParameter(1.5, -5.0, 15.0, 1.0),
+    "decay_rate": FreeParameter(1.0, -2.0, 10.0, 1.0),
+    "virtual_origin": FreeParameter(0.5, 0.02, 5.0, 0.3),
+    "width": FreeParameter(0.07, 0.015, 0.4, 0.05),
+    "spread": FreeParameter(0.05, 0.0, 0.4, 0.1),
+    "upper_ratio": FreeParameter(0.02, -0.8, 0.8, 0.2),
+    "slowness": FreeParameter(0.15, 0.0, 0.8, 0.2),
+    "velocity_share": FreeParameter(0.8, 0.0, 1.0, 0.3),
+    "loading": FreeParameter(0.3, 0.0, 2.0, 0.5),
+    "absorption": FreeParameter(0.5, 0.0, 4.0, 1.0),
+}
+"""In the units of a Jet; slowness in s/m."""
+
+
+def free_names(form: JetForm, *, stacked: bool) -> list[str]:
+    """Return the names of the parameters to fit; `stacked`: some vehicle may be between two others."""
+    decay = "decay_rate" if form.decay == "exponential" else "virtual_origin"
+    return [
+        *("strength", "width", "upper_ratio", decay),
+        *(["spread"] if form.spreading else []),
+        *(["slowness"] if form.delayed else []),
+        *(["velocity_share", "loading"] if form.loaded else []),
+        *(["absorption"] if form.loaded and stacked else []),
+    ]
+
+
+def jet_of_values(form: JetForm, names: Sequence[str], x: Array) -> Jet:
+    """Return the jet of a form with these values of its free parameters, (p,)."""
+    values = dict(zip(names, (float(v) for v in x), strict=True))
+    slowness = values.pop("slowness", 0.0)
+    return Jet(
+        reference_gap=0.4,
+        decay=form.decay,
+        carried=form.carried,
+        travel_speed=1.0 / slowness if slowness * FASTEST > 1.0 else 0.0,
+        range=1.5,
+        **({"spread": 0.0} | values),
+    )
+
+
+def values_of_jet(jet: Jet, names: Sequence[str]) -> Array:
+    """Return a jet's fitted parameters, (p,); the inverse of `jet_of_values`."""
+    slowness = 1.0 / jet.travel_speed if jet.travel_speed > 0.0 else 0.0
+    return np.array([slowness if name == "slowness" else getattr(jet, name) for name in names])
