@@ -14,7 +14,8 @@ import numpy as np
 from q2q_model.downwash.correction.corrected_predictor import CLEAR, OFFSET_S
 from q2q_model.downwash.correction.residual_process import OLDEST, REAL_FLIGHTS, ResidualProcess
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.downwash.jet import STEEPEST, Jet
+from q2q_model.downwash.jet import Jet
+from q2q_model.downwash.jet_kernel import STEEPEST
 from q2q_model.downwash.roles import BLEND
 from q2q_model.downwash.source_strength import HALF_SPAN_S, PAIRS_ALONE, source_terms
 from q2q_model.model_files.model_file import ModelFile

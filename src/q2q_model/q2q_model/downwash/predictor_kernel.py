@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.downwash.jet import JetPairs, evaluate_pairs, law_of_numbers
+from q2q_model.downwash.jet_kernel import JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.downwash.sweep_and_prune import Pairs, sweep
 from q2q_model.signals.values import Array, InterferenceStatus, Mask, Status, TrackStatus
 

@@ -18,7 +18,7 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
     within_reach,
 )
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.downwash.jet import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
+from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
 from q2q_model.downwash.sweep_and_prune import Pairs
 from q2q_model.signals.values import Array, Mask, Rows
 

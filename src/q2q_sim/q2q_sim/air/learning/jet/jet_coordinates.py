@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.downwash.jet import STEEPEST
+from q2q_model.downwash.jet_kernel import STEEPEST
 from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.learning.records.air_record import AirRecord
 
