@@ -16,7 +16,8 @@ from pathlib import Path
 
 from area_process import AreaError, Bench
 from compare_checkout import bench_of, compare_rows, has_area, table_beside
-from q2q_model.commands.command_line import CommandLine, output_file, output_folder
+from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.command_line import CommandLine
 from row import Row
 
 HERE = Path(__file__).parent

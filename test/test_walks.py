@@ -22,9 +22,12 @@ from q2q_sim.scenarios import library
 PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 STEP = re.compile(r"^\d+\. `(q2q_\w+/[\w/]+\.py)`", re.MULTILINE)
 SERVICES = {
+    "q2q_model/commands/argument_paths.py",
+    "q2q_model/commands/argument_types.py",
     "q2q_model/commands/command_line.py",
     "q2q_model/commands/clean_exit.py",
     "q2q_model/commands/recording_options.py",
+    "q2q_model/commands/ros_arguments.py",
     "q2q_model/compiled.py",
     "q2q_model/counted.py",
     "q2q_model/node/lean_imports.py",

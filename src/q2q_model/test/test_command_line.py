@@ -9,16 +9,10 @@ from pathlib import Path
 import pytest
 
 from q2q_model.commands import identify
-from q2q_model.commands.command_line import (
-    CommandLine,
-    UsageError,
-    nearest_word,
-    output_file,
-    output_folder,
-    outside_ros,
-    require_apart,
-    run_command,
-)
+from q2q_model.commands.argument_paths import require_apart
+from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.command_line import CommandLine, UsageError, nearest_word, run_command
+from q2q_model.commands.ros_arguments import outside_ros
 
 
 def made() -> CommandLine:

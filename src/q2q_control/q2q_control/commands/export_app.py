@@ -9,7 +9,8 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_folder, run_command
+from q2q_model.commands.argument_types import output_folder
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK

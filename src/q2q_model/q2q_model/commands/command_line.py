@@ -6,16 +6,13 @@ Parsing and checking need the standard library only, so help and errors appear w
 """
 
 import argparse
-import math
 import re
 import sys
 import warnings
 from argparse import Namespace
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
-from pathlib import Path
-from types import MappingProxyType
 from typing import NoReturn
 
 from q2q_model.commands.clean_exit import (
@@ -25,19 +22,15 @@ from q2q_model.commands.clean_exit import (
     output_is_read,
 )
 from q2q_model.commands.help_text import HelpText
+from q2q_model.commands.ros_arguments import split_at_ros
 from q2q_model.node.lean_imports import lean_imports
-from q2q_model.writable_places import writable_file, writable_folder
 
-ROS_ARGS = "--ros-args"
-"""Start of the arguments for ROS, which a launch file adds to every program."""
 WRONG_CHOICE = re.compile(r"invalid choice: '([^']*)'")
 UNKNOWN = re.compile(r"unrecognized arguments: (.*)")
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it: 128 + SIGINT."""
 CUT_OFF = 141
 """Exit status if nobody reads the output any more (`| head`), as shells have it: 128 + SIGPIPE."""
-LARGEST = 2**63 - 1
-"""Largest whole number of a ROS parameter."""
 
 Work = Callable[[Namespace], int]
 """Execution of parsed arguments; returns the exit status."""
@@ -138,113 +131,6 @@ def warnings_in_one_line(program: str) -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.showwarning = show  # the documented hook; restored at the end
         yield
-
-
-def require_existing(what: str, *paths: Path | None) -> None:
-    """Raise ValueError for the first path that does not exist (None: not given); `what` names its kind."""
-    for path in paths:
-        if path is not None and not path.exists():
-            raise ValueError(f"no {what} at {path}")
-
-
-def require_apart(
-    files: Mapping[str, Path | None], folders: Mapping[str, Path | None] = MappingProxyType({})
-) -> None:
-    """Raise UsageError if two of the files, named by their arguments, are the same; devices may be.
-
-    It is raised, too, if a file is a folder that another argument asks for.
-    """
-    seen: dict[Path, str] = {}
-    for name, path in files.items():
-        if path is None or (path.exists() and not path.is_file()):
-            continue
-        other = seen.setdefault(path.resolve(), name)
-        if other != name:
-            raise UsageError(f"{other} and {name} are both {path}: give each a file of its own")
-    needed = {name: path.resolve() for name, path in folders.items() if path}
-    _require_no_folders(seen, needed | {name: path.parent for path, name in seen.items()})
-
-
-def _require_no_folders(files: Mapping[Path, str], needed: Mapping[str, Path]) -> None:
-    for name, folder in needed.items():
-        for place in (folder, *folder.parents):
-            if place in files:
-                both = f"{files[place]} is the file {place}, which {name} needs as a folder"
-                raise UsageError(f"{both}: give one of them another place")
-
-
-def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:
-    """Return a type of arguments: whole numbers from `low` to `high`."""
-    allowed = f"{low} or more" if high == LARGEST else f"{low} to {high}"
-
-    def number(given: str) -> int:
-        try:
-            found = int(given)
-        except ValueError:
-            found = low - 1
-        if not low <= found <= high:
-            raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
-        return found
-
-    return number
-
-
-def finite_number(given: str) -> float:
-    """Return a finite number: a type of arguments."""
-    try:
-        number = float(given)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"{given}: any finite number is allowed")
-    return number
-
-
-def positive_number(given: str) -> float:
-    """Return a number above zero: a type of arguments, refused if it is not finite."""
-    try:
-        number = float(given)
-    except ValueError:
-        number = math.nan
-    if not 0.0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"{given} is no number above 0")
-    return number
-
-
-def output_file(given: str) -> Path:
-    """Return the path of a file to write: a type of arguments, refused if it is a folder."""
-    return _in_its_words(writable_file, given)
-
-
-def output_folder(given: str) -> Path:
-    """Return the path of a folder to write to: a type of arguments, refused if it is a file."""
-    return _in_its_words(writable_folder, given)
-
-
-def _in_its_words(check: Callable[[Path], Path], given: str) -> Path:
-    """Return a checked path, or refuse it in the words of the check: argparse drops those of a ValueError."""
-    try:
-        return check(Path(given))
-    except ValueError as refusal:
-        raise argparse.ArgumentTypeError(str(refusal)) from refusal
-
-
-def outside_ros(arguments: Sequence[str] | None) -> list[str]:
-    """Return the words (None: those of sys.argv) before `--ros-args`, and after a `--` that ends these."""
-    return split_at_ros(arguments)[0]
-
-
-def split_at_ros(arguments: Sequence[str] | None) -> tuple[list[str], list[str]]:
-    """Return the words (None: those of sys.argv) as of `outside_ros`, and those that are for ROS."""
-    own, ros, of_ros = list[str](), list[str](), False
-    for word in sys.argv[1:] if arguments is None else arguments:
-        if of_ros and word == "--":
-            of_ros = False
-        elif word == ROS_ARGS:
-            of_ros = True
-        else:
-            (ros if of_ros else own).append(word)
-    return own, ros
 
 
 def unknown_arguments(message: str) -> list[str]:

@@ -15,14 +15,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    Work,
-    output_file,
-    require_apart,
-    require_existing,
-    run_command,
-)
+from q2q_model.commands.argument_paths import require_apart, require_existing
+from q2q_model.commands.argument_types import output_file
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.commands.recording_options import add_recording_options
 from q2q_model.model_files.model_names import model_path
 

@@ -6,7 +6,8 @@ ROS itself ignores a word that it does not know, so a misspelt `--dry-run` would
 from collections.abc import Mapping, Sequence
 from typing import NoReturn
 
-from q2q_model.commands.command_line import ROS_ARGS, CommandLine, outside_ros
+from q2q_model.commands.command_line import CommandLine
+from q2q_model.commands.ros_arguments import ROS_ARGS, outside_ros
 
 HOW = f"parameters follow {ROS_ARGS}: {ROS_ARGS} -p name:=value"
 

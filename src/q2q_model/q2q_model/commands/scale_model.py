@@ -9,7 +9,8 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, UsageError, Work, output_file, run_command
+from q2q_model.commands.argument_types import output_file
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
 from q2q_model.model_files.model_names import check_model_name
 
 EXAMPLE = """  ros2 run q2q_model scale_model --model model.q2q --mass 0.067 --rotor-radius 0.033 --out b.q2q

@@ -6,18 +6,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    UsageError,
-    Work,
-    finite_number,
-    output_file,
-    output_folder,
-    positive_number,
-    require_apart,
-    require_existing,
-    run_command,
-)
+from q2q_model.commands.argument_paths import require_apart, require_existing
+from q2q_model.commands.argument_types import finite_number, output_file, output_folder, positive_number
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
 from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.attitude_limits import TILT_MAX
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES, vehicle_by_name

@@ -8,7 +8,8 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, run_command, whole_number
+from q2q_model.commands.argument_types import output_file, whole_number
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 EXAMPLE = """  ros2 run q2q_sim ablation --json docs/ablation.json --out docs/ablation.md --jobs 2

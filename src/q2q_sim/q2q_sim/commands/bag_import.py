@@ -5,7 +5,8 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.vehicle.constants import VEHICLES
 
 EXAMPLE = """\

@@ -14,16 +14,8 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    UsageError,
-    Work,
-    given_options,
-    output_file,
-    output_folder,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_types import output_file, output_folder, whole_number
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, given_options, run_command
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios.choices import ENGINES
 

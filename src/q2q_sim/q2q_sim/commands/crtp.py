@@ -8,7 +8,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, require_existing, run_command, whole_number
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import whole_number
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.vehicle.thrust_map import FIRMWARES
 from q2q_sim.scenarios import scenario_files
 

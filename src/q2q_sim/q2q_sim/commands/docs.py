@@ -9,7 +9,8 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_folder, run_command
+from q2q_model.commands.argument_types import output_folder
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 OUT = Path("docs/nodes")
 

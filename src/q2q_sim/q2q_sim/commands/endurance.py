@@ -8,14 +8,8 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    Work,
-    finite_number,
-    output_file,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_types import finite_number, output_file, whole_number
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 EXAMPLE = """  ros2 run q2q_sim endurance --minutes 60 --json out/endurance.json
   ros2 run q2q_sim endurance --minutes 5 --live"""

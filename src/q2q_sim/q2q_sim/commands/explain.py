@@ -10,17 +10,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    UsageError,
-    Work,
-    given_options,
-    output_file,
-    output_folder,
-    require_existing,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import output_file, output_folder, whole_number
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, given_options, run_command
 
 EXAMPLE = """  ros2 run q2q_sim explain out/demo/bags/ignoring --out out/why --json out/why.json
   ros2 run q2q_sim explain --score 20 --json out/score.json"""

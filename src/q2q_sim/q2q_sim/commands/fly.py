@@ -5,15 +5,8 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    Work,
-    given_options,
-    output_file,
-    output_folder,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_types import output_file, output_folder, whole_number
+from q2q_model.commands.command_line import CommandLine, Work, given_options, run_command
 from q2q_model.model_files.model_names import check_model_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, VEHICLES
 from q2q_sim.air.air_names import check_air

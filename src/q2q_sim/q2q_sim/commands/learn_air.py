@@ -8,7 +8,9 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, require_existing, run_command
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import output_file
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.commands.recording_options import add_recording_options, add_recordings
 
 EXAMPLE = """  ros2 run q2q_sim learn_air flights/ --out room.air

@@ -14,19 +14,10 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    UsageError,
-    Work,
-    finite_number,
-    given_options,
-    output_file,
-    output_folder,
-    outside_ros,
-    require_existing,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import finite_number, output_file, output_folder, whole_number
+from q2q_model.commands.command_line import CommandLine, UsageError, Work, given_options, run_command
+from q2q_model.commands.ros_arguments import outside_ros
 
 EXAMPLE = """  scripts/licence my_flight.py --out out/licence
   scripts/licence pair.py --start 0 -0.5 0 --start 0 0.5 90 --junit licence.xml -- --speed 0.5

@@ -9,7 +9,8 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import CommandLine, Work, output_file, output_folder, run_command
+from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 
 EXAMPLE = """  scripts/paper
   scripts/paper --only table6,fig10 --json out/paper.json"""

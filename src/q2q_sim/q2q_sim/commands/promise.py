@@ -11,15 +11,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    Work,
-    given_options,
-    output_file,
-    require_existing,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import output_file, whole_number
+from q2q_model.commands.command_line import CommandLine, Work, given_options, run_command
 from q2q_sim.air.air_names import check_air
 from q2q_sim.scenarios.choices import CONTROLLERS
 

@@ -8,14 +8,9 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    Work,
-    output_file,
-    output_folder,
-    require_existing,
-    run_command,
-)
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 
 

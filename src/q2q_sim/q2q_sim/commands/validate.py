@@ -9,15 +9,9 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.command_line import (
-    CommandLine,
-    Work,
-    output_file,
-    output_folder,
-    require_existing,
-    run_command,
-    whole_number,
-)
+from q2q_model.commands.argument_paths import require_existing
+from q2q_model.commands.argument_types import output_file, output_folder, whole_number
+from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.commands.recording_options import add_recording_options, add_recordings
 from q2q_sim.air.air_names import check_air
 

@@ -1,0 +1,67 @@
+"""Types of arguments for argparse: numbers within bounds, and files and folders to write."""
+
+import argparse
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from q2q_model.writable_places import writable_file, writable_folder
+
+LARGEST = 2**63 - 1
+"""Largest whole number of a ROS parameter."""
+
+
+def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:
+    """Return a type of arguments: whole numbers from `low` to `high`."""
+    allowed = f"{low} or more" if high == LARGEST else f"{low} to {high}"
+
+    def number(given: str) -> int:
+        try:
+            found = int(given)
+        except ValueError:
+            found = low - 1
+        if not low <= found <= high:
+            raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
+        return found
+
+    return number
+
+
+def finite_number(given: str) -> float:
+    """Return a finite number: a type of arguments."""
+    try:
+        number = float(given)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{given}: any finite number is allowed")
+    return number
+
+
+def positive_number(given: str) -> float:
+    """Return a number above zero: a type of arguments, refused if it is not finite."""
+    try:
+        number = float(given)
+    except ValueError:
+        number = math.nan
+    if not 0.0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"{given} is no number above 0")
+    return number
+
+
+def output_file(given: str) -> Path:
+    """Return the path of a file to write: a type of arguments, refused if it is a folder."""
+    return _in_its_words(writable_file, given)
+
+
+def output_folder(given: str) -> Path:
+    """Return the path of a folder to write to: a type of arguments, refused if it is a file."""
+    return _in_its_words(writable_folder, given)
+
+
+def _in_its_words(check: Callable[[Path], Path], given: str) -> Path:
+    """Return a checked path, or refuse it in the words of the check: argparse drops those of a ValueError."""
+    try:
+        return check(Path(given))
+    except ValueError as refusal:
+        raise argparse.ArgumentTypeError(str(refusal)) from refusal
