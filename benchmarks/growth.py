@@ -12,7 +12,7 @@ import numpy as np
 
 from cost_growth.points import Curve, measured_curves
 from cost_growth.power_law import PowerLaw
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS
 from q2q_model.signals.stamps import TICK_S
 from row import Row

@@ -32,7 +32,8 @@ from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
 from q2q_model.node.warm_up import warm_up
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags
-from q2q_model.signals.cdr import SignalReader, encode
+from q2q_model.signals.cdr.cdr_reader import SignalReader
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmSetpoint, SwarmState

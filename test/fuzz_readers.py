@@ -27,7 +27,8 @@ with atheris.instrument_imports(include=["q2q_model", "q2q_planner", "q2q_sim", 
     from q2q_model.model_files import model_file
     from q2q_model.model_files.find_model import find_model
     from q2q_model.node.warm_up import synthetic_signal
-    from q2q_model.signals.cdr import decode, encode
+    from q2q_model.signals.cdr.cdr_reader import decode
+    from q2q_model.signals.cdr.cdr_writer import encode
     from q2q_model.signals.layout import LAYOUTS
     from q2q_model.trajectory import plan_file
     from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits

@@ -17,7 +17,7 @@ from q2q_control.flight_procedure.steps import Call
 from q2q_model.model_files.find_model import find_model
 from q2q_model.node.reply import Reply
 from q2q_model.ros.topics.plan_message import encode_plan
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, MocapFrame

@@ -20,7 +20,7 @@ from q2q_model.ros import interference_node, mocap_filter_node
 from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.tick_wiring import TickWiring
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import MocapFrame, Names, SwarmCommand
 from q2q_model.trajectory import plan_file

@@ -18,7 +18,8 @@ from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
 from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.signals.cdr import decode, encode
+from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import SwarmCommand, SwarmSetpoint, SwarmState
 
 NAMES = ("cf1", "cf2")

@@ -23,7 +23,8 @@ from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_control.ros.procedure_services import ProcedureServices
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.messages import MESSAGES, header_at
-from q2q_model.signals.cdr import decode, encode
+from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import (
     Interference,
     MocapFrame,

@@ -15,7 +15,7 @@ from q2q_control.ros.crazyswarm_bridge import Crazyswarm
 from q2q_control.ros.crazyswarm_types import find_pose_types
 from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.topics.messages import header_at
-from q2q_model.signals.cdr import decode
+from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.ros.absent_packages import interface_packages
 

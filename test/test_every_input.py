@@ -30,7 +30,7 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
 from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_sim.ros import node_survey

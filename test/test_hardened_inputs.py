@@ -15,7 +15,8 @@ from std_msgs.msg import String
 
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.signals.cdr import decode, encode
+from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import SwarmCommand, SwarmImu
 from q2q_model.tunable import ParameterValue

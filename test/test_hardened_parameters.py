@@ -27,7 +27,7 @@ from q2q_control.ros.controller_wiring import ControllerNodeParams
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.node_parameters import declare, on_change
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time, stamp_parts
 from q2q_model.signals.values import SwarmCommand

@@ -21,7 +21,7 @@ from q2q_model.ros.node.ready import offer_ready
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_TICK
-from q2q_model.signals.cdr import decode
+from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
 from q2q_sim.loop import flight_blocks

@@ -13,7 +13,7 @@ from q2q_control.mpc.prediction import downwash_horizon, vehicle_tracks
 from q2q_control.mpc.solver import horizon_solver
 from q2q_control.ros import mpc_node
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 
 ALONE = {"vehicles": ("cf1",)}

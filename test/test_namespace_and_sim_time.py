@@ -20,7 +20,7 @@ from q2q_model.ros.node.ready import offer_ready
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
-from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.processes.domain import own_domain

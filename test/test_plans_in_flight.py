@@ -15,7 +15,7 @@ from q2q_control.ros import mpc_node
 from q2q_model.diagnostics.health import Health, Level, health_report
 from q2q_model.ros.node.input_warnings import AbsentNames
 from q2q_model.ros.topics.plan_message import encode_plan
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import Names, SwarmSetpoint
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 

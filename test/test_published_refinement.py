@@ -10,7 +10,7 @@ from q2q_model.downwash.jet import Jet
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import Fit, ModelFile, RoleScores, load
 from q2q_model.ros.online_identification import OnlineIdentification
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState

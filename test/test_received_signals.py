@@ -7,7 +7,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from q2q_model.diagnostics.health import Health
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.subscriptions import listener
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import SwarmState
 
 

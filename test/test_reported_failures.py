@@ -17,7 +17,8 @@ from q2q_model.diagnostics.health import Health, HealthReport, Level, health_rep
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.publisher_conflicts import TopicConflict
 from q2q_model.ros.node.tick_wiring import TickWiring
-from q2q_model.signals.cdr import decode, encode
+from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_sim.ros.simulator_node import Simulator

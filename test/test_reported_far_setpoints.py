@@ -15,7 +15,7 @@ from q2q_control.flight_procedure.steps import Step
 from q2q_control.ros import pid_node
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.diagnostics_publisher import PERIOD_S
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import SwarmSetpoint, SwarmState, TrackStatus
 
 NAMES = ("cf1", "cf2")

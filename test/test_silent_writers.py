@@ -21,7 +21,7 @@ from q2q_control.ros import guarded_commands, mpc_node, pid_node
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.signals.cdr import decode
+from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 from q2q_sim.processes.domain import own_domain
 
@@ -29,7 +29,7 @@ PATIENCE_S = 60.0
 """For processes to start and find each other on a busy machine [s]."""
 WRITER = """
 from rclpy.node import Node
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.node.run import run

@@ -11,7 +11,7 @@ from room_node import RoomNode
 
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.ros import mocap_filter_node
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import stamp_from_parts
 from q2q_model.signals.values import MocapFrame
 

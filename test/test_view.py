@@ -15,7 +15,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.plan_message import encode_plan
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Interference, SwarmState
 from q2q_sim.loop.closed_loop import FlightOptions, fly

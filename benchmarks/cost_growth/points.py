@@ -15,7 +15,7 @@ from cost_growth.held_arrays import array_bytes
 from cost_growth.power_law import PowerLaw, power_law
 from cost_growth.scene import Scene, scene_of
 from cost_growth.timed_blocks import Task, TimedBlock, timed_blocks
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import TICK_S
 
 REPETITIONS = 5

@@ -23,7 +23,8 @@ from q2q_control.pid.pid import Pid
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.estimation.mocap_filter import MocapFilter
-from q2q_model.signals.cdr import SignalReader, encode
+from q2q_model.signals.cdr.cdr_reader import SignalReader
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import (

@@ -249,7 +249,7 @@ def test_an_sqlite_bag_is_read(tmp_path: Path):
     from rosbags.rosbag2 import StoragePlugin, Writer
 
     from q2q_model.bag.storage.definitions import jazzy_types
-    from q2q_model.signals.cdr import encode
+    from q2q_model.signals.cdr.cdr_writer import encode
 
     rng = np.random.default_rng(0)
     frames = [random_signal(MocapFrame, tick, PAIR, rng) for tick in range(20)]

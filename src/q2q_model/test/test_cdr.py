@@ -9,14 +9,9 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from q2q_model.signals.cdr import (
-    BadMessageError,
-    SignalReader,
-    decode,
-    encode,
-    encode_stamp,
-    header_stamp_ns,
-)
+from q2q_model.signals.cdr.cdr_format import BadMessageError, header_stamp_ns
+from q2q_model.signals.cdr.cdr_reader import SignalReader, decode
+from q2q_model.signals.cdr.cdr_writer import encode, encode_stamp
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.stamps import END_S
 from q2q_model.signals.values import MocapFrame, SwarmImu, SwarmState

@@ -12,7 +12,7 @@ from q2q_model.bag import BagReader, BagWriter, OfferedQos
 from q2q_model.bag.storage.definitions import jazzy_types
 from q2q_model.bag.storage.latched import channel_is_latched
 from q2q_model.bag.writer import _profile
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import MocapFrame
 
 KIND = "q2q_msgs/msg/MocapFrame"

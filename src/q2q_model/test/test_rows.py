@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.signals.cdr import BadMessageError, decode, encode
+from q2q_model.signals.cdr.cdr_format import BadMessageError
+from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import MOST_KINDS, SignalRows, rows_of_messages
 from q2q_model.signals.values import MocapFrame, SwarmState

@@ -7,7 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.signals.cdr import BadMessageError, decode, encode, header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import BadMessageError, header_stamp_ns
+from q2q_model.signals.cdr.cdr_reader import decode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import (
     END_S,
     BadStampError,

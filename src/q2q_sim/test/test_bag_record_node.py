@@ -22,7 +22,7 @@ from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE, TICK_WRITER
 from q2q_model.signals import values
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_record_node import Recorder
 

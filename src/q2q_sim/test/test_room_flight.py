@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import TICK_NS
 from q2q_model.signals.values import MocapFrame, SwarmCommand
 from q2q_sim.loop.room import Room

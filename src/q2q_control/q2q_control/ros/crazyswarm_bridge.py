@@ -24,7 +24,7 @@ from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.topics.messages import MESSAGES, header_at
 from q2q_model.ros.topics.qos import OUTSIDE, TICK
 from q2q_model.ros.topics.subscriptions import subscribe_signals
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_parts
 from q2q_model.signals.values import MocapFrame, SwarmState

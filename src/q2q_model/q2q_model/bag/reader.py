@@ -7,7 +7,8 @@ from pathlib import Path
 
 from q2q_model.bag.storage.errors import BagError
 from q2q_model.bag.storage.source import Channel, RawMessage, open_source
-from q2q_model.signals.cdr import BadMessageError, SignalReader
+from q2q_model.signals.cdr.cdr_format import BadMessageError
+from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import SignalRows, rows_of_messages
 

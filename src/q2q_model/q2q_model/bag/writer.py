@@ -25,7 +25,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from q2q_model.bag.flight_facts import FlightFacts
 from q2q_model.bag.storage.definitions import definition_of
 from q2q_model.bag.storage.errors import BagError
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.stamps import stamp_from_time, time_from_stamp
 

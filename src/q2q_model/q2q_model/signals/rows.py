@@ -1,7 +1,7 @@
 """Signals of one type stacked over time, decoded from message bytes in bulk.
 
 Messages of equal length that differ only in stamp and numbers have the same names at the same offsets.
-q2q_model.signals.cdr decodes and checks the first; the numbers of all are sliced from one byte matrix.
+cdr_reader decodes and checks the first; the numbers of all are sliced from one byte matrix.
 Remaining messages are decoded one by one.
 """
 
@@ -12,7 +12,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.signals.cdr import NAMES_AT, START, SignalReader
+from q2q_model.signals.cdr.cdr_format import NAMES_AT, START
+from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.stamps import NANOSECONDS
 from q2q_model.signals.values import Array, Mask, Names, Rows

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from q2q_model.diagnostics.health import Health
-from q2q_model.signals.cdr import SignalReader, header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState

@@ -26,7 +26,7 @@ from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
-from q2q_model.signals.cdr import header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.bag_topics.playback import (

@@ -30,7 +30,8 @@ from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
 from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED
-from q2q_model.signals.cdr import encode, header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.local_bus import Listener
 from q2q_model.tunable import check_bounds, tunable

@@ -19,7 +19,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.topic_names import TICK_TOPICS
 from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue

@@ -32,7 +32,7 @@ from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import LATCHED, MANY_WRITERS, TICK, TICK_WRITER
 from q2q_model.ros.topics.subscriber_check import SubscriberCheck
-from q2q_model.signals.cdr import encode_stamp
+from q2q_model.signals.cdr.cdr_writer import encode_stamp
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY
 from q2q_model.signals.values import SwarmCommand

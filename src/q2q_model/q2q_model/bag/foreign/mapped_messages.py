@@ -10,7 +10,8 @@ from pathlib import Path
 from q2q_model.bag.foreign.mapped_flight import mapped_channels, mapped_frames
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.storage.source import RawMessage
-from q2q_model.signals.cdr import encode, header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS
 from q2q_model.signals.stamps import stamp_from_time
 

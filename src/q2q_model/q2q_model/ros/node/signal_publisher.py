@@ -9,7 +9,7 @@ from rclpy.qos import QoSProfile
 from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.subscriber_check import SubscriberCheck
-from q2q_model.signals.cdr import encode
+from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 
 S = TypeVar("S", bound=Signal)

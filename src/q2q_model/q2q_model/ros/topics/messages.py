@@ -4,7 +4,7 @@ from builtin_interfaces.msg import Time
 from q2q_msgs import msg as q2q_msg
 from std_msgs.msg import Header
 
-from q2q_model.signals.cdr import WORLD
+from q2q_model.signals.cdr.cdr_format import WORLD
 from q2q_model.signals.layout import LAYOUTS
 from q2q_model.signals.stamps import stamp_parts
 

@@ -6,7 +6,7 @@ import numpy as np
 from q2q_msgs.msg import Plan
 
 from q2q_model.ros.topics.messages import header_at
-from q2q_model.signals.cdr import BadMessageError
+from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
 
 

@@ -9,7 +9,8 @@ from rclpy.node import Node
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
-from q2q_model.signals.cdr import SignalReader, header_stamp_ns
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import Signal
 
 S = TypeVar("S", bound=Signal)

@@ -1,0 +1,1 @@
+"""Serialized messages of q2q_msgs."""
