@@ -51,6 +51,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/model_files/model_bounds.py",
     "q2q_model/flights/answer_ticks.py",
     "q2q_model/flights/first_order_lag.py",
+    "q2q_model/flights/flight.py",
     "q2q_model/flights/flight_ticks.py",
     "q2q_model/flights/interpolated_gaps.py",
     "q2q_model/flights/reference_remarks.py",

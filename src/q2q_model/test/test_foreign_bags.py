@@ -26,7 +26,8 @@ from q2q_model.bag import (
 )
 from q2q_model.bag.foreign.pose_frames import Poses, nearest_rows, pose_frames
 from q2q_model.bag.foreign.references import References, with_references
-from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.cdr.cdr_reader import decode

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.flights.tables.column_map import SourceColumn, mapped_table
 from q2q_model.flights.tables.flight_table import (
     ANGLES,

@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.bag.foreign.pose_frames import Poses, pose_frames
 from q2q_model.bag.foreign.references import References, with_references
-from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.joined_flight import flight_from_signals
 
 TICKS = 5.0 + np.arange(2000) / 100.0
 BEGIN = 12.0

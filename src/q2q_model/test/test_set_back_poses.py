@@ -10,7 +10,7 @@ from message_definitions import HEADER, POSE
 
 from q2q_model.bag import BagError, TopicMap, read_mapped_flight
 from q2q_model.bag.foreign.pose_frames import Poses, clock_set_back, pose_frames
-from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.values import Array, SwarmState
 
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply, rotate
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import MocapFrame

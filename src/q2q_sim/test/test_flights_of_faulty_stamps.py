@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from q2q_model.bag import BagWriter, read_flight
-from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.stamps import stamp_from_time

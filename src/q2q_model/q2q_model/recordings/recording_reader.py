@@ -5,8 +5,9 @@ from pathlib import Path
 
 from q2q_model.bag import BagError, TopicMap, is_bag, read_flight, read_flight_log, read_mapped_flight
 from q2q_model.bag.log_topic import LOG_TYPE
-from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.flights.tables.flight_table import flight_table, log_of, signals_of
 from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.unit_check import check_flight_metres

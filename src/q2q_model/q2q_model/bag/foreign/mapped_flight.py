@@ -20,7 +20,8 @@ from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.definitions import jazzy_types
 from q2q_model.bag.storage.errors import BagError, warn_of_repairs
 from q2q_model.bag.storage.source import Channel, RawMessage, Source, flight_name, open_source
-from q2q_model.flights.flight import Flight, flight_from_signals
+from q2q_model.flights.flight import Flight
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.flights.flight import flight_from_signals
+from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.layout import Signal
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Violation

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.flights.answer_ticks import answer_ticks
-from q2q_model.flights.flight import check_clock
+from q2q_model.flights.joined_flight import check_clock
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names
 from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
