@@ -9,8 +9,9 @@ import pytest
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
-from q2q_model.flights.tables.flight_table import flight_table, signals_of
+from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import read_columns
+from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.signals.values import Array, MocapFrame, Names, SwarmState, TrackStatus, index_of
 
 DATA = Path(os.environ.get("Q2Q_DATA", Path(__file__).parents[2] / "shared" / "data"))

@@ -6,16 +6,9 @@ import pytest
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.flights.tables.column_map import SourceColumn, mapped_table
-from q2q_model.flights.tables.flight_table import (
-    ANGLES,
-    EULER,
-    QUAT,
-    RATE,
-    FlightTable,
-    flight_table,
-    log_of,
-    signals_of,
-)
+from q2q_model.flights.tables.flight_table import ANGLES, EULER, QUAT, RATE, FlightTable, flight_table
+from q2q_model.flights.tables.table_log import log_of
+from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.signals.values import Array, SwarmState
 from q2q_model.vehicle.constants import GRAVITY

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagWriter, TopicMap
-from q2q_model.flights.tables.flight_table import flight_table, signals_of
+from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import read_columns
+from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.recordings.recording_reader import flights_among
 from q2q_model.recordings.recordings_of_paths import recordings_of_paths
 from q2q_model.tools.vehicle_of_flights import vehicle_of_flights

@@ -10,8 +10,9 @@ import pytest
 
 from q2q_model.bag import BagReader, read_facts, read_flight, read_flight_log
 from q2q_model.flights.tables.column_map import SourceColumn, mapped_table
-from q2q_model.flights.tables.flight_table import flight_table, signals_of
+from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import read_columns
+from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.geometry.rotations import euler_from_quat, rotate
 from q2q_model.signals.values import Array
 from q2q_model.tools.bag_vehicle import flown_vehicle

@@ -8,8 +8,10 @@ from q2q_model.bag.log_topic import LOG_TYPE
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.joined_flight import flight_from_signals
-from q2q_model.flights.tables.flight_table import flight_table, log_of, signals_of
+from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import TABLES, read_columns
+from q2q_model.flights.tables.table_log import log_of
+from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.flights.unit_check import check_flight_metres
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.flight_recording import Recording

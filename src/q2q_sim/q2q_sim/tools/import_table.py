@@ -8,16 +8,10 @@ from pathlib import Path
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
 from q2q_model.flights.tables.column_map import ColumnMap, load_column_map, mapped_table
-from q2q_model.flights.tables.flight_table import (
-    ANGLES,
-    CARRIED,
-    POS,
-    FlightTable,
-    flight_table,
-    log_of,
-    signals_of,
-)
+from q2q_model.flights.tables.flight_table import ANGLES, CARRIED, POS, FlightTable, flight_table
 from q2q_model.flights.tables.table_file import read_columns
+from q2q_model.flights.tables.table_log import log_of
+from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
 from q2q_model.flights.tables.usd_flight import clock_note, columns_of_logs
 from q2q_model.flights.tables.usd_log import UsdLog, UsdLogError, is_usd_log, usd_log
