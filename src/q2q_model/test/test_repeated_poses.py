@@ -7,7 +7,7 @@ import pytest
 from steady_tracks import COAST, DT, FROZEN, NEAR, NOBODY, NONE, PLACES, flown, offered, tracks
 
 from q2q_model.estimation.position.position_gates import VARIED
-from q2q_model.estimation.position.position_steps import THAW_STEP
+from q2q_model.estimation.position.position_prediction import THAW_STEP
 from q2q_model.estimation.position.position_tracks import PositionTracks
 from q2q_model.flights.outliers import REPEAT_STEP
 from q2q_model.signals.values import Array

@@ -14,7 +14,7 @@ in this order:
    are exchanged for good are exchanged by the server. Where such a sample is further than jump_max from a
    track that coasts, a second one must agree.
 3. Rejected samples that stay together are a true jump (reacquisition, there): the track restarts there, as it
-   does at a thaw (position_steps); later if they may be of another vehicle (suspected_swaps).
+   does at a thaw (position_prediction); later if they may be of another vehicle (suspected_swaps).
 
 Without samples a track coasts for `coast_s`; then it is lost, with its position held and zero velocity.
 """
@@ -27,16 +27,15 @@ from q2q_model.estimation.association.label_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.position.kalman_filter import start
+from q2q_model.estimation.position.position_prediction import Prediction, look_ahead
 from q2q_model.estimation.position.position_steps import (
     NEEDS_ASSOCIATION,
     WHOLE,
     Association,
     Offered,
-    Prediction,
     TrackMemory,
     accept,
     follow_positions,
-    look_ahead,
 )
 from q2q_model.estimation.position.steady_gain import PERIOD
 from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, unseen
