@@ -7,7 +7,7 @@ Each tick gives one row, linear in the gains; Huber weights suppress rows in whi
 active, and those at the limit of a velocity setpoint are left out where its differences are z_ref''
 (velocity_limit). The offset b is separate for each vehicle and flight (battery, mass). Terms beyond K_p and
 K_d are kept only if an F test finds them significant. Correlated rows reduce the effective number of rows to
-n (1 - rho) / (1 + rho), with rho the correlation of successive residuals.
+n (1 - rho) / (1 + rho), with rho the correlation of successive residuals (huber_regression).
 
 U1 b_z is what the controller wants along z if it divides by the tilt. One that commands the size of its force
 (q2q_sim.experiments.validation.recorded_law) wants it along another tilt than that of the vehicle, b. On the
@@ -28,10 +28,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.special import fdtrc
 
 from q2q_model.counted import counted
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
+from q2q_model.identification.gains.huber_regression import (
+    RESOLUTION,
+    huber_fit,
+    robust_deviation,
+    significance,
+)
 from q2q_model.identification.gains.velocity_limit import at_velocity_limit
 from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, cluster_rows, intervals
 from q2q_model.signals.values import Array, Mask
@@ -41,12 +46,6 @@ FEWEST = 200
 """Fewest rows: 2 s at 100 Hz."""
 NEEDED = 0.01
 """Significance level of the F test [-]."""
-HUBER = 1.345
-"""Huber threshold in standard deviations; 95 % efficient for normal errors (Huber 1981)."""
-RESOLUTION = 1e-6
-"""Minimum standard deviation of the residual [m/s^2]: 1e-7 g."""
-ROUNDS, SETTLED = 10, 1e-4
-"""Most iterations of reweighting, and the change of weights that ends them [-]."""
 BLOCK = 1.0
 """Minimum length of a cluster of residuals [s]."""
 K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET = range(7)
@@ -114,7 +113,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         if not _is_needed(system, terms, term):
             terms.remove(term)
     design = _design(system, terms)
-    value, weight = _robust(design, system.target)
+    value, weight = huber_fit(design, system.target)
     residual = system.target - design @ value
     gains = [term for term in terms if term != OFFSET]
     spread = intervals(value[: len(gains)], _rows(system, terms, residual, weight))
@@ -131,7 +130,7 @@ def gains_from_commands(records: Sequence[AltitudeRecord]) -> GainFit:
         k_d=found[K_D],
         needs_offset=OFFSET in terms,
         needs_integral=INTEGRAL in terms,
-        rms=_spread(residual),
+        rms=robust_deviation(residual),
         compensated=found[FEED_FORWARD].value if FEED_FORWARD in found else 0.0,
         of_rates=(
             found[REF_VEL].value if REF_VEL in found else 0.0,
@@ -148,14 +147,10 @@ def _stacked(records: Sequence[AltitudeRecord]) -> _Equation:
         for i in range(len(record.names))
     ]
     parts = [_equation(record, i, group, flight) for group, (record, i, flight) in enumerate(each)]
-    return _Equation(
-        target=np.concatenate([part.target for part in parts]),
-        columns=np.concatenate([part.columns for part in parts]),
-        group=np.concatenate([part.group for part in parts]),
-        flight=np.concatenate([part.flight for part in parts]),
-        t=np.concatenate([part.t for part in parts]),
-        limited=np.concatenate([part.limited for part in parts]),
-    )
+    stacked = {
+        one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(_Equation)
+    }
+    return _Equation(**stacked)
 
 
 def _without_limited(system: _Equation) -> _Equation:
@@ -207,50 +202,8 @@ def _design(system: _Equation, terms: Sequence[int]) -> Array:
 
 
 def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
-    """Return whether an F test on the weighted sum of squares finds `term` significant."""
+    """Return whether an F test finds `term` significant."""
     if term != OFFSET and np.ptp(system.columns[:, term]) == 0.0:
         return False
     whole, less = _design(system, terms), _design(system, [other for other in terms if other != term])
-    _, weight = _robust(whole, system.target)
-    full, reduced = (_weighted_residual(design, system.target, weight) for design in (whole, less))
-    squares = float(full @ full)
-    rho = float(np.clip(full[1:] @ full[:-1] / max(squares, 1e-300), 0.0, 0.999))
-    extra = whole.shape[1] - less.shape[1]
-    freedom = max(weight.sum() * (1.0 - rho) / (1.0 + rho) - whole.shape[1], 1.0)
-    floor = max(squares, weight.sum() * RESOLUTION**2)
-    ratio = (float(reduced @ reduced) - squares) / floor * freedom / extra
-    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < NEEDED)
-
-
-def _robust(design: Array, target: Array) -> tuple[Array, Array]:
-    """Return the parameters and the Huber weight of every row, by iterative reweighting."""
-    weight = np.ones_like(target)
-    scale = _scale(design)
-    scaled = design / scale
-    for _ in range(ROUNDS):
-        value = _solve(scaled, target, weight)
-        residual = np.abs(target - scaled @ value)
-        before, weight = weight, np.minimum(1.0, HUBER * _spread(residual) / np.maximum(residual, 1e-12))
-        if np.abs(weight - before).max() < SETTLED:
-            break
-    return value / scale, weight
-
-
-def _scale(design: Array) -> Array:
-    """Return the largest magnitude in each column, above zero."""
-    return np.asarray(np.maximum(np.abs(design).max(axis=0), 1e-12))
-
-
-def _solve(scaled: Array, target: Array, weight: Array) -> Array:
-    weighted = (weight[:, None] * scaled).T
-    return np.asarray(np.linalg.lstsq(weighted @ scaled, weighted @ target, rcond=None)[0])
-
-
-def _spread(residual: Array) -> float:
-    """Return the standard deviation from the median absolute residual, for a normal."""
-    return max(1.4826 * float(np.median(np.abs(residual))), RESOLUTION)
-
-
-def _weighted_residual(design: Array, target: Array, weight: Array) -> Array:
-    scaled = design / _scale(design)
-    return np.asarray(np.sqrt(weight) * (target - scaled @ _solve(scaled, target, weight)))
+    return significance(whole, less, system.target) < NEEDED
