@@ -62,6 +62,8 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/forked.py",
     "q2q_model/geometry/rotations.py",
     "q2q_model/identification/gain_notes.py",
+    "q2q_model/identification/gains/altitude_record.py",
+    "q2q_model/identification/gains/flown_pieces.py",
     "q2q_model/identification/gains/huber_regression.py",
     "q2q_model/identification/gains/velocity_limit.py",
     "q2q_model/identification/intervals.py",

@@ -4,7 +4,8 @@ import numpy as np
 from made_flights import LOOP, Pass, made_flight
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.networks.fit import (
     random_weights,

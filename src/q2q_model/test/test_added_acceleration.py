@@ -10,7 +10,8 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.identification.gains.altitude_record import altitude_record, in_clear_air
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import in_clear_air
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import CLEAR, with_added_acc
 from q2q_model.identification.identification import (

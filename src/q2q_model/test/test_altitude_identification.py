@@ -14,11 +14,8 @@ from q2q_model.flights.first_order_lag import first_order_lag
 from q2q_model.flights.flight import Flight, of_vehicle
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
 from q2q_model.identification.gain_notes import gain_notes
-from q2q_model.identification.gains.altitude_record import (
-    AltitudeRecord,
-    altitude_record,
-    altitude_records,
-)
+from q2q_model.identification.gains.altitude_from_flight import altitude_record, altitude_records
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response, impulse_response
 from q2q_model.identification.gains.trajectory_gains import (

@@ -12,7 +12,8 @@ from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.flights.flight import of_vehicle
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.identification_data import (
     IdentificationData,

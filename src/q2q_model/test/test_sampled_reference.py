@@ -11,7 +11,7 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.reference_remarks import reference_remarks
 from q2q_model.flights.sampled_reference import sampled_reference
-from q2q_model.identification.gains.altitude_record import altitude_records
+from q2q_model.identification.gains.altitude_from_flight import altitude_records
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from made_flights import Pass, made_flight
 
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.networks.fit import adam, random_weights
 from q2q_model.identification.networks.gradient import pack, unpack
 from q2q_model.identification.networks.trajectory_loss import flight_terms, trajectory_loss

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from q2q_model.identification.gains.altitude_record import altitude_record
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
 from q2q_model.identification.networks.trajectory_loss import WIDE, flight_terms
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

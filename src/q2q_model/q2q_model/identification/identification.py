@@ -17,7 +17,8 @@ from q2q_model.flights.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gain_notes import gain_notes
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_records
+from q2q_model.identification.gains.altitude_from_flight import altitude_records
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
 from q2q_model.identification.gains.impulse_response import with_added_acc
 from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better

@@ -25,7 +25,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import MOTORS, FlightLog, motor_duty
 from q2q_model.flights.interpolated_gaps import interpolate_gaps
 from q2q_model.geometry.rotations import rotate
-from q2q_model.identification.gains.altitude_record import UP, check_upright
+from q2q_model.identification.gains.altitude_from_flight import UP, check_upright
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.recordings.flight_recording import Recording

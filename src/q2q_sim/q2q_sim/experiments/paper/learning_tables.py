@@ -16,7 +16,8 @@ from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
-from q2q_model.identification.gains.altitude_record import AltitudeRecord, altitude_record
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import gains_from_commands
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.gains.trajectory_gains import TOLERANCE, gains_from_trajectories
