@@ -7,7 +7,8 @@ References are omitted, because they are positions without velocity, which no no
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from q2q_model.bag.foreign.mapped_flight import mapped_channels, mapped_frames
+from q2q_model.bag.foreign.mapped_flight import mapped_channels
+from q2q_model.bag.foreign.mapped_poses import mapped_frames
 from q2q_model.bag.foreign.topic_map import TopicMap
 from q2q_model.bag.storage.source import RawMessage
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
