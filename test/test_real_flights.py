@@ -9,7 +9,8 @@ from threadpoolctl import threadpool_limits
 
 from q2q_model.commands import identify as identify_command
 from q2q_model.identification.gains.command_gains import gains_from_commands
-from q2q_model.identification.identification import ProcedureParams, identify, recorded_altitudes
+from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.identification.recorded_altitudes import recorded_altitudes
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

@@ -67,6 +67,8 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/gains/huber_regression.py",
     "q2q_model/identification/gains/velocity_limit.py",
     "q2q_model/identification/intervals.py",
+    "q2q_model/identification/recorded_altitudes.py",
+    "q2q_model/identification/recorded_gains.py",
     "q2q_model/identification/push/held_out_deviation.py",
     "q2q_model/identification/push/jet_deviation.py",
     "q2q_model/identification/push/jet_form.py",

@@ -5,23 +5,16 @@ flights -> repaired records -> gains (12)-(13) -> pushes -> dev, alpha, beta, d 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
-
-import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.level_set import LevelSet, level_set
-from q2q_model.flights.flight_log import FlightLog, log_at
 from q2q_model.flights.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
-from q2q_model.identification.gain_notes import gain_notes
-from q2q_model.identification.gains.altitude_from_flight import altitude_records
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
-from q2q_model.identification.gains.impulse_response import with_added_acc
-from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
+from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.identification_data import IdentificationData, largest_gap
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.loading import loading_of
@@ -29,6 +22,8 @@ from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.sensor_check import sensor_notes
+from q2q_model.identification.recorded_altitudes import recorded_altitudes
+from q2q_model.identification.recorded_gains import predicting_loop, recorded_gains
 from q2q_model.identification.selection.candidates import (
     NOTHING,
     Candidate,
@@ -47,9 +42,6 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
 
 StepCallback = Callable[[str], None]
-
-FEED_FORWARD = "fa_ff"
-"""Log column of the downwash force that the controller compensated [N]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,8 +88,8 @@ def identify(
     flown, holes = zip(*(recorded_altitudes(one, params.vehicle) for one in recordings), strict=True)
     on_step("gains")
     records = [*chain(*flown)]
-    gains, remarks = _gains(records, recordings, params.vehicle)
-    loop, known = _loop(gains, flown, params.vehicle)
+    gains, remarks = recorded_gains(records, recordings, params.vehicle)
+    loop, known = predicting_loop(gains, flown, params.vehicle)
     on_step("pushes")
     pushes, notes = _pushes(recordings, params.vehicle)
     pushed = [sample for samples in pushes for sample in samples]
@@ -131,19 +123,6 @@ def identify(
     )
 
 
-def _loop(
-    gains: GainFit, flown: Sequence[tuple[AltitudeRecord, ...]], vehicle: Vehicle
-) -> tuple[AltitudeLoop, Sequence[tuple[AltitudeRecord, ...]]]:
-    """Return the loop that predicts altitudes, and the records with what commands show besides."""
-    if not gains.from_commands:
-        return gains.loop, flown
-    loop = replace(gains.loop, lag=vehicle.thrust_lag, offset=0.0)
-    return loop, [
-        tuple(with_added_acc(one, loop, gains.compensated, gains.of_rates) for one in pieces)
-        for pieces in flown
-    ]
-
-
 def _file(
     model: InteractionModel,
     zone: LevelSet | None,
@@ -166,26 +145,6 @@ def _fit(best: Trial, train: Score, recordings: Sequence[Recording]) -> Fit:
     )
 
 
-def recorded_altitudes(
-    one: Recording, vehicle: Vehicle
-) -> tuple[tuple[AltitudeRecord, ...], tuple[str, ...]]:
-    """Return a flight's records, with the feed-forward of its log if that has one, and remarks."""
-    records, holes = altitude_records(one.flight, vehicle)
-    return tuple(_with_feed_forward(record, one.log, vehicle) for record in records), tuple(holes)
-
-
-def _with_feed_forward(record: AltitudeRecord, log: FlightLog | None, vehicle: Vehicle) -> AltitudeRecord:
-    if log is None or FEED_FORWARD not in log.columns:
-        return record
-    logged = np.flatnonzero(np.isfinite(log.values).any(axis=(1, 2)))
-    if not logged.size:
-        return record
-    at = np.searchsorted(log.t[logged], record.t - 0.5 * record.dt)
-    rows = logged[np.clip(at, 0, logged.size - 1)]
-    column = log_at(log, log.t, record.names).column(FEED_FORWARD)
-    return replace(record, feed_forward=column[rows] / vehicle.mass)
-
-
 def _pushes(
     recordings: Sequence[Recording], vehicle: Vehicle
 ) -> tuple[list[tuple[PushSamples, ...]], list[str]]:
@@ -195,42 +154,6 @@ def _pushes(
     sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
     notes = sensor_notes([one.flight for one in recordings], vehicle)
     return pushes, [*notes, *lag_note(sampled, vehicle.thrust_lag)]
-
-
-def _gains(
-    records: Sequence[AltitudeRecord], recordings: Sequence[Recording], vehicle: Vehicle
-) -> tuple[GainFit, list[str]]:
-    try:
-        fit = gains_from_commands(records)
-        return fit, gain_notes(fit, recordings, vehicle)
-    except ValueError as missing:
-        found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
-        if needs_offset := is_better(shifted, found):
-            found = shifted
-        spread = dict(found.intervals)
-        fit = GainFit(
-            loop=found.loop,
-            k_p=spread["k_p"],
-            k_d=spread["k_d"],
-            needs_offset=needs_offset,
-            needs_integral=False,
-            rms=found.rms,
-            from_commands=False,
-        )
-        notes = [f"gains are from trajectories, downwash and lag included: {missing}"]
-        return fit, [*notes, *_feed_forward_note(records)]
-
-
-def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
-    """Return a note if a controller may have compensated downwash, and no commands show how much of it."""
-    if not any((np.nan_to_num(record.feed_forward) != 0.0).any() for record in records):
-        return []
-    return [
-        (
-            "the topic interference is recorded, but no commands: if the controller compensated it, the "
-            "model has what was left of it; record the topic command"
-        )
-    ]
 
 
 def _decay(records: Sequence[AltitudeRecord]) -> tuple[DecayFit | None, list[str]]:

@@ -1,0 +1,73 @@
+"""Gains of recordings, from commands or else from trajectories, and the loop that predicts altitudes."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_model.identification.gain_notes import gain_notes
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
+from q2q_model.identification.gains.impulse_response import with_added_acc
+from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
+from q2q_model.recordings.flight_recording import Recording
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import Vehicle
+
+
+def recorded_gains(
+    records: Sequence[AltitudeRecord], recordings: Sequence[Recording], vehicle: Vehicle
+) -> tuple[GainFit, list[str]]:
+    """Return the gains of all records, and notes; from trajectories if there are too few commands.
+
+    Raises:
+        ValueError: trajectories give no gains either.
+    """
+    try:
+        fit = gains_from_commands(records)
+        return fit, gain_notes(fit, recordings, vehicle)
+    except ValueError as missing:
+        notes = [f"gains are from trajectories, downwash and lag included: {missing}"]
+        return _trajectory_fit(records), [*notes, *_feed_forward_note(records)]
+
+
+def _trajectory_fit(records: Sequence[AltitudeRecord]) -> GainFit:
+    """Return the gains from trajectories, with an offset if that is better."""
+    found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
+    if needs_offset := is_better(shifted, found):
+        found = shifted
+    spread = dict(found.intervals)
+    return GainFit(
+        loop=found.loop,
+        k_p=spread["k_p"],
+        k_d=spread["k_d"],
+        needs_offset=needs_offset,
+        needs_integral=False,
+        rms=found.rms,
+        from_commands=False,
+    )
+
+
+def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:
+    """Return a note if a controller may have compensated downwash, and no commands show how much of it."""
+    if not any((np.nan_to_num(record.feed_forward) != 0.0).any() for record in records):
+        return []
+    return [
+        (
+            "the topic interference is recorded, but no commands: if the controller compensated it, the "
+            "model has what was left of it; record the topic command"
+        )
+    ]
+
+
+def predicting_loop(
+    gains: GainFit, flown: Sequence[tuple[AltitudeRecord, ...]], vehicle: Vehicle
+) -> tuple[AltitudeLoop, Sequence[tuple[AltitudeRecord, ...]]]:
+    """Return the loop that predicts altitudes, and the records with what commands show besides."""
+    if not gains.from_commands:
+        return gains.loop, flown
+    loop = replace(gains.loop, lag=vehicle.thrust_lag, offset=0.0)
+    return loop, [
+        tuple(with_added_acc(one, loop, gains.compensated, gains.of_rates) for one in pieces)
+        for pieces in flown
+    ]
