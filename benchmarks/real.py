@@ -25,7 +25,7 @@ from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples, push_samples, residual_of
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.residual import predicted_residual
-from q2q_model.identification.selection.candidates import MARGIN
+from q2q_model.identification.selection.model_choice import MARGIN
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags
 from q2q_model.signals.values import Array

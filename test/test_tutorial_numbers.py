@@ -11,7 +11,7 @@ from documentation import blocks
 from fresh_checkout import ROOT
 
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.selection.candidates import FORMS
+from q2q_model.identification.selection.jet_candidates import FORMS
 from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_sim.air.find_air import find_air

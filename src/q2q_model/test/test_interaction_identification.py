@@ -40,13 +40,9 @@ from q2q_model.identification.push.along_flight import eta_along
 from q2q_model.identification.push.jet_fit import fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples
-from q2q_model.identification.selection.candidates import (
-    Candidate,
-    Trial,
-    fit_best,
-    fit_jet,
-    score_candidates,
-)
+from q2q_model.identification.selection.candidate import Candidate
+from q2q_model.identification.selection.jet_candidates import fit_jet
+from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array
 

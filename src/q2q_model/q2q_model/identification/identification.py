@@ -24,18 +24,12 @@ from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.identification.recorded_altitudes import recorded_altitudes
 from q2q_model.identification.recorded_gains import predicting_loop, recorded_gains
-from q2q_model.identification.selection.candidates import (
-    NOTHING,
-    Candidate,
-    Trial,
-    candidates,
-    fit_best,
-    network_notes,
-    parameter_intervals,
-    score_candidates,
-    with_deviation,
-)
+from q2q_model.identification.selection.candidate import NOTHING, Candidate
+from q2q_model.identification.selection.candidates import candidates
 from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
+from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
+from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
+from q2q_model.identification.selection.network_candidates import network_notes
 from q2q_model.model_files.model_file import Fit, ModelFile
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop

@@ -11,7 +11,7 @@ from q2q_model.identification.identification import Identification
 from q2q_model.identification.identification_data import every_record
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.loading import usable_loading
-from q2q_model.identification.selection.candidates import Trial
+from q2q_model.identification.selection.model_choice import Trial
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.tunable import tunable_of
 

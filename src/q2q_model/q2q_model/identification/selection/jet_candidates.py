@@ -1,0 +1,77 @@
+"""Jets among the candidates: the forms that are tried, fitted to measured pushes or else to altitudes."""
+
+from collections.abc import Sequence
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.downwash.jet import Jet
+from q2q_model.identification.identification_data import IdentificationData, every_record
+from q2q_model.identification.intervals import Interval
+from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
+from q2q_model.identification.push.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.selection.candidate import NOTHING, Candidate
+from q2q_model.identification.selection.cross_validation import Fitter
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+
+FORMS = {
+    "jet, straight down, power law": JetForm("power", carried=0.0, delayed=False),
+    "jet, straight down, exponential": JetForm("exponential", carried=0.0, delayed=False),
+    "jet, delayed": JetForm("exponential", carried=0.0, delayed=True),
+    "jet, delayed, moving with its source": JetForm("exponential", carried=1.0, delayed=True),
+    "jet, delayed, moving, loaded": JetForm("exponential", carried=1.0, delayed=True, loaded=True),
+}
+
+
+def jet_candidates(flights: Sequence[IdentificationData], loop: AltitudeLoop) -> list[Candidate]:
+    """Return the forms of the jet, after no downwash where that can be tried.
+
+    A loaded form needs measured pushes.
+    """
+    measured = any(one.exposed.any() for flight in flights for one in flight.pushes)
+    nothing = [NOTHING] if measured and len(flights) > 1 else []  # of one flight nothing can be held out
+    forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
+    made = [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in forms.items()]
+    return nothing + made
+
+
+def _freedom(form: JetForm) -> int:
+    return 4 + form.delayed + form.spreading + 3 * form.loaded
+
+
+def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
+    def fit(flights: Sequence[IdentificationData]) -> InteractionModel:
+        return fit_jet(flights, loop, form).jet
+
+    return fit
+
+
+def fit_jet(
+    flights: Sequence[IdentificationData], loop: AltitudeLoop, form: JetForm, solved: Jet | None = None
+) -> JetFit:
+    """Return the jet of a form fitted to measured pushes if there are any, else to altitudes.
+
+    `solved` is that jet if known already: then only its intervals are computed.
+    """
+    pushes = [one for flight in flights for one in flight.pushes]
+    if any(one.exposed.any() for one in pushes):
+        return fit_to_pushes(pushes, form, solved)
+    return fit_to_altitudes(every_record(flights), loop, form, solved)
+
+
+def with_deviation(
+    found: Candidate, model: InteractionModel, flights: Sequence[IdentificationData]
+) -> InteractionModel:
+    """Return a candidate's model, a jet with its deviation on held-out flights."""
+    pushes = [one for flight in flights for one in flight.pushes]
+    if found.name in FORMS and isinstance(model, Jet):
+        return with_held_out_deviation(model, pushes, FORMS[found.name])
+    return model
+
+
+def parameter_intervals(
+    found: Candidate, model: InteractionModel, flights: Sequence[IdentificationData], loop: AltitudeLoop
+) -> tuple[tuple[str, Interval], ...]:
+    """Return the intervals of the parameters of a candidate's model, by name; empty unless it is a jet."""
+    if found.name not in FORMS or not isinstance(model, Jet):
+        return ()
+    return fit_jet(flights, loop, FORMS[found.name], model).intervals
