@@ -27,7 +27,7 @@ from q2q.random_faults import campaign
 from q2q.scenario_choice import load_air, scenario, scenario_names
 from q2q.simulation import fly
 from q2q_control.controller import Controller
-from q2q_model.compilation_notice import give_notice_of_compilation
+from q2q_model.compilation.compilation_notice import give_notice_of_compilation
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.identification import Identification

@@ -12,7 +12,9 @@ import pytest
 from numba import config
 from numba.core.caching import FunctionCache
 
-from q2q_model.compiled import _Index, _warn_of_no_store, compiled, kernel_digest, uncached_kernels
+from q2q_model.compilation.kernel_cache import KernelIndex, warn_of_no_store
+from q2q_model.compilation.kernel_digest import kernel_digest
+from q2q_model.compiled import compiled, uncached_kernels
 
 MAIN = """
 from q2q_model.compiled import COMPILED, compiled
@@ -104,7 +106,8 @@ def test_the_key_is_the_same_in_every_process() -> None:
     """Sets are written in another order by every process: kernels with such options were compiled again."""
     script = """
 from numba import njit
-from q2q_model.compiled import compiled, kernel_digest
+from q2q_model.compilation.kernel_digest import kernel_digest
+from q2q_model.compiled import compiled
 inner = njit(lambda x: x in {"a", "b", "c"})
 fast = njit(lambda x: x in {"a", "b", "c"}, fastmath={"contract", "reassoc", "nsz"})
 def outer(x):
@@ -177,11 +180,11 @@ def test_code_that_several_save_at_once_is_kept_of_all(tmp_path: Path) -> None:
     """Set-up compiles in two processes: what the slower one had not read was dropped, and made in flight."""
 
     def save(number: int) -> None:
-        _Index(str(tmp_path), "half", "of one source").save((number,), number)
+        KernelIndex(str(tmp_path), "half", "of one source").save((number,), number)
 
     with ThreadPoolExecutor(4) as several:
         list(several.map(save, range(80)))
-    index = _Index(str(tmp_path), "half", "of one source")
+    index = KernelIndex(str(tmp_path), "half", "of one source")
     assert [index.load((number,)) for number in range(80)] == list(range(80))
 
 
@@ -231,7 +234,7 @@ def test_without_a_folder_for_machine_code_kernels_are_compiled_at_each_start(
     def no_folder(_: object, __: object) -> None:
         raise RuntimeError("cannot cache function '_half': no locator available for file 'half.py'")
 
-    _warn_of_no_store.cache_clear()
+    warn_of_no_store.cache_clear()
     monkeypatch.setattr(FunctionCache, "__init__", no_folder)
     monkeypatch.setattr("q2q_model.compiled.KERNELS", [])
     with pytest.warns(RuntimeWarning, match="set NUMBA_CACHE_DIR to a folder that can be written"):

@@ -23,7 +23,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from q2q_model.compilation_notice import give_notice_of_compilation
+from q2q_model.compilation.compilation_notice import give_notice_of_compilation
 from q2q_model.node.loopback import restrict
 from q2q_model.node.ros_refusal import refusal_of_ros
 from q2q_model.ros.node.node_parameters import refuse_undeclared
