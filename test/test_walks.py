@@ -30,6 +30,7 @@ SERVICES = {
     "q2q_model/commands/ros_arguments.py",
     "q2q_model/compiled.py",
     "q2q_model/counted.py",
+    "q2q_model/estimation/frame_rows.py",
     "q2q_model/node/lean_imports.py",
     "q2q_model/signals/repeated_stamp.py",
     "q2q_model/signals/stamps.py",

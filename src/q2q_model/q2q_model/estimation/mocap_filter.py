@@ -2,8 +2,8 @@
 
 The paper removes outliers from recorded flights (section 2.2). In flight the future is unknown, so each
 sample passes gates that share the paper's thresholds (q2q_model.flights.outliers), and a vehicle without a
-believable sample coasts at constant velocity. Tracking is in the folders position and attitude. This file is
-about frames:
+believable sample coasts at constant velocity. Tracking is in the folders position and attitude, the match of
+rows by name in frame_rows. This file is about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are
   adopted in the order of their first appearance, and the state grows, but not while LOST_MOST vehicles are
@@ -31,15 +31,9 @@ import numpy as np
 from q2q_model.estimation.association.jump_candidates import GAP_S, SAME_INSTANT
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
 from q2q_model.estimation.filter_report import FilterReport, FrameWarnings
+from q2q_model.estimation.frame_rows import FrameRows, check_shapes, match_rows, poses_by_track
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams, attitude_params, track_params
-from q2q_model.estimation.nominal_frame import (
-    POSE_WIDTH,
-    QUAT_AT,
-    extend_memory,
-    no_poses,
-    nominal_frame,
-    remember_poses,
-)
+from q2q_model.estimation.nominal_frame import QUAT_AT, extend_memory, no_poses, nominal_frame, remember_poses
 from q2q_model.estimation.pose_faults import pose_faults
 from q2q_model.estimation.position.position_steps import NEEDS_ASSOCIATION, WHOLE
 from q2q_model.estimation.position.position_tracks import PositionTracks, TrackUpdate
@@ -49,12 +43,10 @@ from q2q_model.signals.values import (
     Mask,
     MocapFrame,
     Names,
-    Rows,
     Status,
     SwarmState,
     TrackStatus,
     check_unique,
-    index_of,
 )
 
 LOST_MOST = 20
@@ -89,7 +81,7 @@ class MocapFilter:
     @property
     def refuses_names(self) -> bool:
         """Return whether the last frame has names that were not adopted, as too many vehicles are lost."""
-        return self._unknown > 0 and not self._given
+        return self._rows.unknown > 0 and not self._given
 
     def _named(self, which: Mask) -> Names:
         return tuple(self._names[row] for row in np.flatnonzero(which)) if which.any() else ()
@@ -103,9 +95,7 @@ class MocapFilter:
         self._positions, self._attitudes = PositionTracks(gates[0], count), AttitudeTracks(gates[1], count)
         self._last: SwarmState | None = None
         self._old = ClockResetDetector()
-        self._frame_names: Names | None = None
-        self._track_of_row: Rows = np.zeros(0, dtype=np.intp)
-        self._repeated, self._unknown = 0, 0  # rows of a frame with a repeated or unknown name
+        self._rows = FrameRows()
         self._recent = no_poses(count)
         self._wrong: tuple[Mask, ...] = ()
         self._find_memory()
@@ -115,7 +105,7 @@ class MocapFilter:
 
         Raises ValueError for arrays that do not match the names.
         """
-        _check_shapes(frame)
+        check_shapes(frame)
         if self._last is not None:
             behind = self._last.t - frame.t
             if behind < -SAME_INSTANT and not self._old.is_ahead(frame.t, self._last.t):
@@ -139,7 +129,7 @@ class MocapFilter:
         self._counts["repeated_frames" if abs(ahead) <= SAME_INSTANT else "stale_frames"] += 1
         if not abs(ahead) > SAME_INSTANT:
             return last
-        if frame.names == self._frame_names:
+        if frame.names == self._rows.names:
             remember_poses(self._by_track(frame), self._recent)
         age = last.age + max(ahead, 0.0)
         lost = (ahead > 0.0) & (age > self._params.coast_s + SAME_INSTANT)
@@ -195,13 +185,11 @@ class MocapFilter:
 
     def _by_track(self, frame: MocapFrame) -> Array:
         """Return the frame's poses in the order of the tracks, (n, 7); NaN where absent."""
-        tracks = self._match(frame.names)
-        poses = np.concatenate((frame.pos, frame.quat), axis=1)
-        if frame.names == self._names:
-            return poses
-        ours, found = tracks >= 0, np.full((len(self._names), POSE_WIDTH), np.nan)
-        found[tracks[ours]] = poses[ours]
-        return found
+        if frame.names != self._rows.names or (self.refuses_names and not self._are_many_lost()):
+            if not (self._given or self._are_many_lost()):
+                self._adopt(frame.names)
+            self._rows = match_rows(frame.names, self._names)
+        return poses_by_track(frame, self._rows, self._names)
 
     def _quat_of(self, tracked: TrackUpdate, quat: Array) -> Array:
         """Return each track's quaternion; where labels were swapped, the nearer of both vehicles'."""
@@ -217,19 +205,6 @@ class MocapFilter:
         late = np.where(age <= self._params.coast_s + SAME_INSTANT, _COASTING, _LOST)
         return age, np.where(tracked.trusted, _TRACKED, late)
 
-    def _match(self, names: Names) -> Rows:
-        """Return the track of each row of a frame; -1 for rows to ignore."""
-        if names != self._frame_names or (self.refuses_names and not self._are_many_lost()):
-            if not (self._given or self._are_many_lost()):
-                self._adopt(names)
-            self._frame_names, distinct = names, set(names)
-            self._track_of_row = index_of(names, self._names)
-            self._repeated = len(names) - len(distinct)
-            self._unknown = len(distinct.difference(self._names))
-            if self._repeated:
-                self._track_of_row[_repeats(names)] = -1
-        return self._track_of_row
-
     def _are_many_lost(self) -> bool:
         return self._last is not None and int((self._last.status == _LOST).sum()) >= LOST_MOST
 
@@ -244,8 +219,8 @@ class MocapFilter:
     def _count_nominal(self) -> None:
         counts = self._counts
         counts["frames"] += 1
-        counts["repeated_names"] += self._repeated
-        counts["unknown_names"] += self._unknown
+        counts["repeated_names"] += self._rows.repeated
+        counts["unknown_names"] += self._rows.unknown
         counts["samples"] += len(self._names)
 
     def _count(self, present: Mask, tracked: TrackUpdate) -> None:
@@ -258,19 +233,4 @@ class MocapFilter:
         counts["swapped"] += int(tracked.borrowed.sum())
         counts["refused"] += int((present & ~used).sum())
         counts["restarted"] += int(tracked.restarted.sum())
-        counts["not_finite"] += int((self._track_of_row >= 0).sum() - present.sum())
-
-
-def _repeats(names: Names) -> list[int]:
-    """Return the rows whose names stand in an earlier row, too."""
-    first: dict[str, int] = {}
-    return [row for row, name in enumerate(names) if first.setdefault(name, row) != row]
-
-
-def _check_shapes(frame: MocapFrame) -> None:
-    count = len(frame.names)
-    if frame.pos.shape != (count, 3) or frame.quat.shape != (count, 4):
-        raise ValueError(
-            f"frame at t = {frame.t} has {count} names, pos {frame.pos.shape}, quat {frame.quat.shape}; "
-            f"allowed are ({count}, 3) and ({count}, 4)"
-        )
+        counts["not_finite"] += int((self._rows.tracks >= 0).sum() - present.sum())
