@@ -41,8 +41,10 @@ SERVICES = {
 """Services that blocks and commands use: parsing, parameters, compilation, stamps, rows and words."""
 BESIDE_IDENTIFICATION = {
     "q2q_model/bag/flight_facts.py",
+    "q2q_model/bag/storage/bag_path.py",
     "q2q_model/bag/storage/errors.py",
     "q2q_model/bag/storage/latched.py",
+    "q2q_model/bag/storage/open_source.py",
     "q2q_model/bag/storage/source.py",
     "q2q_model/downwash/interaction_model.py",
     "q2q_model/downwash/no_interaction.py",

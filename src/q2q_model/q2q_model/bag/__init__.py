@@ -13,8 +13,8 @@ from q2q_model.bag.foreign.mapped_messages import MappedBag
 from q2q_model.bag.foreign.topic_map import TopicMap, load_topic_map
 from q2q_model.bag.log_topic import LOG_TOPIC, read_flight_log, write_log_row
 from q2q_model.bag.reader import BagReader, RawMessage, TimedSignal
+from q2q_model.bag.storage.bag_path import is_bag
 from q2q_model.bag.storage.errors import BagError, BagRepairWarning
-from q2q_model.bag.storage.source import is_bag
 from q2q_model.bag.writer import BagWriter, OfferedQos
 
 __all__ = [

@@ -6,7 +6,8 @@ from operator import attrgetter
 from pathlib import Path
 
 from q2q_model.bag.storage.errors import BagError
-from q2q_model.bag.storage.source import Channel, RawMessage, open_source
+from q2q_model.bag.storage.open_source import open_source
+from q2q_model.bag.storage.source import Channel, RawMessage
 from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.signals.cdr.cdr_reader import SignalReader
 from q2q_model.signals.layout import LAYOUTS, Signal

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from q2q_model.bag.storage.source import flight_name
+from q2q_model.bag.storage.bag_path import flight_name
 
 
 def distinct_names(paths: Sequence[Path]) -> list[str]:

@@ -1,0 +1,141 @@
+"""Opening of bags of any kind.
+
+Complete MCAP files are read by their index (q2q_model.bag.storage.indexed_mcap), all others through rosbags.
+An MCAP bag that was not closed (truncated by a kill, without metadata.yaml), or whose summary leaves out the
+channels, is salvaged; `repairs` lists what that took.
+"""
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag1 import Reader as Ros1Reader
+from rosbags.rosbag2 import Reader
+
+from q2q_model.bag.storage.bag_path import FILES, ROS1_SUFFIX, is_bag, storage_files
+from q2q_model.bag.storage.errors import BagError
+from q2q_model.bag.storage.indexed_mcap import (
+    IndexedFile,
+    NotIndexedError,
+    indexed_files,
+    messages_by_log_time,
+)
+from q2q_model.bag.storage.latched import connection_is_latched
+from q2q_model.bag.storage.salvage import salvage
+from q2q_model.bag.storage.source import Channel, RawMessage, Source
+from q2q_model.counted import counted
+
+
+def open_source(path: Path | str) -> Source:
+    """Return the bag at `path`: a rosbag2 folder, an .mcap or .db3 file, or a ROS 1 .bag file.
+
+    Raises BagError for a path that is no bag, or damage that cannot be repaired.
+    """
+    bag = Path(path)
+    if not bag.exists():
+        raise BagError(f"no bag at {bag}")
+    if bag.is_dir() and not (bag / "metadata.yaml").exists():
+        return _open_bare_folder(bag)
+    if not is_bag(bag):
+        kinds = ", ".join(FILES)
+        raise BagError(f"{bag} is no bag: give a rosbag2 folder or a file ({kinds})")
+    try:
+        return _regular(bag, bag)
+    except Exception as damage:  # noqa: BLE001 - a parser on damaged bytes raises anything
+        return _salvaged(bag, f"{type(damage).__name__}: {damage}")
+
+
+def _open_bare_folder(bag: Path) -> Source:
+    files = storage_files(bag)
+    if not files:
+        raise BagError(f"{bag} is not a bag: it has neither metadata.yaml nor an .mcap or .db3 file")
+    lost = f"bag {bag} has no metadata.yaml (it was not closed)"
+    if len(files) > 1:
+        return _salvaged(bag, lost)
+    try:
+        return _regular(bag, files[0], (f"{lost}; read from {files[0].name}, which is whole",))
+    except Exception:  # noqa: BLE001 - a parser on damaged bytes raises anything
+        return _salvaged(bag, lost)
+
+
+def _regular(bag: Path, file: Path, repairs: tuple[str, ...] = ()) -> Source:
+    try:
+        return _indexed(bag, indexed_files(file), repairs)
+    except NotIndexedError:
+        return _through_rosbags(bag, file, repairs)
+
+
+def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> Source:
+    channels: dict[tuple[str, str], Channel] = {}
+    for one in (found for file in files for found in file.channels.values()):
+        key = (one.topic, one.type_name)
+        before = channels.get(key, Channel(*key, one.definition, 0, latched=True))
+        latched = before.latched and one.latched
+        channels[key] = Channel(*key, one.definition, before.count + one.count, latched)
+
+    def read(topics: Collection[str]) -> Iterator[RawMessage]:
+        done = 0
+        try:
+            for part, file in enumerate(files):
+                for number, stamp_ns, data, place in messages_by_log_time(file, topics):
+                    channel = file.channels[number]
+                    done += 1
+                    yield RawMessage(channel.topic, stamp_ns, data, channel.type_name, (part, *place))
+        except Exception as damage:
+            raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
+
+    return Source(bag, tuple(channels.values()), read, repairs)
+
+
+def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
+    ros1 = file.suffix == ROS1_SUFFIX
+    with (Ros1Reader if ros1 else Reader)(file) as reader:
+        channels = tuple(_channel(connection) for connection in reader.connections)
+    if not channels and any(one.suffix == ".mcap" for one in storage_files(file)):
+        raise ValueError("its summary has no channels")
+
+    def read(topics: Collection[str]) -> Iterator[RawMessage]:
+        done = 0
+        try:
+            with (Ros1Reader if ros1 else Reader)(file) as again:
+                chosen = [connection for connection in again.connections if connection.topic in topics]
+                for connection, stamp_ns, data in again.messages(chosen) if chosen else ():
+                    done += 1
+                    yield RawMessage(connection.topic, stamp_ns, bytes(data), connection.msgtype)
+        except Exception as damage:
+            raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
+
+    return Source(bag, channels, read, repairs, ros1)
+
+
+def _channel(connection: Connection) -> Channel:
+    definition, latched = connection.msgdef.data, connection_is_latched(connection)
+    return Channel(connection.topic, connection.msgtype, definition, connection.msgcount, latched)
+
+
+def _salvaged(bag: Path, why: str) -> Source:
+    files = [file for file in storage_files(bag) if file.suffix == ".mcap"]
+    if not files:
+        raise BagError(f"bag {bag} cannot be read ({why}); only MCAP bags can be repaired")
+    recovered = [salvage(file) for file in files]
+    messages = sorted(
+        (found for one in recovered for found in one.messages), key=lambda found: found.stamp_ns
+    )
+    if not messages:
+        raise BagError(f"bag {bag} cannot be read ({why}), and no message can be recovered")
+    definitions = {topic: text for one in recovered for topic, text in one.definitions.items()}
+    counts: dict[tuple[str, str], int] = {}
+    for found in messages:
+        counts[found.topic, found.type_name] = counts.get((found.topic, found.type_name), 0) + 1
+    latched = {topic for one in recovered for topic in one.latched}
+    channels = tuple(
+        Channel(*key, definitions[key[0]], count, key[0] in latched) for key, count in counts.items()
+    )
+    raw = [RawMessage(found.topic, found.stamp_ns, found.data, found.type_name) for found in messages]
+    repairs = (
+        f"bag {bag}: {why}; recovered {counted(len(raw), 'message')}",
+        *(loss for one in recovered for loss in one.losses),
+    )
+    return Source(
+        bag, channels, lambda topics: (found for found in raw if found.topic in topics), repairs, is_cut=True
+    )
