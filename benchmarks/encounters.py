@@ -10,12 +10,9 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from q2q_model.commands.command_line import CommandLine
-from q2q_planner.experiments.encounters import (
-    EncounterVerdict,
-    fly_encounter,
-    judge_encounter,
-    random_encounter,
-)
+from q2q_planner.experiments.encounter_verdict import EncounterVerdict, judge_encounter
+from q2q_planner.experiments.random_encounters import random_encounter
+from q2q_planner.experiments.replanned_encounter import fly_encounter
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from row import Row
 

@@ -15,7 +15,7 @@ import planning
 import risk
 from area_process import AreaError, read_rows
 from compare_checkout import compare_rows, environment_outside
-from q2q_planner.experiments.encounters import EncounterVerdict
+from q2q_planner.experiments.encounter_verdict import EncounterVerdict
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap, snap_cost
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from row import Row

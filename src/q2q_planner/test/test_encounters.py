@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from q2q_model.signals.values import SetpointStatus
 from q2q_model.trajectory.polynomials import setpoint_at
-from q2q_planner.experiments.encounters import Encounter, fly_encounter, judge_encounter, random_encounter
+from q2q_planner.experiments.encounter_verdict import judge_encounter
+from q2q_planner.experiments.random_encounters import Encounter, random_encounter
+from q2q_planner.experiments.replanned_encounter import fly_encounter
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams

@@ -1,8 +1,8 @@
 """Flight of a random encounter with full dynamics, under the safe replanner.
 
-The paths are those of `q2q_planner.experiments.encounters`. Radio latency and loss are drawn again for each
-encounter; the rest is the room `real`. Controllers and the air share neither flights nor family: the model is
-`measured_law`, fitted to the flights dc19, the air is learned from dc21.
+The paths are those of `q2q_planner.experiments.random_encounters`. Radio latency and loss are drawn again for
+each encounter; the rest is the room `real`. Controllers and the air share neither flights nor family: the
+model is `measured_law`, fitted to the flights dc19, the air is learned from dc21.
 """
 
 from dataclasses import asdict, dataclass, replace
@@ -17,7 +17,9 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, SetpointStatus
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_planner.experiments.encounters import AFTERWARDS, CLEAR, NEAR, random_encounter
+from q2q_planner.experiments.encounter_verdict import CLEAR, NEAR
+from q2q_planner.experiments.random_encounters import random_encounter
+from q2q_planner.experiments.replanned_encounter import AFTERWARDS
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.plan_playback.plan_waypoints import waypoints_of
 from q2q_sim.experiments.promise.fastest_return import can_return
