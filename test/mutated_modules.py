@@ -115,7 +115,7 @@ MUTATED = (
         compiled=True,
     ),
     MutatedModules(
-        ("q2q_planner.online.safe.stopping.jerk_limited",),
+        tuple(f"q2q_planner.online.safe.stopping.{name}" for name in ("jerk_limited", "smooth_separation")),
         ("src/q2q_planner/test/test_jerk_limited.py",),
         "not compiled_and_plain",
     ),

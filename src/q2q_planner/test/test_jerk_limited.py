@@ -13,10 +13,10 @@ from q2q_planner.online.safe.stopping.jerk_limited import (
     rest_delay,
     rest_time,
     smooth_motion_after,
-    stays_out_smoothly,
     stop_reach,
     with_stops,
 )
+from q2q_planner.online.safe.stopping.smooth_separation import stays_out_smoothly
 
 BRAKE, JERK = 2.0, 20.0
 LAW = BrakingLaw(0.2, 1.1, BRAKE, JERK)

@@ -17,18 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array, Mask, Rows
+from q2q_model.signals.values import Mask, Rows
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.candidate_motions import PairedTraffic, new_motions, old_motions
 from q2q_planner.online.safe.committed_motion import MotionRows
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
-from q2q_planner.online.safe.stopping.jerk_limited import (
-    StoppingMotions,
-    rest_time,
-    stays_out_smoothly,
-    stop_reach,
-    with_stops,
-)
+from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, with_stops
+from q2q_planner.online.safe.stopping.overlapping_reaches import near_pairs
+from q2q_planner.online.safe.stopping.smooth_separation import stays_out_smoothly
 from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 OLD, NEW, BROKEN = 0, 1, 2
@@ -69,68 +65,6 @@ def _stays_out(stopping: StoppingMotions, i: int, j: int, law: BrakingLaw, floor
     if law.jerk > 0.0:
         return stays_out_smoothly(stopping, i, j, law, floor)
     return stays_out(stopping.motions, i, j, law, floor)
-
-
-@compiled
-def _reach(motions: Motions, brake: float) -> Array:
-    """Return the stopping distance of each row with its growth until rest [m], (rows,)."""
-    reach = np.empty(motions.hold.size)
-    rates = motions.growth[:, 1].max()
-    for row in range(motions.hold.size):
-        hold, growth = motions.hold[row], motions.growth[row]
-        speed = np.sqrt((motions.vel[row] ** 2).sum()) + np.sqrt((motions.acc[row] ** 2).sum()) * hold
-        rest = speed / brake + hold
-        reach[row] = speed * (hold + 0.5 * speed / brake) + growth[0]
-        reach[row] += growth[1] * (rest + 2.0 * rates / brake)
-    return reach
-
-
-@compiled
-def _stopping_time(motions: Motions, brake: float) -> float:
-    """Return the longest time until a row rests [s]."""
-    longest = 0.0
-    for row in range(motions.hold.size):
-        hold = motions.hold[row]
-        speed = np.sqrt((motions.vel[row] ** 2).sum()) + np.sqrt((motions.acc[row] ** 2).sum()) * hold
-        longest = max(longest, speed / brake + hold)
-    return longest
-
-
-@compiled
-def _stopping_distances(new: StoppingMotions, old: StoppingMotions, law: BrakingLaw) -> Array:
-    """Return how far each row may move, with growth, before all rest [m], (rows,).
-
-    A pair's growth continues until both rest, which the longest stopping time of all bounds.
-    """
-    if law.jerk > 0.0:
-        last = 0.0
-        for row in range(new.motions.hold.size):
-            last = max(last, rest_time(new, row), rest_time(old, row))
-        reach: Array = np.maximum(stop_reach(new, law, last), stop_reach(old, law, last))
-        return reach
-    longest = max(_stopping_time(new.motions, law.brake), _stopping_time(old.motions, law.brake))
-    rate = new.motions.growth[:, 1].max()
-    late = rate * (longest + 2.0 * rate / law.brake)
-    distances: Array = np.maximum(_reach(new.motions, law.brake), _reach(old.motions, law.brake)) + late
-    return distances
-
-
-@compiled
-def _near_pairs(new: StoppingMotions, old: StoppingMotions, pairs: Pairs, law: BrakingLaw) -> Rows:
-    """Return the rows of pairs whose stopping distances overlap, (k,): the others are proven."""
-    stopping_distances = _stopping_distances(new, old, law)
-    pos = new.motions.pos
-    found = np.empty(pairs.i.size, np.intp)
-    count = 0
-    for row in range(pairs.i.size):
-        i, j = pairs.i[row], pairs.j[row]
-        x, y = pos[i, 0] - pos[j, 0], pos[i, 1] - pos[j, 1]
-        far = stopping_distances[i] + stopping_distances[j]
-        if np.sqrt(x * x + y * y) - law.eps > far or abs(pos[i, 2] - pos[j, 2]) - law.d > far:
-            continue
-        found[count] = row
-        count += 1
-    return found[:count]
 
 
 @compiled(**HOT)
@@ -219,7 +153,7 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
     chosen = StoppingMotions(held, starts.phases.copy())
     choice = np.full(new.hold.size, NEW, np.int8)
     selection = _Selection(starts, rests, chosen, choice, np.zeros(choice.size, np.intp), proven)
-    near = _near_pairs(starts, rests, pairs, rule.law)
+    near = near_pairs(starts, rests, pairs, rule.law)
     checked = np.full(near.size, -1, np.intp)
     while _sweep(selection, pairs, near, checked, rule):
         pass

@@ -1,4 +1,4 @@
-"""Motions of bounded jerk: a jerk held for a time, then the fastest stop of every axis; proof of pairs.
+"""Motions of bounded jerk: a jerk held for a time, then the fastest stop of every axis.
 
 An axis of velocity v and acceleration a stops fastest, within |r''| <= A and |r'''| <= J, by the jerks
 -J, 0, J (mirrored where v + a |a| / (2 J), the velocity left once the acceleration is zero, is negative):
@@ -9,15 +9,10 @@ An axis of velocity v and acceleration a stops fastest, within |r''| <= A and |r
 The rest of a fastest stop is itself a fastest stop, so a motion continues from any of its states. Of two that
 start with the same acceleration, velocities never part further, as those of `braking` never do.
 
-The proof is that of `braking` with accelerations: two vehicles whose velocities differ by u now and whose
-accelerations add up to at most B approach by at most u s + B s^2 / 2 within s, so a distance L is left until
-s = 2 L / (u + sqrt(u^2 + 2 B L)).
-
 | symbol | name | meaning [unit] |
 |---|---|---|
 | A, J | law.brake, law.jerk | largest acceleration [m/s^2] and jerk [m/s^3] of an axis |
 | p | peak | largest deceleration of a stop [m/s^2] |
-| B | most | bound of both accelerations, Euclidean [m/s^2] |
 """
 
 from typing import NamedTuple
@@ -26,7 +21,7 @@ import numpy as np
 
 from q2q_model.compiled import BORROWING, HOT, compiled
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.stopping.braking import MOST_STEPS, NEARER, BrakingLaw, Motions, zone_distance
+from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions
 
 Axis = tuple[float, float, float]
 """Position [m], velocity [m/s] and acceleration [m/s^2] of one axis."""
@@ -123,7 +118,7 @@ def _axis_motion(stopping: StoppingMotions, row: int, axis: int) -> AxisMotion:
 
 
 @compiled(**HOT)
-def _axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
+def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
     """Return one axis of a motion at time s [s]."""
     if s > motion.hold:
         return _stopped(motion, s - motion.hold, law)
@@ -131,13 +126,13 @@ def _axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 
 @compiled(**HOT)
-def _axes_of(stopping: StoppingMotions, row: int) -> Axes:
+def axes_of(stopping: StoppingMotions, row: int) -> Axes:
     """Return x, y and z of a motion."""
     return _axis_motion(stopping, row, 0), _axis_motion(stopping, row, 1), _axis_motion(stopping, row, 2)
 
 
 @compiled(**HOT)
-def _rest_of(axes: Axes) -> float:
+def rest_of(axes: Axes) -> float:
     """Return the time at which a motion rests [s]."""
     longest = 0.0
     for motion in axes:
@@ -148,11 +143,11 @@ def _rest_of(axes: Axes) -> float:
 @compiled(**BORROWING)
 def rest_time(stopping: StoppingMotions, row: int) -> float:
     """Return the time at which a motion rests [s]."""
-    return _rest_of(_axes_of(stopping, row))
+    return rest_of(axes_of(stopping, row))
 
 
 @compiled(**BORROWING)
-def _acceleration_bound(motions: Motions, row: int, law: BrakingLaw) -> float:
+def acceleration_bound(motions: Motions, row: int, law: BrakingLaw) -> float:
     """Return a bound of |r''| of a motion [m/s^2]."""
     square = 0.0
     for axis in range(3):
@@ -175,51 +170,11 @@ def stop_reach(stopping: StoppingMotions, law: BrakingLaw, longest: float) -> Ar
     reach = np.empty(motions.hold.size)
     late = longest + rest_delay(motions.growth[:, 1].max(), law)
     for row in range(motions.hold.size):
-        most, growth = _acceleration_bound(motions, row, law), motions.growth[row]
+        most, growth = acceleration_bound(motions, row, law), motions.growth[row]
         x, y, z = motions.vel[row, 0], motions.vel[row, 1], motions.vel[row, 2]
         speed = np.sqrt(x * x + y * y + z * z) + most * (motions.hold[row] + most / law.jerk)
         reach[row] = speed * rest_time(stopping, row) + growth[0] + 2.0 * growth[1] * late
     return reach
-
-
-@compiled(**HOT)
-def _relative_motion(one: Axes, other: Axes, s: float, law: BrakingLaw) -> tuple[Axis, float]:
-    """Return the position of one motion from another at time s [m], and the speed between them [m/s]."""
-    x, u = _relative_axis(one[0], other[0], s, law)
-    y, v = _relative_axis(one[1], other[1], s, law)
-    z, w = _relative_axis(one[2], other[2], s, law)
-    return (x, y, z), np.sqrt(u * u + v * v + w * w)
-
-
-@compiled(**HOT)
-def _relative_axis(one: AxisMotion, other: AxisMotion, s: float, law: BrakingLaw) -> tuple[float, float]:
-    """Return position [m] and velocity [m/s] of one axis from another at time s [s]."""
-    here, there = _axis_at(one, s, law), _axis_at(other, s, law)
-    return here[0] - there[0], here[1] - there[1]
-
-
-@compiled(**HOT)
-def stays_out_smoothly(stopping: StoppingMotions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
-    """Return whether vehicles i and j are proven to stay out of each other's zone; as `braking.stays_out`."""
-    motions, growth = stopping.motions, stopping.motions.growth
-    wide, rate = growth[i, 0] + growth[j, 0], growth[i, 1] + growth[j, 1]
-    most = _acceleration_bound(motions, i, law) + _acceleration_bound(motions, j, law)
-    one, other = _axes_of(stopping, i), _axes_of(stopping, j)
-    end = max(_rest_of(one), _rest_of(other)) + rest_delay(rate, law)
-    s, keep = 0.0, floor
-    for step in range(MOST_STEPS):
-        (x, y, z), closing = _relative_motion(one, other, s, law)
-        left = zone_distance(x, y, z, law) - wide - rate * s
-        if step == 0:
-            keep = min(floor, NEARER * left)
-        if not (left >= keep and left >= 0.0):  # NaN too
-            return False
-        speed = rate + closing
-        free = left - 0.5 * keep  # half of `keep` remains until then
-        s += 2.0 * free / (speed + np.sqrt(speed * speed + 2.0 * most * free)) if free > 0.0 else 0.0
-        if s >= end:
-            return True
-    return False
 
 
 @compiled
@@ -229,7 +184,7 @@ def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Ar
     stopping = with_stops(motions, law)
     for row in range(motions.hold.size):
         for axis in range(3):
-            state = _axis_at(_axis_motion(stopping, row, axis), s, law)
+            state = axis_at(_axis_motion(stopping, row, axis), s, law)
             pos[row, axis], vel[row, axis], acc[row, axis] = state
     return pos, vel, acc
 
