@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from q2q_control.inputs.alignment import align
+from q2q_control.mpc.prediction.constant_velocity import at_constant_velocity
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
-from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks, at_constant_velocity
+from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import SwarmSetpoint, SwarmState

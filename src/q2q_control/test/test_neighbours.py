@@ -5,6 +5,7 @@ import pytest
 
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours, at_constant_velocity
 from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.prediction.neighbours import (
@@ -19,7 +20,6 @@ from q2q_control.mpc.prediction.neighbours import (
     known_neighbours,
     positions_at,
 )
-from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours, at_constant_velocity
 from q2q_model.downwash.jet import MEASURED_LAW, Jet
 from q2q_model.signals.values import Array, CommandStatus, SwarmSetpoint, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0

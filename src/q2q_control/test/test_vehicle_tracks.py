@@ -3,7 +3,8 @@
 import numpy as np
 
 from q2q_control.inputs.alignment import align
-from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks, at_constant_velocity
+from q2q_control.mpc.prediction.constant_velocity import at_constant_velocity
+from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 
 TIMES = 0.05 * np.arange(4)

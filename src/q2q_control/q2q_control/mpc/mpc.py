@@ -34,6 +34,7 @@ from q2q_control.mpc.commanded_acceleration import MpcReport, command_rule, comm
 from q2q_control.mpc.correction import faded_residual, thrust_reserve, with_correction_bandwidth
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.constant_velocity import Neighbours, at_constant_velocity
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
 from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
 from q2q_control.mpc.prediction.initial_state import InitialState, InitialStateEstimator
@@ -44,7 +45,6 @@ from q2q_control.mpc.prediction.neighbours import (
     known_neighbours,
     usable_prediction,
 )
-from q2q_control.mpc.prediction.vehicle_tracks import Neighbours, at_constant_velocity
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import AccelerationLimits, input_bounds
 from q2q_control.mpc.solver.horizon_solver import InTime, Solver, coupled_axes, horizon_solver

@@ -6,6 +6,7 @@ import numpy as np
 
 from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
 from q2q_control.mpc.mpc_params import MpcParams
+from q2q_control.mpc.prediction.constant_velocity import Neighbours
 from q2q_control.mpc.prediction.downwash_horizon import (
     Others,
     SlopeRule,
@@ -14,7 +15,7 @@ from q2q_control.mpc.prediction.downwash_horizon import (
 )
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.prediction.previous_solution import PredictedSolution, PreviousSolution
-from q2q_control.mpc.prediction.vehicle_tracks import Future, Neighbours, VehicleTracks
+from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.source_strength import source_terms
 from q2q_model.signals.values import (

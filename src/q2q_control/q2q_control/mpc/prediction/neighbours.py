@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.inputs.alignment import Aligned
-from q2q_control.mpc.prediction.vehicle_tracks import FAR, Neighbours
+from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours
 from q2q_model.compiled import compiled
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.recent_ticks import SAME_STAMP

@@ -2,32 +2,29 @@
 
 A controlled vehicle follows its last solution, or flies on at its velocity if it has no setpoint. A vehicle
 of another controller follows the prediction that its MPC has sent (q2q_control.mpc.prediction.neighbours),
-else it is extrapolated at constant velocity. The weight of a controlled vehicle's downwash decays once it is
-no longer seen: it is still there, but its position is uncertain. The past reaches back as far as the longest
-downwash delay.
+else it is extrapolated (q2q_control.mpc.prediction.constant_velocity). The weight of a controlled vehicle's
+downwash decays once it is no longer seen: it is still there, but its position is uncertain. The past reaches
+back as far as the longest downwash delay.
 """
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.inputs.alignment import POS, Aligned
+from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import KNOWN_NAMES, Array, Mask, Names, Rows, SwarmState, TrackStatus, index_of
+from q2q_model.signals.values import Array, Names, Rows, index_of
 from q2q_model.vehicle.constants import GRAVITY
 
-FAR = 1e6
-"""Position of a vehicle without state [m]: out of everybody's reach."""
 UNSEEN_FADE = 0.5
 """Time constant of the fading downwash of an unseen vehicle [s]: above dropouts of 0.1 to 0.3 s."""
 NEGLIGIBLE = 0.02
 """Weight of downwash below which it is neglected [-]."""
 MIN_STEP = 1e-9
 """Minimum time between two entries of a track [s]."""
-_LOST = int(TrackStatus.LOST)
 
 
 class Future(NamedTuple):
@@ -41,20 +38,6 @@ class Future(NamedTuple):
     """Commanded acceleration [m/s^2], world, (n, N, 3)."""
 
 
-class Neighbours(NamedTuple):
-    """Vehicles of other controllers, and their predicted motion over N stages."""
-
-    names: Names
-    pos: Array
-    """Present positions [m], world, (n, 3)."""
-    path: Array
-    """[m], world, (n, N + 1, 3); far away if they have no state."""
-    inputs: Array
-    """Acceleration by thrust [m/s^2], world, (n, N, 3)."""
-    spread: Array
-    """Standard deviation of the horizontal position, each axis [m], (n,)."""
-
-
 class Past(NamedTuple):
     """Recent positions of n vehicles."""
 
@@ -64,7 +47,7 @@ class Past(NamedTuple):
     """[m], world, (K, n, 3)."""
 
 
-class PresentInputs(NamedTuple):
+class Present(NamedTuple):
     """Present positions of n vehicles."""
 
     t: float
@@ -109,7 +92,7 @@ class VehicleTracks:
             rows = index_of(names, self._names)
             self._names, self._past = names, _reordered(self._past, rows, here)
         self._past, tracks = _joined(
-            self._past, PresentInputs(tick.t, here, trust), future, self._span, self._loading
+            self._past, Present(tick.t, here, trust), future, self._span, self._loading
         )
         return tracks
 
@@ -137,9 +120,7 @@ def _reordered(past: Past, rows: Rows, here: Array) -> Past:
 
 
 @compiled
-def _joined(
-    past: Past, now: PresentInputs, future: Future, span: float, loading: float
-) -> tuple[Past, Tracks]:
+def _joined(past: Past, now: Present, future: Future, span: float, loading: float) -> tuple[Past, Tracks]:
     """Return the past with the present added, and the tracks through both and the future.
 
     Of what is older than `span` [s], one entry is kept.
@@ -200,48 +181,3 @@ def _with_others(
             np.concatenate([future.inputs, others.inputs]),
         ),
     )
-
-
-def at_constant_velocity(state: SwarmState, own: Names, times: Array) -> Neighbours:
-    """Return the vehicles of `state` that are not `own`, extrapolated to the stages' `times` (N + 1,) [s].
-
-    Vehicles without state are far away.
-    """
-    names, rows = _others(state.names, own)
-    if not names:
-        return _nobody(times.size)
-    pos, lost = state.pos[rows], state.status[rows] == _LOST
-    path = _straight_on(pos, state.vel[rows], times - state.t, lost, rows)
-    return Neighbours(names, pos, path, np.zeros((rows.size, times.size - 1, 3)), np.zeros(rows.size))
-
-
-@lru_cache
-def _nobody(stages: int) -> Neighbours:
-    """Return no neighbours, at so many times."""
-    none = np.zeros((0, 3))
-    return Neighbours((), none, np.zeros((0, stages, 3)), np.zeros((0, stages - 1, 3)), np.zeros(0))
-
-
-@lru_cache(maxsize=KNOWN_NAMES)
-def _others(names: Names, own: Names) -> tuple[Names, Rows]:
-    """Return those of `names` that are not `own`, and their rows."""
-    rows = [row for row, name in enumerate(names) if name not in own]
-    return tuple(names[row] for row in rows), np.array(rows, np.intp)
-
-
-@compiled
-def _straight_on(pos: Array, vel: Array, ahead: Array, lost: Mask, rows: Rows) -> Array:
-    """Return paths (n, K, 3) at times `ahead` (K,) [s].
-
-    A vehicle that is lost or not finite is put far away, in `pos` (n, 3) too.
-    """
-    path = np.empty((pos.shape[0], ahead.size, 3))
-    for v in range(pos.shape[0]):
-        known = not lost[v]
-        for k in range(ahead.size):
-            for axis in range(3):
-                path[v, k, axis] = pos[v, axis] + vel[v, axis] * ahead[k]
-                known = known and np.isfinite(path[v, k, axis])
-        if not known:
-            pos[v] = path[v] = -FAR * (1.0 + rows[v])
-    return path
