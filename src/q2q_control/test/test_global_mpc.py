@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_control.experiments.global_mpc import networks
 from q2q_control.experiments.global_mpc.collocation import solve_collocation
-from q2q_control.experiments.global_mpc.networks import NetworkSolutionParams, solve_networks
+from q2q_control.experiments.global_mpc.networks import NetworkFit, NetworkSolutionParams, solve_networks
 from q2q_control.experiments.global_mpc.problem import GlobalProblem, downwash, thrust_acceleration, z_rmse
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
@@ -23,9 +22,9 @@ def slow_pass(count: int = 81, seconds: float = 8.0) -> GlobalProblem:
 
 
 def test_the_networks_jacobian_is_the_derivative_of_their_residual():
-    fit = networks._Fit(slow_pass(30), NetworkSolutionParams(hidden=4))
+    fit = NetworkFit(slow_pass(30), NetworkSolutionParams(hidden=4))
     rng = np.random.default_rng(0)
-    weights = fit.start(rng) + 0.1 * rng.normal(size=fit.start(rng).size)
+    weights = fit.networks.random_weights(rng) + 0.1 * rng.normal(size=fit.networks.random_weights(rng).size)
     direction = rng.normal(size=weights.size)
     numeric = (fit.residual(weights + 1e-6 * direction) - fit.residual(weights - 1e-6 * direction)) / 2e-6
     # central differences at 1e-6 of residuals of order 1: 1e-10 rounding over 1e-6
