@@ -7,13 +7,13 @@ import numpy as np
 
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth
-from q2q_control.radio.pilot_params import RadioPilotParams
-from q2q_control.radio.radio_pilot import RadioPilot
+from q2q_control.radio.pilot.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.radio_pilot import RadioPilot
+from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_control.radio.setpoints import (
     FullState,
     RpytSetpoint,
 )
-from q2q_control.radio.vehicle_record import Phase
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import (
     SwarmState,

@@ -8,13 +8,13 @@ from radio_pilot_bench import HOVER, LANDING_S, NAMES, WELL, Bench
 
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth
-from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_control.radio.setpoints import (
     FullState,
     RpytSetpoint,
     cut_vehicles,
 )
-from q2q_control.radio.vehicle_record import Phase
 from q2q_model.signals.values import (
     CommandStatus,
     SwarmCommand,

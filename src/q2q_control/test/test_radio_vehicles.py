@@ -8,9 +8,9 @@ from radio_pilot_bench import LANDING_S, NAMES, PARAMS, FakeLink, state
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio import radio_vehicles
+from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_vehicles import SETTLE_S, RadioVehicles
-from q2q_control.radio.vehicle_record import Phase
 from q2q_model.diagnostics.health import Health
 
 

@@ -7,8 +7,8 @@ from math import nan
 from q2q_control.flight_procedure.observation import VehicleReport
 from q2q_control.flight_procedure.steps import Order
 from q2q_control.radio.link import VehicleLink
-from q2q_control.radio.radio_pilot import RadioPilot
-from q2q_control.radio.vehicle_record import Phase
+from q2q_control.radio.pilot.radio_pilot import RadioPilot
+from q2q_control.radio.pilot.vehicle_record import Phase
 from q2q_model.node.reply import Reply
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.hover_thrust import hover_ratio

@@ -7,10 +7,10 @@ from q2q_control.flight_procedure.procedure_params import FlightProcedureParams,
 from q2q_control.radio.cflib_link import CflibLink
 from q2q_control.radio.crazyflies_file import Crazyflie, crazyflies_at, crazyflies_from_file
 from q2q_control.radio.firmware_params import firmware_params
-from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.radio_pilot import RadioPilot
 from q2q_control.radio.radio_executor import RadioExecutor
 from q2q_control.radio.radio_params import RadioNodeParams
-from q2q_control.radio.radio_pilot import RadioPilot
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import cut_vehicles, full_states, level_rpyt, rpyt_setpoints
 from q2q_model.diagnostics.health import Health

@@ -6,7 +6,7 @@ from rclpy.node import Node
 from std_srvs.srv import Empty, Trigger
 
 from q2q_control.flight_procedure.procedure_params import FlightProcedureParams, LandingParams
-from q2q_control.radio.pilot_params import RadioPilotParams
+from q2q_control.radio.pilot.pilot_params import RadioPilotParams
 from q2q_control.radio.radio_params import RadioNodeParams
 from q2q_control.radio.radio_vehicles import WATCH_S, RadioVehicles
 from q2q_control.ros.guarded_commands import EMERGENCY

@@ -1,4 +1,4 @@
-"""Delay of poses, time and voltage limits of q2q_control.radio.radio_pilot."""
+"""Delay of poses, time and voltage limits of q2q_control.radio.pilot."""
 
 from dataclasses import dataclass
 

@@ -1,0 +1,1 @@
+"""Pilot of real vehicles: orders, phases, and what it does by itself."""
