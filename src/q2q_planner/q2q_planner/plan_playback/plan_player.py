@@ -16,18 +16,17 @@ tick; but that begins again with a clock that was set back, unless it comes back
 """
 
 from dataclasses import dataclass, replace
-from math import isfinite
 
 import numpy as np
 
-from q2q_model.geometry.rotations import yaw_from_quat
 from q2q_model.node.reply import Reply
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.signals.repeated_stamp import StampOrder
-from q2q_model.signals.values import Array, MocapFrame, SetpointStatus, SwarmSetpoint, index_of
+from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint
 from q2q_model.trajectory.polynomials import SwarmPlan, setpoint_at
 from q2q_planner.plan_playback.braked_plan import brake_plan
 from q2q_planner.plan_playback.glide import GlideParams, glide, wrap_angles
+from q2q_planner.plan_playback.measured_poses import MeasuredPoses
 
 AT_FIRST = 1e-3
 """Largest distance of the reference from the first points at which the plan may start [m]."""
@@ -66,8 +65,7 @@ class PlanPlayer:
         self._at_first_tick = start < 0.0
         self.played = Played(plan, start) if start >= 0.0 and not wait else None
         """None while waiting."""
-        self._seen = np.full((len(plan.names), 4), np.nan)
-        self._whole: MocapFrame | None = None  # last frame, if it shows all vehicles
+        self._measured = MeasuredPoses(plan.names)
         self._last: SwarmSetpoint | None = None  # at the newest stamp
         self._order = StampOrder()
         self._ahead = 0.0  # the last step ahead [s]; 0 once the clock was set back
@@ -79,7 +77,7 @@ class PlanPlayer:
         Raises:
             ValueError: while waiting, a vehicle has not been measured yet.
         """
-        self._see(frame)
+        self._measured.update(frame)
         last = self._last
         if last is None:
             self._order.reset()
@@ -90,7 +88,7 @@ class PlanPlayer:
             return replace(last, t=frame.t)
         if self.played is None and not self._wait:
             self.played = Played(self._plan, frame.t)
-        setpoint = self._resting(frame.t) if self.played is None else _at(self.played, frame.t)
+        setpoint = self._measured.reference(frame.t) if self.played is None else _at(self.played, frame.t)
         if not is_late:
             self._apart = _speed(self._last, setpoint) if self.played is None else 0.0
             self._last = setpoint
@@ -170,44 +168,6 @@ class PlanPlayer:
         if self.played is not None and (self.played.called or self._at_first_tick):
             self.played = replace(self.played, start=self.played.start + by)
 
-    def _see(self, frame: MocapFrame) -> None:
-        """Keep the measured poses; those of a whole frame are taken only when they are asked for."""
-        if frame.names == self._plan.names and isfinite(np.vdot(frame.pos, frame.pos)):
-            self._whole = frame
-            return
-        self._seen, self._whole = self._measured(), None
-        rows = index_of(frame.names, self._plan.names)
-        seen = (rows >= 0) & np.isfinite(frame.pos).all(axis=1)
-        yaw = yaw_from_quat(frame.quat[seen])
-        self._seen[rows[seen], :3] = frame.pos[seen]
-        self._seen[rows[seen], 3] = np.where(np.isfinite(yaw), yaw, 0.0)
-
-    def _measured(self) -> Array:
-        """Return the last measured positions [m] and yaw [rad] of the plan's vehicles, (n, 4)."""
-        if self._whole is None:
-            return self._seen
-        yaw = yaw_from_quat(self._whole.quat)
-        return np.column_stack([self._whole.pos, np.where(np.isfinite(yaw), yaw, 0.0)])
-
-    def _resting(self, t: float) -> SwarmSetpoint:
-        seen = self._measured()
-        missing = [
-            name for name, one in zip(self._plan.names, seen, strict=True) if not np.isfinite(one[:3]).all()
-        ]
-        if missing:
-            raise ValueError(f"{', '.join(missing)} has not been measured yet: no reference before that")
-        n = len(self._plan.names)
-        return SwarmSetpoint(
-            t=t,
-            names=self._plan.names,
-            pos=seen[:, :3].copy(),
-            vel=np.zeros((n, 3)),
-            acc=np.zeros((n, 3)),
-            yaw=seen[:, 3].copy(),
-            yaw_rate=np.zeros(n),
-            status=np.full(n, int(SetpointStatus.NOMINAL), dtype=np.uint8),
-        )
-
     def _rest(self) -> Array | Reply:
         """Return the reference at rest, (n, 4), or why it is not at rest."""
         last = self._last
@@ -227,7 +187,7 @@ class PlanPlayer:
         """Return which vehicle is at the reference that is played; empty if none is."""
         if self.played is None or self._last is None:
             return ""
-        far = np.linalg.norm(self._measured()[:, :3] - self._last.pos, axis=1)
+        far = np.linalg.norm(self._measured.poses()[:, :3] - self._last.pos, axis=1)
         for name, off in zip(self._plan.names, far.tolist(), strict=True):
             if off <= FLOWN_WITHIN:
                 state = f"{name} is {off:.2f} m from its reference: in flight it would drift"
