@@ -1,8 +1,7 @@
 """Rotor thrusts give back the wrench they were made from, and the documented part of it at the limits."""
 
 import numpy as np
-import pytest
-from hypothesis import example, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from q2q_control.attitude.allocation import rotor_frame, rotors_of, wrench_of
@@ -26,46 +25,27 @@ def test_round_trip_is_exact_wherever_the_rotors_can_be(rotors: list[float]):
     assert np.allclose(again, rotors, atol=ROUNDING)
 
 
-@given(rotors=IN_THE_BOX)
-def test_thrust_first_round_trip_is_exact_where_the_tilt_fits_without_yaw(rotors: list[float]):
-    wrench = wrench_of(np.array(rotors), FRAME)
-    turning = np.array([-1.0, 1.0, -1.0, 1.0])
-    without_yaw = np.array(rotors) - turning * (turning @ np.array(rotors)) / 4.0
-    if without_yaw.min() >= 0.0 and without_yaw.max() <= FRAME.rotor_max:
-        assert np.allclose(rotors_of(wrench, FRAME, attitude_first=False), rotors, atol=ROUNDING)
-
-
 @settings(deadline=None)  # the first call compiles
-@example(wrench=np.array([0.005859375, 0.005859375, 0.0, 0.0]), first=False)  # a rotor a rounding below zero
-@given(wrench=WRENCH, first=st.booleans())
-def test_compiled_kernel_equals_the_batch_law(wrench: Array, first: bool):
+@given(wrench=WRENCH)
+def test_compiled_kernel_equals_the_batch_law(wrench: Array):
     rotors = np.zeros(4)
-    allocate(wrench, packed_frame(FRAME), first, rotors)
-    assert np.allclose(rotors, rotors_of(wrench, FRAME, attitude_first=first), atol=ROUNDING)
+    allocate(wrench, packed_frame(FRAME), rotors)
+    assert np.allclose(rotors, rotors_of(wrench, FRAME), atol=ROUNDING)
 
 
-@given(wrench=WRENCH, first=st.booleans())
-def test_no_rotor_leaves_its_limits(wrench: Array, first: bool):
-    rotors = rotors_of(wrench, FRAME, attitude_first=first)
+@given(wrench=WRENCH)
+def test_no_rotor_leaves_its_limits(wrench: Array):
+    rotors = rotors_of(wrench, FRAME)
     assert rotors.min() >= -ROUNDING
     assert rotors.max() <= FRAME.rotor_max + ROUNDING
 
 
 @given(wrench=WRENCH)
-def test_attitude_first_keeps_tilt_torques_when_rotors_can_give_them(wrench: Array):
+def test_tilt_torques_are_kept_when_rotors_can_give_them(wrench: Array):
     wrench = wrench * np.array([1.0, 0.2, 0.2, 1.0])  # 2 mN m an axis: 0.06 N between rotors, of 0.15
-    given_back = wrench_of(rotors_of(wrench, FRAME, attitude_first=True), FRAME)
+    given_back = wrench_of(rotors_of(wrench, FRAME), FRAME)
     assert np.allclose(given_back[1:3], wrench[1:3], atol=ROUNDING)
     assert abs(given_back[3]) <= abs(wrench[3]) + ROUNDING
-
-
-@given(wrench=WRENCH)
-def test_thrust_first_keeps_the_collective_and_the_direction_of_tilt(wrench: Array):
-    given_back = wrench_of(rotors_of(wrench, FRAME, attitude_first=False), FRAME)
-    assert given_back[0] == pytest.approx(np.clip(wrench[0], 0.0, 4.0 * FRAME.rotor_max), abs=ROUNDING)
-    turned = given_back[1] * wrench[2] - given_back[2] * wrench[1]
-    assert abs(turned) < ROUNDING
-    assert given_back[1] * wrench[1] >= -ROUNDING
 
 
 def test_each_torque_has_the_sign_of_the_drawing():

@@ -12,13 +12,9 @@ Body x forward, y left, z up; rotors counted as on the Crazyflie, seen from abov
     tau_y = h (-f1 + f2 + f3 - f4)          positive pitch lowers the nose
     tau_z = c (-f1 + f2 - f3 + f4)          the drag of a left-turning rotor turns the body right
 
-Limits 0 <= f <= f_max. Yaw always has the lowest priority: position control needs tilt, not yaw. Between
-thrust and tilt the caller chooses:
-- attitude first: roll and pitch are kept (scaled together only if they need more than f_max between rotors),
-  then yaw gets the remaining range, then the collective is shifted until all rotors fit. The default: a
-  vehicle that loses its tilt loses its position.
-- thrust first: the collective is kept (clipped to 0..4 f_max), roll and pitch are scaled together until
-  every rotor fits without yaw, then yaw gets the remaining range.
+Limits 0 <= f <= f_max. The attitude comes first, since a vehicle that loses its tilt loses its position:
+roll and pitch are kept (scaled together only if they need more than f_max between rotors), then yaw gets the
+remaining range (position control needs tilt, not yaw), then the collective is shifted until all rotors fit.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -65,20 +61,15 @@ def wrench_of(rotors: Array, frame: RotorFrame) -> Array:
     return np.asarray(rotors @ rows.T)
 
 
-def rotors_of(wrench: Array, frame: RotorFrame, *, attitude_first: bool = True) -> Array:
+def rotors_of(wrench: Array, frame: RotorFrame) -> Array:
     """Return the rotor thrusts [N], (..., 4), that give `wrench` (..., 4) as nearly as the limits allow."""
     collective, tilt, yaw = _quarters(wrench, frame)
     top = frame.rotor_max
-    if attitude_first:
-        spread = np.max(tilt, axis=-1, keepdims=True) - np.min(tilt, axis=-1, keepdims=True)
-        tilt = tilt * np.minimum(1.0, top / np.maximum(spread, top))
-        yaw = yaw * _largest_share(tilt, yaw, top)
-        both = tilt + yaw
-        low, high = -np.min(both, axis=-1, keepdims=True), top - np.max(both, axis=-1, keepdims=True)
-        return np.asarray(both + np.clip(collective, low, np.maximum(low, high)))
-    collective = np.clip(collective, 0.0, top)
-    tilt = tilt * _share_in_box(collective, tilt, top)
-    return np.asarray(collective + tilt + yaw * _share_in_box(collective + tilt, yaw, top))
+    spread = np.max(tilt, axis=-1, keepdims=True) - np.min(tilt, axis=-1, keepdims=True)
+    tilt = tilt * np.minimum(1.0, top / np.maximum(spread, top))
+    both = tilt + yaw * _largest_share(tilt, yaw, top)
+    low, high = -np.min(both, axis=-1, keepdims=True), top - np.max(both, axis=-1, keepdims=True)
+    return np.asarray(both + np.clip(collective, low, np.maximum(low, high)))
 
 
 def _quarters(wrench: Array, frame: RotorFrame) -> tuple[Array, Array, Array]:
@@ -88,24 +79,13 @@ def _quarters(wrench: Array, frame: RotorFrame) -> tuple[Array, Array, Array]:
     return collective, tilt, yaw
 
 
-def _share_in_box(base: Array, add: Array, top: float) -> Array:
-    """Return the largest k in 0..1 with 0 <= base + k add <= top, (..., 1); base lies in the box."""
-    margin = np.where(add > 0.0, top - base, base)
-    return _share(np.abs(add), margin)
-
-
 def _largest_share(tilt: Array, yaw: Array, top: float) -> Array:
     """Return the largest k in 0..1 for which the spread of tilt + k yaw is at most top, (..., 1)."""
     # every ordered pair of rotors i, j: (t_i - t_j) + k (y_i - y_j) <= top
     gap = tilt[..., :, None] - tilt[..., None, :]
     slope = yaw[..., :, None] - yaw[..., None, :]
-    share = _share(np.maximum(slope, 0.0), top - gap)  # (..., 4, 1)
-    return np.asarray(np.min(share, axis=-2))
-
-
-def _share(demand: Array, margin: Array) -> Array:
-    """Return the largest k in 0..1 with k wanted <= room along the last axis, (..., 1)."""
-    positive_margin = np.maximum(margin, 0.0)  # rounding may leave it slightly below 0
-    tight = demand > positive_margin
-    share = np.where(tight, positive_margin / np.where(tight, demand, 1.0), 1.0)
-    return np.asarray(np.min(share, axis=-1, keepdims=True))
+    demand = np.maximum(slope, 0.0)
+    margin = np.maximum(top - gap, 0.0)  # rounding may leave it slightly below 0
+    tight = demand > margin
+    share = np.where(tight, margin / np.where(tight, demand, 1.0), 1.0)
+    return np.asarray(np.min(share, axis=(-2, -1))[..., None])

@@ -130,7 +130,7 @@ def _write_rotors(row: Array, command: Four, body: Body, commanded: Array) -> No
     attitude = tilt((row[QX], row[QY], row[QZ], row[QW]))
     rate = (row[P], row[Q], row[R])
     tx, ty, tz = attitude_torque(attitude, rate, torque_now, (roll, pitch, yaw_rate), body.gains)
-    allocate((thrust, tx, ty, tz), body.frame, True, commanded)  # noqa: FBT003  numba takes no keywords here
+    allocate((thrust, tx, ty, tz), body.frame, commanded)
 
 
 @compiled(**BORROWING)
