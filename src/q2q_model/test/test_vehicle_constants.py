@@ -16,7 +16,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_1
         ("inertia", (1e-5, 0.0, 1e-5), "above 0"),
         ("thrust_max", float("inf"), "above 0"),
         ("thrust_lag", -0.1, "0 or more"),
-        ("rotor_inertia", float("nan"), "0 or more"),
+        ("thrust_lag", float("nan"), "0 or more"),
     ],
 )
 def test_a_constant_that_no_vehicle_has_is_refused(field: str, value: object, bound: str) -> None:
@@ -26,5 +26,5 @@ def test_a_constant_that_no_vehicle_has_is_refused(field: str, value: object, bo
         replace(CRAZYFLIE_2_1, **{field: value})
 
 
-def test_a_vehicle_may_have_no_lag_and_rotors_without_inertia() -> None:
-    assert replace(CRAZYFLIE_2_1, thrust_lag=0.0, rotor_inertia=0.0).thrust_lag == 0.0
+def test_a_vehicle_may_have_no_lag() -> None:
+    assert replace(CRAZYFLIE_2_1, thrust_lag=0.0).thrust_lag == 0.0

@@ -1,1 +1,1 @@
-"""Vehicle constants with their sources, rigid-body dynamics, thrust map."""
+"""Vehicle constants with their sources, altitude loop, thrust map."""

@@ -5,7 +5,6 @@
 | m | mass | take-off mass [kg] |
 | Ixx Iyy Izz | inertia | principal moments of inertia [kg m^2] |
 | l | arm | centre to motor [m] |
-| J_r | rotor_inertia | one rotor's inertia about its axis [kg m^2] |
 | | drag_to_thrust | rotor drag torque over thrust [m] |
 | | thrust_max | largest collective thrust [N] |
 | | full_pwm_thrust | collective thrust with every motor at 65535 PWM, under battery compensation [N] |
@@ -33,8 +32,6 @@ CONTACT = 0.14
 
 SMALLEST = nextafter(0.0, 1.0)
 """Smallest number above 0."""
-MAY_BE_ZERO = ("rotor_inertia", "thrust_lag")
-"""Constants of a vehicle that may be 0: neglected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +45,6 @@ class Vehicle:
     """Ixx, Iyy, Izz [kg m^2]."""
     arm: float
     """Centre to motor [m]."""
-    rotor_inertia: float
-    """J_r [kg m^2]."""
     drag_to_thrust: float
     """[m]"""
     thrust_max: float
@@ -63,7 +58,7 @@ class Vehicle:
         """Check the numbers; raise ValueError with the field, its value and what is allowed."""
         for one in fields(self)[1:]:
             given = getattr(self, one.name)
-            least, bound = (0.0, "0 or more") if one.name in MAY_BE_ZERO else (SMALLEST, "above 0")
+            least, bound = (0.0, "0 or more") if one.name == "thrust_lag" else (SMALLEST, "above 0")
             numbers = given if isinstance(given, tuple) else (given,)
             if not all(least <= number < inf for number in numbers):
                 raise ValueError(f"vehicle {self.name}: {one.name} = {given}: finite and {bound} is allowed")
@@ -84,7 +79,6 @@ CRAZYFLIE_2_0 = Vehicle(
     mass=0.034,  # the paper, Table 1 (with rotor guards)
     inertia=(3.14e-5, 3.15e-5, 7.06e-5),  # Table 1, diagonal: its off-diagonals lost their exponents
     arm=0.046,  # half the 92 mm motor diagonal, the paper, section 3.1
-    rotor_inertia=0.0,  # not given; gyroscopic rotor torque is neglected, as Omega_r is near 0
     drag_to_thrust=0.00596,  # Foerster, System Identification of the Crazyflie 2.0, 2015, section 3.2
     thrust_max=4.0 * BRUSHED_MOTOR,
     full_pwm_thrust=4.0 * BRUSHED_MOTOR,
@@ -118,7 +112,6 @@ CRAZYFLIE_BRUSHLESS = Vehicle(
     mass=0.0393,  # firmware, platform_defaults_cf21bl.h: guards, 350 mAh battery and Lighthouse deck
     inertia=(2.5e-5, 2.8e-5, 4.9e-5),  # estimate: drone-models, cf21B_500, which weighs 43.4 g
     arm=0.050,  # firmware, the same: ARM_LENGTH
-    rotor_inertia=0.0,  # neglected, as above
     drag_to_thrust=0.00569,  # firmware, the same: THRUST2TORQUE
     thrust_max=4.0 * BRUSHLESS_MOTOR,
     full_pwm_thrust=4.0 * BRUSHLESS_MOTOR,
@@ -130,7 +123,6 @@ TEXTBOOK_065 = Vehicle(
     mass=0.65,  # matches the hover energy of the paper's Tables 6 and 7
     inertia=(7.5e-3, 7.5e-3, 1.3e-2),  # Bouabdallah, PhD thesis EPFL 2007, OS4 vehicle
     arm=0.23,  # the same
-    rotor_inertia=6.0e-5,  # the same
     drag_to_thrust=0.024,  # the same: 7.5e-7 / 3.13e-5
     thrust_max=12.753,  # twice its weight: OS4's thrust-to-weight ratio
     full_pwm_thrust=12.753 * PWM_FULL / RPYT_PWM_MAX,  # the largest RPYT setpoint gives thrust_max

@@ -1,6 +1,7 @@
 """Physics step of one quadcopter: rigid body, rotor lag, onboard attitude loop, ground.
 
-The equations are (1)-(9) in quaternion form, without small angles:
+The equations are (1)-(9) in quaternion form, without small angles, and without the gyroscopic torque of the
+rotors, whose signed sum of speeds Omega_r is near 0:
 
     v'  = -g e_z + T / m R(q) e_z + eta + a_air        T = f1 + f2 + f3 + f4
     I w' = tau + tau_air - w x (I w)                   tau from the rotors (q2q_control.attitude.allocation)
