@@ -1,6 +1,6 @@
 """Writer of a bag, from serialised messages or signals; a crash costs at most the last second.
 
-A chunk is closed after `chunk_s` of bag time. Closed chunks of a process that was killed, or whose disk was
+A chunk is closed after CHUNK_NS of bag time. Closed chunks of a process that was killed, or whose disk was
 full, can be read (q2q_model.bag.storage.salvage). Each compressed chunk has a checksum that detects damage.
 """
 
@@ -33,8 +33,8 @@ VERSION = 9
 """Version of metadata.yaml in ROS 2 Jazzy."""
 ZSTD_LEVEL = -1
 """Level of compression: bags are 5 to 12 % larger than by the default 3, in 0.4 of the time."""
-CHUNK_S = 1.0
-"""Bag time in a chunk [s], the most that a kill loses."""
+CHUNK_NS = 10**9
+"""Bag time in a chunk [ns], the most that a kill loses."""
 _FOR_EVER = QosTime(sec=9223372036, nsec=854775807)
 """RMW_DURATION_INFINITE."""
 
@@ -54,7 +54,6 @@ class BagWriter:
     def __init__(
         self,
         path: Path | str,
-        chunk_s: float = CHUNK_S,
         facts: FlightFacts | None = None,
         *,
         compress: bool = True,
@@ -68,7 +67,6 @@ class BagWriter:
         self.path = Path(path)
         if self.path.exists():
             raise BagError(f"{self.path} exists already: choose another name, or delete it")
-        self._chunk_ns = round(chunk_s * 1e9)
         self._chunk_begin: int | None = None
         self._closed = False
         self._types: dict[str, str] = {}
@@ -119,7 +117,7 @@ class BagWriter:
             known = ", ".join(self._types) or "none"
             raise BagError(f"topic {topic} is not announced: add_topic first; announced: {known}")
         begin = self._chunk_begin
-        if begin is not None and abs(stamp_ns - begin) >= self._chunk_ns:
+        if begin is not None and abs(stamp_ns - begin) >= CHUNK_NS:
             self.flush()
         try:
             self._writer.write(self._connections[topic], stamp_ns, data)

@@ -1,7 +1,7 @@
 """Filtered states of a flight recorded without them, from its motion capture.
 
-The online filter is causal and depends on the frames alone, so with the same parameters it gives the states
-that the controller used, to the last bit.
+The online filter is causal and depends on the frames alone, so it gives the states that a controller with
+default filter parameters used, to the last bit.
 """
 
 from dataclasses import replace
@@ -14,14 +14,14 @@ from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Mask, MocapFrame, SwarmState, TrackStatus
 
 
-def with_filtered_states(flight: Flight, params: MocapFilterParams | None = None) -> Flight:
+def with_filtered_states(flight: Flight) -> Flight:
     """Return the flight with filtered positions, velocities and attitudes, unchanged if it has any.
 
     A vehicle that the filter has lost is NaN.
     """
     if np.isfinite(flight.pos).any():
         return flight
-    mocap_filter = MocapFilter(params or MocapFilterParams(), flight.names)
+    mocap_filter = MocapFilter(MocapFilterParams(), flight.names)
     states = [mocap_filter.update(_frame(flight, tick)) for tick in range(flight.t.size)]
     tracked = np.stack([_known(state) for state in states])[..., None]  # (T, n, 1)
     pos, vel, quat = (

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import CRAZYFLIE_2_0, Vehicle
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.fleet import Fleet, Sent
 from q2q_sim.crtp.vehicle import LOCAL
@@ -74,19 +74,13 @@ class Wire:
 
 
 class Pilot:
-    """Swarm that flies by its own firmware."""
+    """Swarm of Crazyflies 2.0 that flies by its own firmware."""
 
-    def __init__(
-        self,
-        start: Array,
-        vehicle: Vehicle = CRAZYFLIE_2_0,
-        wake: WakeLaw = WakeLaw.NONE,
-        build: Build | None = None,
-    ) -> None:
+    def __init__(self, start: Array, wake: WakeLaw = WakeLaw.NONE, build: Build | None = None) -> None:
         """Place vehicles cf1, cf2, ... at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""
         names = tuple(f"cf{k + 1}" for k in range(len(start)))
-        self.swarm = Swarm(names, vehicle, np.array(start, dtype=np.float64), wake)
-        self.fleet = Fleet(self.swarm, vehicle, build or Build())
+        self.swarm = Swarm(names, CRAZYFLIE_2_0, np.array(start, dtype=np.float64), wake)
+        self.fleet = Fleet(self.swarm, CRAZYFLIE_2_0, build or Build())
         self.drive = np.tile(STILL, (len(start), 1))
         self.out: list[Sent] = []
         """Datagrams to clients since the start."""

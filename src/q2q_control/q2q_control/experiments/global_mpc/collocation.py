@@ -29,12 +29,15 @@ TILT_MAX = 0.6
 EFFORT = 1e-6
 """Weight of input changes between samples [m^2]: it makes the optimum unique."""
 
+ITERATIONS = 200
+"""Most steps of IPOPT."""
 
-def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSolution:
+
+def solve_collocation(problem: GlobalProblem) -> GlobalSolution:
     """Return IPOPT's solution, started on the references.
 
     Raises:
-        ValueError: IPOPT did not converge within `iterations`.
+        ValueError: IPOPT did not converge within ITERATIONS.
     """
     n, count, _ = problem.reference.shape
     law = _law(problem.model)
@@ -58,7 +61,7 @@ def solve_collocation(problem: GlobalProblem, iterations: int = 200) -> GlobalSo
         equal.append(vel[j][:, 0] - problem.reference[j, 0, 3:6])
         goal += casadi.sumsqr(pos[j] - problem.reference[j, :, :3].T)
         goal += EFFORT * casadi.sumsqr(casadi.diff(inputs[j], 1, 1))
-    found = _solved((pos, vel, inputs), (goal, casadi.vertcat(*equal)), problem, iterations)
+    found = _solved((pos, vel, inputs), (goal, casadi.vertcat(*equal)), problem)
     tilt, thrust = found[2][..., :2], found[2][..., 2] * problem.vehicle.hover_thrust
     total = np.gradient(found[1], step, axis=1)
     by_thrust = thrust_acceleration(thrust, tilt, problem.vehicle.mass)
@@ -73,11 +76,10 @@ def _solved(
     variables: tuple[list[casadi.MX], list[casadi.MX], list[casadi.MX]],
     program: tuple[casadi.MX, casadi.MX],
     problem: GlobalProblem,
-    iterations: int,
 ) -> tuple[Array, Array, Array]:
     n, count, _ = problem.reference.shape
     stacked = casadi.vertcat(*(casadi.vec(part) for group in variables for part in group))
-    options = QUIET | {"ipopt.max_iter": iterations, "ipopt.tol": 1e-8}
+    options = QUIET | {"ipopt.max_iter": ITERATIONS, "ipopt.tol": 1e-8}
     nlp = {"x": stacked, "f": program[0], "g": program[1]}
     solver = casadi.nlpsol("global", "ipopt", nlp, options)  # type: ignore[arg-type]
     hover = np.tile([0.0, 0.0, 1.0], (n, count, 1))
@@ -91,7 +93,7 @@ def _solved(
     answer = solver(x0=start, lbx=low, ubx=high, lbg=0.0, ubg=0.0)
     if not solver.stats()["success"]:
         raise ValueError(
-            f"IPOPT ended with {solver.stats()['return_status']}: allow more than {iterations} steps"
+            f"IPOPT ended with {solver.stats()['return_status']}: allow more than {ITERATIONS} steps"
         )
     whole = np.array(answer["x"]).ravel().reshape(3, n, count, 3)
     return whole[0], whole[1], whole[2]

@@ -35,9 +35,7 @@ class InitialState:
 class InitialStateEstimator:
     """Tracker of disturbances and of commands in transit."""
 
-    def __init__(
-        self, params: MpcParams, vehicle: Vehicle, residual_process: ResidualProcess | None = None
-    ) -> None:
+    def __init__(self, params: MpcParams, vehicle: Vehicle, residual_process: ResidualProcess | None) -> None:
         """Estimate vehicles like `vehicle`; `residual_process` is what accelerometers measure."""
         self._params, self._observes = params, params.observe or residual_process is not None
         self._lags = axis_lags(params, vehicle)

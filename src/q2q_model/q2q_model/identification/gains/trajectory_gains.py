@@ -126,12 +126,12 @@ def gains_by_powell(records: Sequence[AltitudeRecord]) -> TrajectoryGains:
     return TrajectoryGains(loop=loop, intervals=unknown, mse=mse, rms=_rms(residuals), rows=float("nan"))
 
 
-def is_better(more: TrajectoryGains, less: TrajectoryGains, level: float = 0.01) -> bool:
-    """Return whether an F test finds the extra terms of `more` significant."""
+def is_better(more: TrajectoryGains, less: TrajectoryGains) -> bool:
+    """Return whether an F test finds the extra terms of `more` significant, at 1 %."""
     extra = more.terms - less.terms
     freedom = max(more.rows - more.terms, 1.0)
     ratio = (less.rms**2 - more.rms**2) / more.rms**2 * freedom / extra
-    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < level)
+    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < 0.01)
 
 
 def _fitted(record: AltitudeRecord, loop: AltitudeLoop, *, shifted: bool) -> tuple[Array, Array]:

@@ -58,15 +58,13 @@ class HeldOutScores:
         return pooled_score(y, misses, samples)
 
 
-def held_out_scores(
-    taught: FlightSamples, further: FlightSamples, form: JetForm | None = None
-) -> HeldOutScores:
+def held_out_scores(taught: FlightSamples, further: FlightSamples) -> HeldOutScores:
     """Return the jet of the taught flights and the scores of every flight with exposed rows.
 
     Raises:
         ValueError: fewer than two taught flights have a vehicle under another.
     """
-    known, form = _with_wake(taught), form or JetForm()
+    known, form = _with_wake(taught), JetForm()
     if len(known) < FEWEST:
         raise ValueError(
             f"{len(known)} of {len(taught)} flights have a vehicle 0.1 to 1.2 m under another with a "

@@ -1,7 +1,8 @@
 """Exact solution of the minimum snap problem (17), in both readings of its constraints.
 
 min int mu_r ||r^(4)||^2 + mu_psi (psi^(2))^2 dt through the waypoints (Mellinger and Kumar, Minimum snap
-trajectory generation and control for quadrotors, 2011; the paper, eq. 17, k_r = 4, k_psi = 2).
+trajectory generation and control for quadrotors, 2011; the paper, eq. 17, k_r = 4, k_psi = 2); as in the
+paper, both weights are 1 (mu_r [s^7/m^2], mu_psi [s^3/rad^2]).
 
 - `stop_and_go`: derivatives 1..3 (yaw: 1) are zero at every waypoint. Pieces and axes then decouple, and
   each is the Hermite piece of `hermite`: closed form. The 4th derivative at a waypoint has no trace under
@@ -13,8 +14,6 @@ trajectory generation and control for quadrotors, 2011; the paper, eq. 17, k_r =
 |---|---|---|
 | k_r | POSITION_HALF | order of the derivative of position in the cost, 4 |
 | k_psi | YAW_HALF | order of the derivative of yaw in the cost, 2 |
-| mu_r | mu_r | weight of squared snap [s^7/m^2] |
-| mu_psi | mu_psi | weight of squared yaw acceleration [s^3/rad^2] |
 """
 
 from collections.abc import Sequence
@@ -64,16 +63,16 @@ def minimum_snap_plan(swarm: Sequence[VehicleWaypoints], reading: Reading = "sto
     return SwarmPlan(names, tuple(minimum_snap(vehicle, reading) for vehicle in swarm))
 
 
-def snap_cost(trajectory: Trajectory, mu_r: float = 1.0, mu_psi: float = 1.0) -> float:
-    """Return the cost (17) of a trajectory, exact for its polynomials; both weights are 1 as in the paper."""
+def snap_cost(trajectory: Trajectory) -> float:
+    """Return the cost (17) of a trajectory, exact for its polynomials."""
     pos = _energy(trajectory.coefficients[:, :3], trajectory.durations, POSITION_HALF)
     yaw = _energy(trajectory.coefficients[:, 3:], trajectory.durations, YAW_HALF)
-    return mu_r * pos + mu_psi * yaw
+    return pos + yaw
 
 
-def plan_cost(plan: SwarmPlan, mu_r: float = 1.0, mu_psi: float = 1.0) -> float:
+def plan_cost(plan: SwarmPlan) -> float:
     """Return the cost (18): the sum of (17) over the vehicles."""
-    return sum(snap_cost(trajectory, mu_r, mu_psi) for trajectory in plan.trajectories)
+    return sum(snap_cost(trajectory) for trajectory in plan.trajectories)
 
 
 def _energy(coefficients: Array, durations: Array, derivative: int) -> float:

@@ -28,8 +28,8 @@ ON_BATTERY, LOW_POWER = 0, 3
 class Battery:
     """Charge of the battery."""
 
-    def __init__(self, charge: float = 1.0) -> None:
-        self.charge = charge
+    def __init__(self) -> None:
+        self.charge = 1.0
         """0 to 1."""
         self._low_for = 0.0
 

@@ -36,17 +36,17 @@ ROUND = 24
 DPI = 100
 
 
-def write_images(out: Path = OUT) -> list[Path]:
+def write_images() -> list[Path]:
     """Write flight.png and, where there are recorded flights, real_flight.png; return the files."""
     flights = find_flights([])
     if not flights.further:
         print(f"docs: real_flight.png is left as it is: {flights.origin}", file=sys.stderr)
-        return [write_flight(out)]
+        return [write_flight()]
     shown = median_flight(score_flights(flights).held_out.flights)
-    return [write_flight(out), save(held_out_figure(shown), out / "real_flight.png")]
+    return [write_flight(), save(held_out_figure(shown), OUT / "real_flight.png")]
 
 
-def write_flight(out: Path) -> Path:
+def write_flight() -> Path:
     """Fly table6 ignoring the downwash and aware of it; write flight.png; return it."""
     scenario = library.load(SCENARIO)
     model = find_model(scenario.model).interaction
@@ -58,8 +58,8 @@ def write_flight(out: Path) -> Path:
     plot_scene(left, scene_at(scenario, aware, SHOWN_AT))
     left.set_title(f"as the view shows it, t = {SHOWN_AT:g} s")
     _plot_altitudes(figure, {"ignoring the downwash": ignoring, "aware of it": aware})
-    out.mkdir(parents=True, exist_ok=True)
-    path = out / "flight.png"
+    OUT.mkdir(parents=True, exist_ok=True)
+    path = OUT / "flight.png"
     figure.savefig(path, dpi=DPI)
     return path
 
