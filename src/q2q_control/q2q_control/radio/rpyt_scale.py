@@ -30,9 +30,12 @@ class RpytScale:
         """Return the PWM of a collective thrust [N], neither rounded nor clipped."""
         return np.asarray(thrust / self.full_pwm_thrust * PWM_FULL)
 
+    def rpyt_pwm_of(self, thrust: Array) -> Array:
+        """Return the PWM of a collective thrust [N] as an RPYT setpoint carries it."""
+        return np.clip(np.round(self.pwm_of(thrust)), 0, RPYT_PWM_MAX)
+
 
 def rpyt_rows(command: SwarmCommand, scale: RpytScale) -> Array:
     """Return pitch [deg], roll [deg], yaw rate [deg/s], thrust [PWM] of every vehicle, (n, 4)."""
-    pwm = np.clip(np.round(scale.pwm_of(command.thrust)), 0, RPYT_PWM_MAX)
     angles = np.degrees([command.pitch, command.roll, command.yaw_rate])  # (3, n)
-    return np.column_stack([*angles, pwm])
+    return np.column_stack([*angles, scale.rpyt_pwm_of(command.thrust)])

@@ -80,9 +80,7 @@ def cut_vehicles(command: SwarmCommand) -> Names:
 
 def level_rpyt(thrust: float, scale: RpytScale) -> RpytSetpoint:
     """Return the level setpoint of a thrust [N]."""
-    one, zero = np.array([thrust]), np.zeros(1)
-    level = SwarmCommand(0.0, ("",), one, zero, zero, zero, zero.astype(np.uint8))
-    return _rpyt(rpyt_rows(level, scale)[0].tolist())
+    return RpytSetpoint(0.0, 0.0, 0.0, int(scale.rpyt_pwm_of(np.asarray(thrust))))
 
 
 def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState | None]:

@@ -10,7 +10,6 @@ import numpy as np
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import (
     SET_ATTITUDE,
@@ -55,5 +54,4 @@ class CommandedFlight:
         rows[:, :, SET_ATTITUDE] = np.degrees(roll)[:, None]
         rows[:, :, SET_ATTITUDE + 1] = -np.degrees(pitch)[:, None]
         rows[:, :, SET_RATE + 2] = np.degrees(yaw_rate)[:, None]
-        pwm = np.clip(np.round(self._scale.pwm_of(thrust)), 0, RPYT_PWM_MAX)
-        rows[:, :, SET_THRUST] = pwm[:, None]
+        rows[:, :, SET_THRUST] = self._scale.rpyt_pwm_of(thrust)[:, None]

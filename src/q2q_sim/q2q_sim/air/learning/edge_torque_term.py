@@ -63,10 +63,7 @@ def edge_torque_term(
         return np.array([along[best] / square[best], RADII[best]])
 
     found = estimate_spread(estimate, len(sums))
-    values = tuple(
-        fitted_value(found, k, path, rows, "rows under one vehicle with a motor log")
-        for k, path in enumerate(PATHS)
-    )
+    values = tuple(fitted_value(found, k, path, rows, SOURCE) for k, path in enumerate(PATHS))
     return LearnedTerm(EdgeTorqueTerm(*map(float, found.value)), values)
 
 

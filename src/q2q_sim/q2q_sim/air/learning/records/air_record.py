@@ -19,7 +19,6 @@ from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import (
     FEWEST_FREE,
     FLOOR,
-    PushRecord,
     PushSamples,
     known_rows,
     push_samples,
@@ -142,7 +141,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     return AirRecord(
         name=flight.name,
         motion=pushes.motion,
-        samples=_samples(pushes),
+        samples=tuple(push_samples(pushes)),
         gaps=gaps,
         measured=measured,
         clear=clear,
@@ -166,10 +165,6 @@ def _lost(values: Array) -> Mask:
 def _filled(t: Array, values: Array) -> Array:
     """Return values (T, n, c) interpolated where they are lost; NaN of a vehicle without any."""
     return repair(t, values, np.asarray(~np.isfinite(values).all(axis=-1)))
-
-
-def _samples(pushes: PushRecord) -> tuple[PushSamples, ...]:
-    return tuple(push_samples(pushes))
 
 
 def rows_alone(pos: Array, distance: float) -> Mask:
