@@ -19,7 +19,7 @@ def least_distances(pos: Array) -> Array:
 
 def any_in_zone(pos: Array, zone: Cylinder) -> Mask:
     """Return the ticks at which any pair is in the zone, (T,)."""
-    return np.asarray(has_pair_within(np.ascontiguousarray(pos), zone.eps, zone.d))
+    return pairs_within(np.ascontiguousarray(pos), zone.eps, zone.d)[0]
 
 
 def under_another(pos: Array, aside: float, below: float) -> Mask:
@@ -29,7 +29,7 @@ def under_another(pos: Array, aside: float, below: float) -> Mask:
 
 def in_zone_once(pos: Array, zone: Cylinder) -> list[tuple[int, int]]:
     """Return the pairs i < j that are in the zone at any tick."""
-    i, j = np.nonzero(is_within_once(np.ascontiguousarray(pos), zone.eps, zone.d))
+    i, j = np.nonzero(pairs_within(np.ascontiguousarray(pos), zone.eps, zone.d)[1])
     return list(zip(i.tolist(), j.tolist(), strict=True))
 
 
@@ -54,19 +54,18 @@ def nearest_of_pairs(pos: Array) -> Array:
 
 
 @compiled
-def has_pair_within(pos: Array, eps: float, d: float) -> Mask:
-    """Return the ticks at which a pair is nearer than eps [m] horizontally and d vertically, (T,)."""
-    found = np.zeros(pos.shape[0], dtype=np.bool_)
-    for k in range(pos.shape[0]):
-        for i in range(pos.shape[1]):
-            for j in range(i):
-                dx, dy, dz = (
-                    pos[k, j, 0] - pos[k, i, 0],
-                    pos[k, j, 1] - pos[k, i, 1],
-                    pos[k, j, 2] - pos[k, i, 2],
-                )
-                found[k] |= dx * dx + dy * dy < eps * eps and abs(dz) < d
-    return found
+def pairs_within(pos: Array, eps: float, d: float) -> tuple[Mask, Mask]:
+    """Return the ticks (T,) and pairs i < j (n, n) nearer than eps [m] horizontally and d vertically."""
+    count, n = pos.shape[:2]
+    ticks, pairs = np.zeros(count, dtype=np.bool_), np.zeros((n, n), dtype=np.bool_)
+    for k in range(count):
+        for i in range(n):
+            x, y, z = pos[k, i]
+            for j in range(i + 1, n):
+                dx, dy, dz = pos[k, j, 0] - x, pos[k, j, 1] - y, pos[k, j, 2] - z
+                if dx * dx + dy * dy < eps * eps and abs(dz) < d:
+                    ticks[k] = pairs[i, j] = True
+    return ticks, pairs
 
 
 @compiled
@@ -82,20 +81,6 @@ def has_other_above(pos: Array, aside: float, below: float) -> Mask:
                     pos[k, j, 2] - pos[k, i, 2],
                 )
                 found[k, i] |= 0.0 < dz < below and dx * dx + dy * dy < aside * aside
-    return found
-
-
-@compiled
-def is_within_once(pos: Array, eps: float, d: float) -> Mask:
-    """Return which pairs i < j are nearer than eps [m] horizontally and d vertically at any tick, (n, n)."""
-    n = pos.shape[1]
-    found = np.zeros((n, n), dtype=np.bool_)
-    for k in range(pos.shape[0]):
-        for i in range(n):
-            x, y, z = pos[k, i]
-            for j in range(i + 1, n):
-                dx, dy, dz = pos[k, j, 0] - x, pos[k, j, 1] - y, pos[k, j, 2] - z
-                found[i, j] |= dx * dx + dy * dy < eps * eps and abs(dz) < d
     return found
 
 
