@@ -32,7 +32,7 @@ def test_a_solve_that_comes_too_late_is_replaced_by_the_shifted_solution_then_by
     lines = []
 
     def spoil(k: int, state: SwarmState) -> SwarmState:
-        lines.append((mpc.report.shifted, mpc.report.pd))
+        lines.append((mpc.report.sources.shifted, mpc.report.sources.pd))
         left[0] = 0 if k >= 300 else 10**9
         return state
 
@@ -53,7 +53,7 @@ def test_a_model_that_returns_nan_is_survived_and_said():
     mpc = controller(IDEAL, preview, Broken())
     _, thrust = Air(preview).fly(mpc, 20)
     assert np.isfinite(thrust).all()
-    assert mpc.report.solved == 2
+    assert mpc.report.sources.solved == 2
     assert mpc.report.pairs == 0
 
 

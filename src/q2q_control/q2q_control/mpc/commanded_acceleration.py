@@ -7,7 +7,7 @@
 | the same, later | PD law with the loop's bandwidths | pd |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -21,14 +21,20 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 
 
-@dataclass(frozen=True, slots=True)
-class MpcReport:
-    """Number of vehicles by the source of their last command."""
+class CommandSources(NamedTuple):
+    """Number of vehicles by the source of their command."""
 
     solved: int = 0
     cut_off: int = 0
     shifted: int = 0
     pd: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class MpcReport:
+    """Solution of one tick in numbers."""
+
+    sources: CommandSources = field(default_factory=CommandSources)
     iterations: int = 0
     """Most recursions of one problem."""
     pairs: int = 0
@@ -59,15 +65,6 @@ class CommandRule(NamedTuple):
     """Command x and y by the PD law."""
 
 
-class CommandSources(NamedTuple):
-    """Number of vehicles by the source of their command."""
-
-    solved: int
-    cut_off: int
-    shifted: int
-    pd: int
-
-
 def command_rule(params: MpcParams) -> CommandRule:
     """Return the parameters of the commands."""
     return CommandRule(
@@ -86,14 +83,7 @@ def commanded_acceleration(
     offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
     new = PredictedSolution(old.start, offset, solution.inputs, solution.pattern, solved)
     sources = _choose(solution, horizon, (old, new), rule, acc)
-    report = MpcReport(
-        solved=sources.solved,
-        cut_off=sources.cut_off,
-        shifted=sources.shifted,
-        pd=sources.pd,
-        iterations=solution.iterations,
-        pairs=len(forecast.downwash.i),
-    )
+    report = MpcReport(sources, solution.iterations, len(forecast.downwash.i))
     return Commanded(acc, new, report)
 
 

@@ -104,7 +104,8 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         if exchange is not None:
             exchange.begin(state)
         command = guarded.update(state, setpoint, downwash)
-        wiring.health.fallbacks += int(block.report.shifted + block.report.pd > 0)
+        sources = block.report.sources
+        wiring.health.fallbacks += int(sources.shifted + sources.pd > 0)
         return command
 
     wiring.add_diagnostic_values(lambda: {"iterations": str(block.report.iterations)})
