@@ -28,6 +28,8 @@ SERVICES = {
     "q2q_model/commands/clean_exit.py",
     "q2q_model/commands/recording_options.py",
     "q2q_model/commands/ros_arguments.py",
+    "q2q_model/compilation/kernel_cache.py",
+    "q2q_model/compilation/kernel_digest.py",
     "q2q_model/compiled.py",
     "q2q_model/counted.py",
     "q2q_model/estimation/frame_rows.py",
