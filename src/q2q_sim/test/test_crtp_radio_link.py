@@ -4,8 +4,10 @@ import math
 import os
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,7 +23,8 @@ from q2q_control.radio.firmware_params import (
     required_with_app,
     unsettable,
 )
-from q2q_control.radio.link import LinkHealth, OnboardPose
+from q2q_control.radio.firmware_settings import FirmwareSettings
+from q2q_control.radio.link import LinkHealth
 from q2q_sim.crtp.pilot import ECHO, Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
@@ -77,12 +80,33 @@ def test_where_the_firmware_app_is_its_controller_is_required(
     assert required_with_app(firmware_params((), "command"), known) == {}
 
 
+@dataclass(frozen=True)
+class Element:
+    """Element of cflib's table of parameters."""
+
+    pytype: str
+    access: str
+
+    def get_readable_access(self) -> str:
+        """Return RW or RO."""
+        return self.access
+
+
 class Held:
     """Parameters of cflib, of a vehicle that holds its controller; what is set is kept."""
 
-    def __init__(self, controller: float) -> None:
+    def __init__(self, controller: float, table: dict[str, TableEntry]) -> None:
         self.values, self.sent = {CONTROLLER: controller}, list[str]()
-        self.link: CflibLink | None = None
+        self.toc = SimpleNamespace(toc=dict[str, dict[str, Element]]())
+        for name, entry in table.items():
+            group, _, own = name.partition(".")
+            element = Element(entry.layout, "RW" if entry.writable else "RO")
+            self.toc.toc.setdefault(group, {})[own] = element
+        self.read: dict[str, Callable[[str, str], None]] = {}
+
+    def add_update_callback(self, group: str, name: str, read: Callable[[str, str], None]) -> None:
+        """Answer requests of a parameter by a call."""
+        self.read[f"{group}.{name}"] = read
 
     def set_value(self, name: str, value: float) -> None:
         """Hold a value."""
@@ -91,8 +115,7 @@ class Held:
 
     def request_param_update(self, name: str) -> None:
         """Answer with the value that is held."""
-        assert self.link is not None
-        self.link._read_back(name, str(self.values[name]))
+        self.read[name](name, str(self.values[name]))
 
 
 @pytest.mark.parametrize(
@@ -103,21 +126,16 @@ class Held:
         (False, 1.0, ["locSrv.extPosStdDev", CONTROLLER], ""),
     ],
 )
-def test_a_link_leaves_the_controller_to_the_firmware_app_and_checks_that_it_is_on(
-    monkeypatch: pytest.MonkeyPatch, app: bool, held: float, sent: list[str], wrong: str
+def test_the_controller_is_left_to_the_firmware_app_and_it_is_checked_that_it_is_on(
+    app: bool, held: float, sent: list[str], wrong: str
 ) -> None:
     """Mellinger's was set on connection, which switched the app off."""
-    monkeypatch.setattr(CflibLink, "keep_open", lambda _: None)
-    link = CflibLink("cf1", OWN_URI, firmware_params(("locSrv.extPosStdDev=0.001",), "setpoint"))
-    try:
-        params = link._crazyflie.param = Held(held)
-        params.link = link
-        link._known.pose = OnboardPose((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-        link._set(TABLE | ({APP: TableEntry("<B", writable=True)} if app else {}))
-        assert sorted(params.sent) == sent
-        assert link.health().wrong == wrong
-    finally:
-        link.close()
+    vehicle = Held(held, TABLE | ({APP: TableEntry("<B", writable=True)} if app else {}))
+    required = firmware_params(("locSrv.extPosStdDev=0.001",), "setpoint")
+    settings = FirmwareSettings(vehicle, required)
+    settings.apply()
+    assert sorted(vehicle.sent) == sent
+    assert (settings.refusal(), settings.difference()) == ("", wrong)
 
 
 def test_without_a_radio_a_link_reports_the_reason_in_one_line(

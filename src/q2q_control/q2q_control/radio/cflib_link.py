@@ -1,10 +1,8 @@
 """Link to a vehicle through cflib, at any URI it supports (radio://, udp://, usb://).
 
-cflib is imported only when a link is created. Packets are sent by the thread of a mailbox
-(q2q_control.radio.mailbox).
+Packets are sent by the thread of a mailbox (q2q_control.radio.mailbox).
 """
 
-import logging
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,17 +10,16 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from q2q_control.flight_procedure.supervisor_info import FLYING, LOCKED, READY
-from q2q_control.radio.firmware_params import TableEntry, first_difference, required_with_app, unsettable
+from q2q_control.radio.cflib_library import new_crazyflie
+from q2q_control.radio.firmware_settings import FirmwareSettings
 from q2q_control.radio.link import CflibSender, LinkHealth, OnboardPose
 from q2q_control.radio.mailbox import Mailbox
 from q2q_control.radio.ping_share import PingShare
 from q2q_control.radio.setpoints import FullState, RpytSetpoint
 from q2q_model.node.exclusive_use import claim
-from q2q_model.vehicle.hover_thrust import OWN_PARAMETERS, OwnHover
 from q2q_model.vehicle.vehicle_uri import resolved_uri
 
 if TYPE_CHECKING:
-    from cflib.crazyflie import Crazyflie
     from cflib.crtp.crtpstack import CRTPPacket
 
 HEALTH_MS, POSE_MS = 100, 100
@@ -49,11 +46,8 @@ class _Known:
     pose: OnboardPose | None = None
     received: float = -math.inf
     """Time of the last packet [s]."""
-    own_hover: OwnHover | None = None
-    held: dict[str, float] = field(default_factory=dict)
-    """Values read back of the parameters that were set."""
-    refused: list[str] = field(default_factory=list)
-    """Why parameters cannot be set, or required values are not logged."""
+    not_logged: str = ""
+    """Why required values are not logged."""
     console: list[str] = field(default_factory=list)
     """Complete console lines."""
     line: str = ""
@@ -70,9 +64,7 @@ class CflibLink:
             ValueError: cflib is not installed, or another node of this machine has opened the URI.
         """
         self._uri = uri
-        self._params = dict(firmware_params)
-        self._required = dict(firmware_params)
-        self._crazyflie = _crazyflie(cache)
+        self._crazyflie = new_crazyflie(cache)
         self._claim = claim(resolved_uri(uri))
         self._known = _Known()
         self._pings = PingShare()
@@ -81,7 +73,6 @@ class CflibLink:
         self._open = False
         self._opened_at = -math.inf
         one = self._crazyflie
-        one.link_statistics.latency.start = _no_thread
         self._sender = CflibSender(one.commander, one.high_level_commander, one.loc, one.supervisor)
         one.fully_connected.add_callback(self._connected)
         one.disconnected.add_callback(self._lost)
@@ -89,8 +80,7 @@ class CflibLink:
         one.connection_failed.add_callback(
             lambda _, why: self._known.console.append(str(why).splitlines()[0])
         )
-        for parameter in self._params:
-            one.param.add_update_callback(*parameter.split(".", 1), self._read_back)
+        self._settings = FirmwareSettings(one.param, firmware_params)
         one.console.receivedChar.add_callback(self._read)
         one.link_statistics.link_quality_updated.add_callback(self._quality)
         if self._counts_pings:
@@ -135,8 +125,8 @@ class CflibLink:
             locked=bool(one.info & LOCKED),
             flying=bool(one.info & FLYING) if now - one.info_at < SILENT_S else None,
             onboard=None if one.pose is None else one.pose.pos,
-            own_hover=one.own_hover,
-            wrong=self._wrong(),
+            own_hover=self._settings.own_hover,
+            wrong=self._settings.refusal() or self._not_logged() or self._settings.difference(),
         )
 
     def send_rpyt(self, setpoint: RpytSetpoint) -> None:
@@ -174,55 +164,28 @@ class CflibLink:
         """Cut the motors and lock them, before all that wait."""
         self._mailbox.put_first(self._sender.cut)
 
-    def _wrong(self) -> str:
-        if self._known.refused:
-            return self._known.refused[0]
-        if self._known.pose is None:
-            return "has not logged its own estimate yet"
-        return first_difference(self._required, self._known.held)
+    def _not_logged(self) -> str:
+        if self._known.not_logged or self._known.pose is not None:
+            return self._known.not_logged
+        return "has not logged its own estimate yet"
 
     def _reopen(self) -> None:
         self._crazyflie.close_link()
         self._crazyflie.open_link(self._uri)
 
     def _connected(self, _: str) -> None:
-        self._known.held.clear()
-        table = self._table()
-        self._set(table)
-        if table.keys() >= set(OWN_PARAMETERS):
-            read = {name: float(self._crazyflie.param.get_value(name)) for name in OWN_PARAMETERS}
-            self._known.own_hover = OwnHover(*(self._params.get(name, value) for name, value in read.items()))
+        self._known.not_logged = ""
+        self._settings.apply()
         self._log("health", HEALTH_MS, {"pm.vbat": "float", "supervisor.info": "uint16_t"}, self._on_health)
         places = {f"stateEstimate.{axis}": "float" for axis in ("x", "y", "z")}
         turns = {f"stateEstimate.{part}": "FP16" for part in ("qx", "qy", "qz", "qw")}
         self._log("pose", POSE_MS, places | turns, self._on_pose)
         self._open = True
 
-    def _set(self, table: Mapping[str, TableEntry]) -> None:
-        """Set the parameters, and read back what the vehicle then holds; an app's controller is only read."""
-        refused = unsettable(self._params, table)
-        self._known.refused = list(refused.values())
-        self._required = required_with_app(self._params, table)
-        for name in self._params.keys() - refused.keys():
-            if self._required[name] == self._params[name]:
-                self._crazyflie.param.set_value(name, self._params[name])
-            self._crazyflie.param.request_param_update(name)
-
-    def _table(self) -> dict[str, TableEntry]:
-        """Return the vehicle's table of parameters."""
-        return {
-            f"{group}.{name}": TableEntry(element.pytype, element.get_readable_access() == "RW")
-            for group, elements in self._crazyflie.param.toc.toc.items()
-            for name, element in elements.items()
-        }
-
     def _lost(self, _: str) -> None:
         self._open = False
         self._known.quality, self._known.info = math.nan, 0
         self._pings = PingShare()
-
-    def _read_back(self, name: str, value: str) -> None:
-        self._known.held[name] = float(value)
 
     def _on_packet(self, _: object) -> None:
         self._known.received = monotonic()
@@ -240,7 +203,8 @@ class CflibLink:
         try:
             self._crazyflie.log.add_config(config)
         except KeyError as absent:
-            self._known.refused.append(f"it does not log what {name} needs ({absent.args[0]}): update it")
+            missing = f"it does not log what {name} needs ({absent.args[0]}): update it"
+            self._known.not_logged = self._known.not_logged or missing
             return
         config.data_received_cb.add_callback(lambda _, data, __: take(data))
         config.start()
@@ -267,30 +231,3 @@ class CflibLink:
 
 
 _Take = Callable[[Mapping[str, float]], None]
-
-
-def _no_thread() -> None:
-    """Start no ping thread: `keep_open` pings.
-
-    cflib 0.1.34 joins its ping thread where a link is lost: from itself where a ping finds the loss, or while
-    it waits for a lock that the joining thread holds.
-    """
-
-
-def _crazyflie(cache: str) -> "Crazyflie":
-    """Return a new Crazyflie; raise ValueError if cflib is missing."""
-    try:
-        import cflib.crtp
-        from cflib.crazyflie import Crazyflie
-    except ImportError as missing:
-        words = "cflib is not installed: `pip install cflib==0.1.34`, or scripts/setup --dev"
-        raise ValueError(words) from missing
-    logging.getLogger("cflib").setLevel(logging.ERROR)  # the node itself logs every lost link
-    logging.getLogger("cflib.crazyflie").addFilter(_is_news)
-    cflib.crtp.init_drivers()
-    return Crazyflie(rw_cache=cache or None)
-
-
-def _is_news(record: logging.LogRecord) -> bool:
-    """Return whether the node does not log it itself: the reason of a failed link comes with a traceback."""
-    return not str(record.msg).startswith("Couldn't load link driver")
