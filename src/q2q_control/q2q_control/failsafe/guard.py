@@ -48,7 +48,12 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadRe
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.fallback_params import FallbackParams
-from q2q_control.failsafe.ladder import fallback_command, landed_or_cut
+from q2q_control.failsafe.ladder import (
+    fallback_command,
+    landed_or_cut,
+    level_where_not_finite,
+    repeated_command,
+)
 from q2q_control.failsafe.nominal_tick import SOUND, StateAndCommand, TickTimes, note_nominal
 from q2q_control.failsafe.stalled_stamps import StalledStamps
 from q2q_model.signals.clock_resets import AHEAD_S, ROUNDING, SET_BACK_S, ClockResetDetector
@@ -202,7 +207,7 @@ class Guard:
         if stalled_s > self._params.level_s + ROUNDING and not self._timed:
             braked = self._fallen_back(last, min(stalled_s, nextafter(self._params.land_s, 0.0)))
             return replace(braked, t=t)
-        return _again(self._missing or last, t) if t != last.t or counted else None
+        return repeated_command(self._missing or last, t) if t != last.t or counted else None
 
     def _set_back(self, last: SwarmCommand, t: float) -> None:
         """Shift stored stamps to the new clock, whose first is t [s], or reset."""
@@ -250,7 +255,7 @@ class Guard:
     def _with_fallback(self, command: SwarmCommand, state_age: Array) -> SwarmCommand:
         """Return the command after the fallback phases; `state_age` is the age in the state [s], (n,)."""
         self._match_names(command)
-        command = self._with_finite_values(command)
+        command = level_where_not_finite(command, self._hover_thrust)
         sound = command.status <= SOUND
         self._measured_at = np.where(
             sound, np.fmax(self._measured_at, command.t - state_age), self._measured_at
@@ -270,24 +275,6 @@ class Guard:
         self._measured_at = rows_by_name(self._measured_at, self._names, command.names, command.t)
         self._is_cut = np.array([name in self._cut_names for name in command.names], dtype=np.bool_)
         self._names = command.names
-
-    def _with_finite_values(self, command: SwarmCommand) -> SwarmCommand:
-        """Return the command with level hover, and status LEVEL, where the controller's is not finite."""
-        values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
-        finite = np.isfinite(values)
-        if finite.all():
-            return command
-        bad = ~finite.all(axis=0)
-        level = np.array([[self._hover_thrust], [0.0], [0.0], [0.0]])
-        thrust, roll, pitch, yaw_rate = np.where(bad, level, values)
-        status = np.where(bad, CommandStatus.LEVEL, command.status).astype(np.uint8)
-        return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
-
-
-def _again(last: SwarmCommand, t: float) -> SwarmCommand:
-    """Return the last command, repeated at tick t [s] with status HOLD."""
-    held = np.where(last.status <= SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
-    return replace(last, t=t, status=held)
 
 
 def _ages(state: SwarmState, names: Names) -> Array:

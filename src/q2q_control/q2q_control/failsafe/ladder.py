@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_control.failsafe.fallback_params import FallbackParams
+from q2q_control.failsafe.nominal_tick import SOUND
 from q2q_model.signals.values import Array, CommandStatus, Status, SwarmCommand
 
 
@@ -52,6 +53,30 @@ def fallback_command(
         yaw_rate=zero,
         status=_all(count, CommandStatus.LEVEL),
     )
+
+
+def repeated_command(last: SwarmCommand, t: float) -> SwarmCommand:
+    """Return the last command, repeated at tick t [s] with status HOLD."""
+    held = np.where(last.status <= SOUND, CommandStatus.HOLD, last.status).astype(np.uint8)
+    return replace(last, t=t, status=held)
+
+
+def level_where_not_finite(command: SwarmCommand, hover_thrust: float) -> SwarmCommand:
+    """Return the command with level hover, and status LEVEL, where the controller's is not finite.
+
+    Args:
+        command: the controller's.
+        hover_thrust: thrust of one vehicle at hover [N].
+    """
+    values = np.stack([command.thrust, command.roll, command.pitch, command.yaw_rate])  # (4, n)
+    finite = np.isfinite(values)
+    if finite.all():
+        return command
+    bad = ~finite.all(axis=0)
+    level = np.array([[hover_thrust], [0.0], [0.0], [0.0]])
+    thrust, roll, pitch, yaw_rate = np.where(bad, level, values)
+    status = np.where(bad, CommandStatus.LEVEL, command.status).astype(np.uint8)
+    return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
 
 
 def landed_or_cut(
