@@ -45,8 +45,12 @@ def allocate(wrench: Numbers, frame: Numbers, rotors: Array) -> None:
     rotors[0], rotors[1] = -roll - pitch, -roll + pitch
     rotors[2], rotors[3] = roll + pitch, roll - pitch
     _add_yaw(rotors, yaw, top)
-    low, high = -rotors.min(), top - rotors.max()
-    rotors += min(max(collective, low), max(low, high))
+    # no array methods: loops with BORROWING cannot compile them
+    low = -min(rotors[0], rotors[1], rotors[2], rotors[3])
+    high = top - max(rotors[0], rotors[1], rotors[2], rotors[3])
+    collective = min(max(collective, low), max(low, high))
+    for k in range(4):
+        rotors[k] += collective
 
 
 @compiled
