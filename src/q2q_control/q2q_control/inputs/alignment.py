@@ -23,6 +23,7 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
     index_of,
+    predicted_eta,
 )
 
 LARGEST_VALUE = 1e4
@@ -76,16 +77,9 @@ def align(
     plan = (setpoint.pos, setpoint.vel, setpoint.acc, setpoint.yaw[:, None], setpoint.yaw_rate[:, None])
     *motion, track = _picked(moving, state.names, names)
     asked = _picked(plan, setpoint.names, names)
-    push = _push(interference, names)
-    np.concatenate((*motion, *asked, push, track), axis=1, out=table)
+    eta = predicted_eta(interference, names)
+    np.concatenate((*motion, *asked, eta, track), axis=1, out=table)
     return Aligned(setpoint.t, names, usable, seen, mark_usable(table, usable, seen), table)
-
-
-def _push(interference: Interference | None, names: Names) -> Array | Status:
-    """Return the downwash of the vehicles [m/s^2], (n, 3); 0 without a prediction."""
-    if interference is None:
-        return np.zeros((len(names), 3))
-    return _picked((interference.acc,), interference.names, names)[0]
 
 
 def _picked(columns: tuple[Array | Status, ...], have: Names, names: Names) -> tuple[Array | Status, ...]:

@@ -26,7 +26,7 @@ from q2q_model.signals.values import (
     Names,
     SwarmCommand,
     SwarmSetpoint,
-    rows_by_name,
+    predicted_eta,
 )
 
 LARGEST = 32.767
@@ -85,7 +85,8 @@ def level_rpyt(thrust: float, scale: RpytScale) -> RpytSetpoint:
 
 def full_states(setpoint: SwarmSetpoint, interference: Interference | None) -> list[FullState | None]:
     """Return the full state of every vehicle, of acceleration acc - eta; None if it is not finite."""
-    acc = setpoint.acc - _downwash(setpoint.names, interference)
+    eta = predicted_eta(interference, setpoint.names)
+    acc = setpoint.acc - np.where(np.isfinite(eta), eta, 0.0)
     level = np.zeros(len(setpoint.names))
     quat = quat_from_euler(level, level, np.where(np.isfinite(setpoint.yaw), setpoint.yaw, 0.0))
     finite = _finite_rows(np.column_stack([setpoint.pos, setpoint.vel, acc, setpoint.yaw, setpoint.yaw_rate]))
@@ -112,14 +113,6 @@ def _rpyt(row: list[float]) -> RpytSetpoint:
 def _finite_rows(rows: Array) -> list[bool]:
     finite: list[bool] = np.asarray(np.isfinite(rows).all(axis=1)).tolist()
     return finite
-
-
-def _downwash(names: Names, interference: Interference | None) -> Array:
-    """Return eta of each vehicle [m/s^2], (n, 3); 0 without a prediction."""
-    if interference is None:
-        return np.zeros((len(names), 3))
-    eta = rows_by_name(interference.acc, interference.names, names)
-    return np.asarray(np.where(np.isfinite(eta), eta, 0.0))
 
 
 def _cut(values: Array) -> tuple[float, ...]:

@@ -190,6 +190,13 @@ def rows_by_name(
     return found
 
 
+def predicted_eta(interference: Interference | None, names: Names) -> Array:
+    """Return the predicted downwash of vehicles [m/s^2], world, (n, 3); 0 where none is predicted."""
+    if interference is None:
+        return np.zeros((len(names), 3))
+    return rows_by_name(interference.acc, interference.names, names)
+
+
 @lru_cache(maxsize=KNOWN_NAMES)
 def _index_of(names: Names, among: Names) -> Rows:
     if names == among:

@@ -45,6 +45,7 @@ from q2q_model.signals.values import (
     SwarmState,
     TrackStatus,
     index_of,
+    predicted_eta,
     rows_by_name,
 )
 
@@ -106,7 +107,7 @@ class DeadReckonedBraking:
             self._track[:, UNSETTLED] = 2.0 * LAG_S + elapsed
         unmeasured = reckon(self._track, self._applied, self._push, elapsed, measured)
         if state is not None:
-            self._eta, self._has_prediction = _eta(interference, names), interference is not None
+            self._eta, self._has_prediction = predicted_eta(interference, names), interference is not None
         self._push = self._eta
         if self._any_blind or unmeasured:
             self._fade(state, measured.status)
@@ -216,12 +217,3 @@ def _measured_others(state: SwarmState, names: Names) -> Places:
     measured = (state.status == TRACKED) & np.isfinite(state.pos).all(axis=1)
     rows = np.flatnonzero(measured & (index_of(state.names, names) < 0))
     return Places(tuple(state.names[row] for row in rows), state.pos[rows])
-
-
-def _eta(interference: Interference | None, names: Names) -> Array:
-    """Return the predicted downwash of the vehicles [m/s^2], (n, 3); 0 without a prediction."""
-    if interference is None:
-        return np.zeros((len(names), 3))
-    if interference.names == names:
-        return interference.acc
-    return rows_by_name(interference.acc, interference.names, names)
