@@ -1,6 +1,6 @@
 """A budget ends when its clock says so, and begins again with each tick."""
 
-from q2q_control.failsafe.time_budget import TimeBudget
+from q2q_control.mpc.time_budget import TimeBudget
 
 
 def test_time_is_left_until_the_clock_has_moved_by_the_budget() -> None:

@@ -1,1 +1,1 @@
-"""Inputs of a controller: aligned signals, preview of the reference, trust in downwash."""
+"""Inputs of a controller: aligned signals, preview of the reference."""

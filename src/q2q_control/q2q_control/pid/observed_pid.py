@@ -13,7 +13,7 @@ import numpy as np
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, align
-from q2q_control.inputs.downwash_trust import DownwashTrust
+from q2q_control.pid.downwash_trust import DownwashTrust
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.downwash.correction.residual_process import ResidualProcess

@@ -34,7 +34,7 @@ import numpy as np
 from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
-from q2q_control.inputs.downwash_trust import DownwashTrust
+from q2q_control.pid.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.signals.repeated_stamp import is_repeated

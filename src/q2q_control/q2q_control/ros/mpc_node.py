@@ -15,7 +15,6 @@ from time import monotonic
 from q2q_msgs.msg import Plan
 from rclpy.node import Node
 
-from q2q_control.failsafe.time_budget import TimeBudget
 from q2q_control.inputs.plan_mismatch import PlanMismatchMonitor
 from q2q_control.inputs.plan_samples import sampled_preview
 from q2q_control.inputs.preview import SampledPreview, resting_preview
@@ -23,6 +22,7 @@ from q2q_control.mpc.bounds_warm_up import at_bounds
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.time_slots import RATE_HZ
+from q2q_control.mpc.time_budget import TimeBudget
 from q2q_control.ros.accelerometers import receive_accelerometers
 from q2q_control.ros.controller_wiring import ControllerNodeParams, wire_controller
 from q2q_control.ros.prediction_exchange import PredictionExchange

@@ -20,7 +20,7 @@ ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1
 """Time for which old stamps, or those far ahead, must have increased [s]: as long as a command holds
-(q2q_control.attitude.command_limits), and longer than the bursts in which a network delivers frames."""
+(q2q_control.failsafe.fallback_params), and longer than the bursts in which a network delivers frames."""
 
 
 class ClockResetDetector:
