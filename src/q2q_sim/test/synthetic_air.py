@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.identification.push.along_flight import Motion
-from q2q_model.identification.push.push_samples import PushRecord, push_samples
+from q2q_model.identification.push.push_samples import APART, PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
-from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone
+from q2q_sim.air.learning.records.air_record import AirRecord, rows_alone
 from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 
 DT = 0.01
@@ -65,7 +65,7 @@ def still_record(name: str, motion: Motion) -> AirRecord:
         samples=(),
         gaps=~whole,
         measured=whole,
-        clear=whole & rows_alone(motion.pos, ALONE),
+        clear=whole & rows_alone(motion.pos, APART),
         specific_force=np.broadcast_to([0.0, 0.0, GRAVITY], (*shape, 3)).copy(),
         command=weight,
         thrust=weight,

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.same_flight import fit_remarks
 from q2q_model.identification.push.push_samples import (
+    APART,
     FEWEST_FREE,
     FLOOR,
     PushSamples,
@@ -74,7 +75,7 @@ def _samples(recordings: Sequence[Recording], vehicle: Vehicle) -> dict[str, lis
     if not any(found.values()):
         raise ValueError(
             f"no vehicle has {FEWEST_FREE} measured rows in clear air: above {FLOOR} m, no motor saturated, "
-            "no vehicle above or below within 0.3 m horizontally"
+            f"no vehicle above or below within {APART} m horizontally"
         )
     return found
 

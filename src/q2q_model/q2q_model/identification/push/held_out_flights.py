@@ -14,6 +14,7 @@ from q2q_model.identification.push.held_out_deviation import with_held_out_devia
 from q2q_model.identification.push.jet_fit import fit_to_pushes
 from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import (
+    GAPS,
     PushSamples,
     PushScore,
     pooled_score,
@@ -67,8 +68,8 @@ def held_out_scores(taught: FlightSamples, further: FlightSamples) -> HeldOutSco
     known, form = _with_wake(taught), JetForm()
     if len(known) < FEWEST:
         raise ValueError(
-            f"{len(known)} of {len(taught)} flights have a vehicle 0.1 to 1.2 m under another with a "
-            f"measured push; leaving one out needs {FEWEST}"
+            f"{len(known)} of {len(taught)} flights have a vehicle {GAPS[0]} to {GAPS[1]} m under another "
+            f"with a measured push; leaving one out needs {FEWEST}"
         )
     found = []
     for name, samples in known.items():

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.geometry.rotations import rotate
+from q2q_model.identification.push.push_samples import UNDER
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.learning.jet import wake_rows
@@ -25,8 +26,6 @@ from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
 from q2q_sim.air.room_air import EdgeTorqueTerm, JetTerm
 
-OUTER = 0.15
-"""Radius up to which rows count [m]: the scoring rule's."""
 LEAST_GAP = 0.15
 """Minimum gap of rows [m]: closer, vehicles swap heights and turn hard."""
 RADII = np.linspace(0.02, 0.12, 21)
@@ -68,13 +67,13 @@ def edge_torque_term(
 
 
 def _inner(parts: Sequence[WakeRows], jet: JetTerm) -> list[WakeRows]:
-    """Return the rows near the axis of vehicles whose motors and trim are known."""
+    """Return the rows as near to the axis as exposed ones, of vehicles whose motors and trim are known."""
     found = []
     for part in parts:
         record, i = part.record, part.one.vehicle
         if has_trim(record, i):
             place = jet_place(record, (i, part.sources[0]), part.rows, travel_of(jet))
-            near = (place.radius < OUTER) & (place.gap > LEAST_GAP)
+            near = (place.radius < UNDER) & (place.gap > LEAST_GAP)
             if near.any():
                 found.append(WakeRows(record, part.one, part.sources, part.rows[near]))
     return found

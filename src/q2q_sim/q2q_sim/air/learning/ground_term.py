@@ -12,10 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from q2q_model.identification.push.push_samples import FLOOR
+from q2q_model.identification.push.push_samples import APART, FLOOR
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
-from q2q_sim.air.learning.records.air_record import ALONE, AirRecord, rows_alone
+from q2q_sim.air.learning.records.air_record import AirRecord, rows_alone
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 from q2q_sim.air.room_air import ON_THE_GROUND, GroundTerm
@@ -69,7 +69,7 @@ def _away(record: AirRecord) -> Mask:
 
 
 def _flying(record: AirRecord) -> Mask:
-    return np.asarray(record.measured & (record.thrust_ratio > FLYING) & rows_alone(record.motion.pos, ALONE))
+    return np.asarray(record.measured & (record.thrust_ratio > FLYING) & rows_alone(record.motion.pos, APART))
 
 
 def _ratio(record: AirRecord, i: int) -> Array:

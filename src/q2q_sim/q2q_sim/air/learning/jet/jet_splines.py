@@ -16,13 +16,14 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.optimize import nnls
 
+from q2q_model.identification.push.push_samples import APART, GAPS
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace
 from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, block_sums
 
-REACH = 0.3
-"""Radius at which a jet ends [m]: nothing is measured beyond 0.15 m, and rows beyond 0.3 m count as clear."""
-TALLEST = 1.2
+REACH = APART
+"""Radius at which a jet ends [m]: nothing is measured beyond 0.15 m, and rows beyond this count as clear."""
+TALLEST = GAPS[1]
 """Largest gap of the splines [m]: that of the scoring rule."""
 GAP_KNOTS = np.linspace(0.0, TALLEST, 9)
 RADIUS_KNOTS = np.linspace(0.0, REACH, 11)

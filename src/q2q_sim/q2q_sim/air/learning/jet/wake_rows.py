@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.identification.push.push_samples import PushSamples
+from q2q_model.identification.push.push_samples import GAPS, PushSamples
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Travel, jet_place
 from q2q_sim.air.learning.records.air_record import AirRecord
@@ -13,7 +13,7 @@ from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, Row, block_o
 
 NEAR = 0.35
 """Horizontal distance within which a vehicle above is a source [m]: the table's reach and 0.05 m of drift."""
-CLOSEST, HIGHEST = 0.05, 1.2
+CLOSEST, HIGHEST = 0.05, GAPS[1]
 """Gaps of a source [m]: nothing flies closer; the scoring rule's bound."""
 
 

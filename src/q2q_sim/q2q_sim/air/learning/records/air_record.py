@@ -17,6 +17,7 @@ from q2q_model.flights.outliers import repair
 from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import (
+    APART,
     FEWEST_FREE,
     FLOOR,
     PushSamples,
@@ -28,8 +29,6 @@ from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
-ALONE = 0.3
-"""Horizontal distance to every neighbour in clear air [m]: the scoring rule's."""
 THRUST = "thrust_est"
 """Log column of the thrust by duty and voltage [N]."""
 MANY_GAPS = 0.1
@@ -137,7 +136,7 @@ def _record(one: Recording, vehicle: Vehicle, lag: float) -> AirRecord | None:
     pushes = replace(pushes, measured=pushes.measured & ~gaps)
     thrust = _filled(t, thrust[..., None])[..., 0]
     measured: Mask = known_rows(pushes) & ~pushes.saturated
-    clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, ALONE)
+    clear = measured & (pushes.motion.pos[..., 2] > FLOOR) & rows_alone(pushes.motion.pos, APART)
     return AirRecord(
         name=flight.name,
         motion=pushes.motion,
