@@ -1,6 +1,5 @@
 """Time bags against mcap-ros2-support, and the mocap filter against one vehicle at a time."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -115,7 +114,3 @@ def _seconds(job: Callable[[], None]) -> float:
     begin = process_time()
     job()
     return process_time() - begin
-
-
-if __name__ == "__main__":
-    sys.stdout.writelines(f"{row}\n" for row in run())

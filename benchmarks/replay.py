@@ -81,7 +81,3 @@ def played(browser: Browser, file: Path) -> tuple[float, float]:
     rate = (page.evaluate(PICTURES) - before) / (perf_counter() - since)
     page.context.close()
     return first, rate
-
-
-if __name__ == "__main__":
-    sys.stdout.writelines(f"{row}\n" for row in run())

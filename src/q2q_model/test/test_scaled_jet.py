@@ -78,8 +78,10 @@ def test_what_cannot_be_scaled_is_refused_in_one_sentence(
 ) -> None:
     out = tmp_path / "out.q2q"
     assert scale("none", out) == 1
-    assert main(["--model", "moving_law", "--mass", "-1", "--rotor-radius", "0.02", "--out", str(out)]) == 1
+    assert (
+        main(["--model", "moving_law", "--mass", "0.0001", "--rotor-radius", "0.02", "--out", str(out)]) == 1
+    )
     said = capsys.readouterr().err.splitlines()
     assert "model none is of the class NoInteraction: only a Jet can be scaled" in said[0]
-    assert "QuadrotorSize.mass = -1.0: allowed is" in said[1]
+    assert "QuadrotorSize.mass = 0.0001: allowed is" in said[1]
     assert not out.exists()

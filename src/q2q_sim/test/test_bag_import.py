@@ -212,7 +212,7 @@ def test_errors_of_the_tool_are_one_line(tmp_path: Path, capsys: pytest.CaptureF
     (tmp_path / "there").mkdir()
     for file, out, message in (
         ("none.csv", "bag", "no flight at"),
-        ("flight.txt", "bag", "neither .parquet nor .csv"),
+        ("flight.txt", "bag", "neither a table (.parquet, .csv) nor a log"),
         ("words.csv", "bag", "is not a table of numbers"),
         ("cut.parquet", "bag", "is not a table of numbers"),
         ("good.csv", "there", "exists already"),

@@ -9,7 +9,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Sequence
 
-from q2q_model.commands.argument_types import output_file
+from q2q_model.commands.argument_types import output_file, positive_number
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
 from q2q_model.model_files.model_names import check_model_name
 
@@ -36,27 +36,44 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("scale_model", __doc__, EXAMPLE)
     made.add_argument("--model", required=True, help="a shipped name, or a .q2q file with a jet")
-    made.add_argument("--mass", type=float, required=True, metavar="KG", help="take-off mass of the source")
     made.add_argument(
-        "--rotor-radius", type=float, required=True, metavar="M", help="radius of each of its four rotors"
+        "--mass", type=positive_number, required=True, metavar="KG", help="take-off mass of the source"
+    )
+    made.add_argument(
+        "--rotor-radius",
+        type=positive_number,
+        required=True,
+        metavar="M",
+        help="radius of each of its four rotors",
     )
     made.add_argument(
         "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
     )
     made.add_argument(
-        "--below-mass", type=float, metavar="KG", help="mass of the vehicle below (default: the source's)"
+        "--below-mass",
+        type=positive_number,
+        metavar="KG",
+        help="mass of the vehicle below (default: the source's)",
     )
     made.add_argument(
         "--below-rotor-radius",
-        type=float,
+        type=positive_number,
         metavar="M",
         help="radius of its rotors (default: the source's)",
     )
     made.add_argument(
-        "--flown-mass", type=float, default=0.032, metavar="KG", help="mass of the vehicles of --model"
+        "--flown-mass",
+        type=positive_number,
+        default=0.032,
+        metavar="KG",
+        help="mass of the vehicles of --model",
     )
     made.add_argument(
-        "--flown-rotor-radius", type=float, default=0.0225, metavar="M", help="radius of their rotors"
+        "--flown-rotor-radius",
+        type=positive_number,
+        default=0.0225,
+        metavar="M",
+        help="radius of their rotors",
     )
     return made
 

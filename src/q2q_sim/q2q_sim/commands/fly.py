@@ -183,7 +183,11 @@ def _add_output(made: CommandLine) -> None:
         help="topics for the bag beside those of numbers and verdict (default: all; without --bag none)",
     )
     made.add_argument("--json", type=output_file, help="write the numbers to this file")
-    made.add_argument("--real", metavar="FLIGHT", help="replay a recorded flight of Q2Q_DATA instead")
+    made.add_argument(
+        "--real",
+        metavar="FLIGHT",
+        help="replay a recorded flight of Q2Q_DATA instead; its picture goes to out/real",
+    )
 
 
 def _either(made: argparse.ArgumentParser, yes: str, no: str, text: str, *, default: bool | None) -> None:

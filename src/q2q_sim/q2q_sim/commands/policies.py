@@ -13,7 +13,7 @@ from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.vehicle.constants import VEHICLES, vehicle_by_name
 from q2q_sim.scenarios import scenario_files
 
-EXAMPLE = """  ros2 run q2q_sim policies out/fly/bag
+EXAMPLE = """  ros2 run q2q_sim policies bags/table2_1
   ros2 run q2q_sim policies out/campaign/violations/17 --scenario out/campaign/violations/17.yaml --json"""
 
 

@@ -52,6 +52,8 @@ def path_of(name_or_path: str) -> Path:
         return own
     if own.name == name_or_path and shipped.is_file():
         return shipped
+    if own.is_dir():
+        raise ValueError(f"{own} is a folder: give a file in it (.yaml or .json), or the name of a scenario")
     raise ValueError(
         f"unknown scenario {name_or_path!r}; {name_hint(name_or_path, names())} "
         f"(swarmN: 1 to {MOST} vehicles; or a file: .yaml of a scenario or waypoints, .json of a plan)"

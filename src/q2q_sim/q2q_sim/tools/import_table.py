@@ -9,7 +9,7 @@ from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
 from q2q_model.flights.tables.column_map import ColumnMap, load_column_map, mapped_table
 from q2q_model.flights.tables.flight_table import ANGLES, CARRIED, POS, FlightTable, flight_table
-from q2q_model.flights.tables.table_file import read_columns
+from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.tables.table_log import log_of
 from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.flights.tables.table_vehicles import vehicle_prefixes
@@ -67,6 +67,8 @@ def _columns(
     if not any(is_usd_log(path.read_bytes()[:256]) for path in paths):
         if len(paths) > 1:
             raise ValueError(f"{', '.join(map(str, paths))}: give one table, or micro-SD logs only")
+        if paths[0].suffix not in TABLES:
+            raise ValueError(f"{paths[0]} is neither a table (.parquet, .csv) nor a log of a micro-SD deck")
         columns = read_columns(paths[0])
         return (mapped_table(columns, chosen) if chosen else columns), []
     logs = read_logs(paths, names.split(",") if names else None)
