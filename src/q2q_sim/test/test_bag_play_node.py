@@ -46,12 +46,18 @@ def waiting_player(bag: Path, *given: str) -> Iterator[Player]:
             rclpy.try_shutdown()
 
 
+def play(player: Player, messages: int = TICKS) -> None:
+    """Play so many messages, or to the end."""
+    for _ in range(messages):
+        if (message := player._messages.next) is not None:
+            player._play(message)
+
+
 def played(bag: Path) -> Player:
     """Play a bag to its end, as fast as it is read."""
     with waiting_player(bag) as player:
         player._begin()
-        while player._next is not None:
-            player._play_one()
+        play(player)
         return player
 
 
@@ -64,9 +70,9 @@ def test_only_the_ticks_of_the_room_that_answers_wait(tmp_path: Path) -> None:
     with waiting_player(tmp_path / "rooms", "answer:=b/interference") as player:
         player._begin()
         waited = []
-        while player._tick is not None:
-            waited.append((player._tick.topic, player._tick.stamp_ns))
-            player._on_answer(player._tick.data)
+        while player._ticks.awaited is not None:
+            waited.append((player._ticks.awaited.topic, player._ticks.awaited.stamp_ns))
+            player._on_answer(player._ticks.awaited.data)
     assert waited == [("/b/mocap", tick * 10_000_000 + 1) for tick in range(6)]
 
 
@@ -110,9 +116,9 @@ def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path, p
         player._begin()
         ticks = []
         for _ in range(7):
-            assert player._tick is not None
-            ticks.append(player._tick.stamp_ns // 10_000_000)
-            player._on_answer(player._tick.data)
+            assert player._ticks.awaited is not None
+            ticks.append(player._ticks.awaited.stamp_ns // 10_000_000)
+            player._on_answer(player._ticks.awaited.data)
     assert ticks == [197, 198, 199, 197, 198, 199, 197]
     assert player._health.ticks == len(ticks) + 1
 
@@ -140,12 +146,11 @@ def test_a_second_start_is_refused_and_the_playback_goes_on(tmp_path: Path) -> N
             return response.success, response.message
 
         assert start() == (True, "")
-        player._play_one()
+        play(player, 1)
         assert start() == (False, "already playing")
-        assert player._next is not None
-        assert player._next.stamp_ns == 10_000_000
-        while player._next is not None:
-            player._play_one()
+        assert player._messages.next is not None
+        assert player._messages.next.stamp_ns == 10_000_000
+        play(player)
         assert start() == (False, "the playback is over: start the node again for another one")
 
 
@@ -153,12 +158,12 @@ def test_an_answer_without_a_header_is_refused_and_the_next_one_goes_on(tmp_path
     recorded(tmp_path / "bag")
     with waiting_player(tmp_path / "bag", "answer:=interference") as player:
         player._begin()
-        tick = player._tick
+        tick = player._ticks.awaited
         player._on_answer(b"")
         assert player._health.last_refusal == "interference: message has 0 bytes; a header needs at least 12"
-        assert player._tick is tick is not None
+        assert player._ticks.awaited is tick is not None
         player._on_answer(tick.data)
-        assert player._tick is not tick
+        assert player._ticks.awaited is not tick
 
 
 def played_at(player: Player, monkeypatch: pytest.MonkeyPatch, *moments: float) -> list[int]:
@@ -187,8 +192,8 @@ def test_after_a_pause_of_the_process_the_playback_goes_on_where_it_was(
     recorded(tmp_path / "bag")
     with waiting_player(tmp_path / "bag") as player:
         assert played_at(player, monkeypatch, 0.005, 0.255, 60.255, 60.355) == [1, 25, 0, 10]
-        assert player._next is not None
-        assert player._next.stamp_ns == 360_000_000
+        assert player._messages.next is not None
+        assert player._messages.next.stamp_ns == 360_000_000
     assert "stood still for 60.0 s: goes on where it was" in capfd.readouterr().err
 
 
@@ -214,7 +219,7 @@ def test_a_tick_without_an_answer_is_reported_until_it_comes(
         for now[0], doubt in ((1.9, ""), (2.0, message), (4.0, message)):
             player._on_stall()
             assert player._health.doubts["answer"] == doubt
-        assert player._tick is not None
-        player._on_answer(player._tick.data)
+        assert player._ticks.awaited is not None
+        player._on_answer(player._ticks.awaited.data)
         assert player._health.doubts["answer"] == ""
     assert capfd.readouterr().err.count(message) == 1

@@ -82,7 +82,8 @@ def test_who_comes_late_has_the_last_message_of_each_latched_topic(tmp_path: Pat
         player = Player(node)
         player._begin()
         for _ in range(sum(map(len, SENT.values()))):
-            player._play_one()
+            assert player._messages.next is not None
+            player._play(player._messages.next)
         heard = heard_late(node, {"model": 1, "room/model": 1, "map": 1})
     assert heard == {
         "model": ["/model at 1.0"],
@@ -97,8 +98,8 @@ def test_a_later_start_plays_what_was_latched_before_it(tmp_path: Path) -> None:
         player = Player(node)
         player._begin()
         heard = heard_late(node, {"model": 1, "map": 1})
-        assert player._next is not None
-        assert (player._next.topic, player._next.stamp_ns) == ("/words", 1_500_000_000)
+        assert player._messages.next is not None
+        assert (player._messages.next.topic, player._messages.next.stamp_ns) == ("/words", 1_500_000_000)
     assert heard == {"model": ["/model at 1.0"], "map": ["/map at 0.2"]}
 
 

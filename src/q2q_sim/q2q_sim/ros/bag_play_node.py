@@ -4,7 +4,7 @@ The node exits at the end of the bag.
 """
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from q2q_model.bag import BagError, BagReader, MappedBag, RawMessage, load_topic_map
+from q2q_model.bag import BagReader, MappedBag, RawMessage, load_topic_map
 from q2q_model.diagnostics.health import Health
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
@@ -26,27 +26,18 @@ from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
-from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.playback import (
-    PAUSE_S,
-    Playback,
-    answer_type,
-    check_answer,
-    check_start,
-    played_tick_topics,
-)
-from q2q_sim.bag_topics.topics import has_one_writer, is_latched
-from q2q_sim.loop.lockstep import ResendTimer
+from q2q_sim.bag_topics.answered_ticks import AnsweredTicks, answer_type, check_answer, played_tick_topics
+from q2q_sim.bag_topics.playback import PAUSE_S, Playback
+from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
+from q2q_sim.bag_topics.topics import has_one_writer
 
 CLOCK = "/clock"
 ANSWER = "answer"
 """Doubt of a tick that is not answered."""
 LOOK_S = 0.1
 """Period of the check for unanswered ticks [s]."""
-AGAIN_S = 2.0
-"""Time after which an unanswered tick is played again [s]."""
 ACKNOWLEDGE_S = 10.0
 """Longest wait at the end of the bag for readers that have not taken every message [s]."""
 BEAT_S = 0.001
@@ -87,22 +78,18 @@ class Player:
         self._reader = _opened(self._params)
         for repair in self._reader.repairs:
             node.get_logger().warning(repair)
-        wanted = self._wanted()
+        wanted = played_topics(self._reader.topics, self._params.topics)
+        if self._params.clock:  # that of the playback, not the recorded one
+            wanted.pop(CLOCK, None)
         check_answer(self._params.answer, wanted)
-        self._ticks = played_tick_topics(wanted, self._params.answer)
-        waited = self._ticks if self._params.answer else set(wanted)
+        self._ticks = AnsweredTicks(played_tick_topics(wanted, self._params.answer))
+        waited = self._ticks.topics if self._params.answer else set(wanted)
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
-        recorded = self._reader.latched
-        self._latched = {one for one, kind in wanted.items() if one in recorded or is_latched(one, kind)}
+        self._messages = PlayedMessages(self._reader, wanted, self._params.start)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
         self._clock = node.create_publisher(Clock, CLOCK, TICK) if self._params.clock else None
         self._over = node.create_publisher(String, PLAYBACK_OVER, LATCHED)
-        self._messages: Iterator[RawMessage] = iter(())
-        self._next: RawMessage | None = None
-        self._damage: BagError | None = None
         self._begun = False
-        self._tick: RawMessage | None = None
-        self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
         self._health = Health()
         given = [CLOCK] * self._params.clock + [self._params.answer.strip("/")] * bool(self._params.answer)
         played = [topic.strip("/") for topic in wanted if has_one_writer(topic)]
@@ -124,18 +111,6 @@ class Player:
         self._conflicts.look()
         return {}
 
-    def _wanted(self) -> dict[str, str]:
-        chosen = {topic.strip("/") for topic in self._params.topics}
-        missing = chosen - {topic.strip("/") for topic in self._reader.topics}
-        if missing:
-            known = ", ".join(sorted(self._reader.topics))
-            raise ValueError(f"parameter topics: the bag has no {', '.join(sorted(missing))}; it has {known}")
-        return {
-            topic: kind
-            for topic, kind in self._reader.topics.items()
-            if (not chosen or topic.strip("/") in chosen) and not (self._params.clock and topic == CLOCK)
-        }  # the node's own clock is that of the playback
-
     def _writer(self, topic: str, kind: str) -> Publisher:
         try:
             found = _class_of(kind)
@@ -144,13 +119,13 @@ class Player:
                 f"{topic} holds {kind}, which is not installed here: name the topics to play, e.g. topics"
             )
             raise ValueError(f"{report}:=[mocap]; the bag has {', '.join(self._reader.topics)}") from missing
-        quality = LATCHED if topic in self._latched else TICK_WRITER
+        quality = LATCHED if topic in self._messages.latched else TICK_WRITER
         return self._node.create_publisher(found, topic.strip("/"), quality)
 
     def _on_start(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if self._begun:
             over = "the playback is over: start the node again for another one"
-            response.message = over if self._next is None else "already playing"
+            response.message = over if self._messages.next is None else "already playing"
             return response
         self._begin()
         response.success = True
@@ -158,52 +133,34 @@ class Player:
 
     def _begin(self) -> None:
         self._begun = True
-        begin_ns = self._rewind()
+        self._rewind()
         self._beat = monotonic()
-        self._playback = Playback(begin_ns, self._beat, self._params.rate)
+        self._playback = Playback(self._messages.begin_ns, self._beat, self._params.rate)
         if self._params.answer:
             self._play_tick()
 
-    def _rewind(self) -> int:
-        """Go to the start, play what was latched before it, and return its bag time [ns]."""
-        self._messages = self._reader.raw(set(self._writers))
-        self._advance()
-        begin_ns = self._next.stamp_ns + round(self._params.start * 1e9) if self._next else 0
-        latched: dict[str, bytes] = {}
-        while self._next is not None and self._next.stamp_ns < begin_ns:
-            if self._next.topic in self._latched:
-                latched[self._next.topic] = self._next.data
-            self._advance()
-        for topic, data in latched.items():
-            self._writers[topic].publish(data)
-        return begin_ns
-
-    def _advance(self) -> None:
-        """Read the next message; the bag ends where it is damaged."""
-        try:
-            self._next = next(self._messages, None)
-        except BagError as damage:
-            self._next, self._damage = None, damage
+    def _rewind(self) -> None:
+        """Go to the start, and play what was latched before it."""
+        for message in self._messages.rewind():
+            self._writers[message.topic].publish(message.data)
 
     def close(self) -> None:
         """Raise BagError if the bag is damaged, and has been played up to there only."""
-        if self._damage is not None:
-            raise self._damage
+        if self._messages.damage is not None:
+            raise self._messages.damage
 
     def _on_beat(self) -> None:
         now = monotonic()
         pause, self._beat = now - self._beat, now
-        if pause > PAUSE_S and self._next is not None:
+        if pause > PAUSE_S and self._messages.next is not None:
             self._playback = self._playback.after_pause(pause)
             self._node.get_logger().info(f"stood still for {pause:.1f} s: goes on where it was")
-        while self._next is not None and self._playback.due(self._next.stamp_ns) <= now:
-            self._play_one()
+        while (message := self._messages.next) is not None and self._playback.due(message.stamp_ns) <= now:
+            self._play(message)
 
     def _on_answer(self, data: bytes) -> None:
-        if self._tick is None:
-            return
         try:
-            answered = header_stamp_ns(data) == header_stamp_ns(self._tick.data)
+            answered = self._ticks.is_answered_by(data)
         except ValueError as refusal:
             self._health.refuse(f"{self._params.answer}: {refusal}")
             return
@@ -211,37 +168,34 @@ class Player:
             self._play_tick()
 
     def _on_stall(self) -> None:
-        if self._tick is not None and self._resend.is_due(monotonic()):
-            self._writers[self._tick.topic].publish(self._tick.data)
+        tick = self._ticks.unanswered(monotonic())
+        if tick is not None:
+            self._writers[tick.topic].publish(tick.data)
             report = f"no answer on {self._params.answer} to the last tick: does the node run that writes it?"
             self._health.doubts[ANSWER] = report
             self._node.get_logger().warning(report, once=True)
 
     def _play_tick(self) -> None:
-        self._resend.begin(monotonic())
+        """Play the messages up to the next tick, with it."""
+        self._ticks.begin(monotonic())
         self._health.doubts[ANSWER] = ""
-        self._tick = None
-        while self._next is not None:
-            message = self._next
-            self._play_one()
-            if message.topic in self._ticks:
-                self._tick = message
+        while (message := self._messages.next) is not None:
+            self._play(message)
+            if self._ticks.wait_for(message):
                 return
 
-    def _play_one(self) -> None:
-        message = self._next
-        if message is None:
-            return
+    def _play(self, message: RawMessage) -> None:
+        """Play the next message."""
         self._writers[message.topic].publish(message.data)
         if self._clock is not None:
             self._clock.publish(Clock(clock=header_at(message.stamp_ns).stamp))
-        self._health.ticks += message.topic in self._ticks
-        self._advance()
-        if self._next is None:
+        self._health.ticks += message.topic in self._ticks.topics
+        self._messages.advance()
+        if self._messages.next is None:
             self._end(message.stamp_ns)
 
     def _end(self, last_ns: int) -> None:
-        if self._params.loop and self._damage is None:
+        if self._params.loop and self._messages.damage is None:
             self._rewind()
             self._playback = self._playback.next_round(last_ns, monotonic())
         else:

@@ -1,0 +1,77 @@
+"""Playback tick by tick: which messages are ticks, what answers them, and the tick that waits for it."""
+
+from collections.abc import Iterable
+
+from q2q_model.bag import RawMessage
+from q2q_model.nearest_name import name_hint
+from q2q_model.signals.cdr.cdr_format import header_stamp_ns
+from q2q_sim.bag_topics.topics import TYPE_NAMES
+from q2q_sim.loop.lockstep import ResendTimer
+
+TICK_TOPIC = "mocap"
+"""Topic whose messages are the ticks in lockstep."""
+AGAIN_S = 2.0
+"""Time after which an unanswered tick is played again [s]."""
+
+
+class AnsweredTicks:
+    """Tick that was played and waits for its answer; none before the first and after the last."""
+
+    def __init__(self, topics: set[str]) -> None:
+        """Take the topics whose messages are ticks."""
+        self.topics = topics
+        self.awaited: RawMessage | None = None
+        self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
+
+    def begin(self, now: float) -> None:
+        """Wait for no answer until the next tick is played, which begins at wall time now [s]."""
+        self.awaited = None
+        self._resend.begin(now)
+
+    def wait_for(self, played: RawMessage) -> bool:
+        """Wait for the answer to a message if it is a tick; return whether it is."""
+        if played.topic in self.topics:
+            self.awaited = played
+        return self.awaited is not None
+
+    def is_answered_by(self, message: bytes) -> bool:
+        """Return whether a message answers the tick: whether both have one stamp.
+
+        Raises:
+            ValueError: the message has no header.
+        """
+        tick = self.awaited
+        return tick is not None and header_stamp_ns(message) == header_stamp_ns(tick.data)
+
+    def unanswered(self, now: float) -> RawMessage | None:
+        """Return the tick if it is to be played again at wall time now [s]."""
+        return self.awaited if self.awaited is not None and self._resend.is_due(now) else None
+
+
+def played_tick_topics(played: Iterable[str], answer: str) -> set[str]:
+    """Return the topics of ticks: that in the namespace of `answer`, or where there is none, in any."""
+    ticks = {topic for topic in played if topic.rpartition("/")[2] == TICK_TOPIC}
+    room = answer.strip("/").rpartition("/")[0]
+    beside = {topic for topic in ticks if topic.strip("/").rpartition("/")[0] == room}
+    return (answer and beside) or ticks
+
+
+def answer_type(answer: str) -> str:
+    """Return the message type of the topic of answers; empty if it is none of a flight."""
+    return TYPE_NAMES.get(answer.rstrip("/").rpartition("/")[2], "")
+
+
+def check_answer(answer: str, played: Iterable[str]) -> None:
+    """Raise ValueError if ticks cannot wait for a topic's answers; nothing waits for an empty one."""
+    if not answer:
+        return
+    if not answer_type(answer):
+        raise ValueError(f"parameter answer = {answer!r}: no such topic; {name_hint(answer, TYPE_NAMES)}")
+    topics = {topic.strip("/") for topic in played}
+    if answer.strip("/") in topics:
+        raise ValueError(
+            f"parameter answer = {answer!r}: the bag has it and would answer itself; play only what your "
+            f"nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
+        )
+    if not played_tick_topics(topics, answer):
+        raise ValueError(f"parameter answer: the ticks are the messages on {TICK_TOPIC}, which is not played")

@@ -1,0 +1,59 @@
+"""Playback tick by tick: which messages are ticks, what answers them, and until when a tick waits."""
+
+import pytest
+
+from q2q_model.bag import RawMessage
+from q2q_model.node.warm_up import synthetic_signal
+from q2q_model.signals.cdr.cdr_writer import encode
+from q2q_model.signals.values import MocapFrame
+from q2q_sim.bag_topics.answered_ticks import AnsweredTicks, check_answer, played_tick_topics
+
+
+def message(topic: str, stamp_ns: int) -> RawMessage:
+    frame = encode(synthetic_signal(MocapFrame, stamp_ns * 1e-9, ("cf1",)), stamp_ns)
+    return RawMessage(topic, stamp_ns, frame, "q2q_msgs/msg/MocapFrame")
+
+
+def test_a_tick_waits_for_an_answer_of_its_stamp_and_is_played_again_every_two_seconds() -> None:
+    ticks = AnsweredTicks({"/mocap"})
+    ticks.begin(10.0)
+    assert not ticks.wait_for(message("/state", 5))
+    assert not ticks.is_answered_by(b"")  # nothing waits
+    assert ticks.unanswered(20.0) is None
+    ticks.begin(10.0)
+    tick = message("/mocap", 7)
+    assert ticks.wait_for(tick)
+    assert [ticks.unanswered(now) is tick for now in (11.9, 12.0, 13.9, 14.0)] == [False, True, False, True]
+    assert not ticks.is_answered_by(message("/mocap", 5).data)
+    assert ticks.is_answered_by(message("/command", 7).data)
+    with pytest.raises(ValueError, match="message has 0 bytes"):
+        ticks.is_answered_by(b"")
+
+
+def test_answers_are_topics_of_ticks_that_are_played() -> None:
+    check_answer("", ["state"])
+    check_answer("/interference", ["/mocap", "state"])
+    with pytest.raises(
+        ValueError, match=r"answer = 'interfrence': no such topic; did you mean interference\?"
+    ):
+        check_answer("interfrence", ["mocap"])
+    with pytest.raises(ValueError, match=r"would answer itself; play only .* topics:=\[mocap\]"):
+        check_answer("/interference", ["mocap", "interference"])
+    with pytest.raises(ValueError, match="messages on mocap, which is not played"):
+        check_answer("interference", ["state"])
+
+
+def test_ticks_are_those_of_the_namespace_of_the_answer() -> None:
+    rooms = ["/a/mocap", "/b/mocap", "/a/state"]
+    assert played_tick_topics(rooms, "a/interference") == {"/a/mocap"}
+    assert played_tick_topics(rooms, "/b/interference") == {"/b/mocap"}
+    assert played_tick_topics(["mocap", "/a/mocap"], "/interference") == {"mocap"}
+    for elsewhere in ("", "interference", "c/interference"):
+        assert played_tick_topics(rooms, elsewhere) == {"/a/mocap", "/b/mocap"}
+
+
+def test_answers_and_ticks_may_be_in_a_namespace() -> None:
+    check_answer("room/interference", ["/room/mocap"])
+    check_answer("/interference", ["/room/mocap", "/room/interference"])  # another topic than the bag's
+    with pytest.raises(ValueError, match="would answer itself"):
+        check_answer("/room/interference", ["/room/mocap", "/room/interference"])
