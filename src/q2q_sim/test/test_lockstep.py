@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import SwarmCommand
+from q2q_sim.loop.command_gate import CommandGate
 from q2q_sim.loop.flight_clock import FlightClock
-from q2q_sim.loop.lockstep import CommandGate, ResendTimer
+from q2q_sim.loop.resend_timer import ResendTimer
 
 
 def command(names: tuple[str, ...], thrust: float) -> SwarmCommand:

@@ -19,8 +19,8 @@ from q2q_control.mpc.prediction.time_slots import RATE_HZ, BroadcastSchedule
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.trajectory.polynomials import SwarmPlan
+from q2q_sim.loop.command_gate import joined_command
 from q2q_sim.loop.flight_blocks import BlockChoices, mpc_params
-from q2q_sim.loop.lockstep import joined_command
 from q2q_sim.random_streams import stream
 from q2q_sim.scenarios.scenario import Scenario
 

@@ -17,8 +17,9 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Interference, MocapFrame, SwarmCommand, SwarmImu, SwarmState
 from q2q_sim.air.air_names import AirError
 from q2q_sim.link.conflicting_commands import ConflictingCommands
+from q2q_sim.loop.command_gate import CommandGate
 from q2q_sim.loop.flight_clock import FlightClock, FlightTiming
-from q2q_sim.loop.lockstep import CommandGate, ResendTimer
+from q2q_sim.loop.resend_timer import ResendTimer
 from q2q_sim.loop.room import Room, Tick
 from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.scenarios.scenario import Scenario

@@ -16,8 +16,8 @@ from q2q_model.signals.values import (
     SwarmSetpoint,
     SwarmState,
 )
+from q2q_sim.loop.command_gate import joined_command
 from q2q_sim.loop.flight_blocks import Blocks
-from q2q_sim.loop.lockstep import joined_command
 
 
 @dataclass(frozen=True, slots=True)

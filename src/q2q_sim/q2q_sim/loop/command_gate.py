@@ -1,4 +1,4 @@
-"""Lockstep rules of the simulator: collect the commands of a tick, and time out those that do not arrive."""
+"""Commands of a tick, joined from one controller for all vehicles or from several for some each."""
 
 from collections.abc import Sequence
 
@@ -38,7 +38,7 @@ class CommandGate:
         """
         if self._exact and command.names == self._names:
             return command if stamp_ns == self._stamp_ns else None
-        check_known(command.names, self._names)
+        _check_known(command.names, self._names)
         rows = {name: row for row, name in enumerate(command.names) if self._accepts(name, stamp_ns)}
         self._rows |= {name: (command, row) for name, row in rows.items()}
         self._done_ns |= dict.fromkeys(rows, stamp_ns)
@@ -57,55 +57,18 @@ class CommandGate:
         return stamp_ns == self._stamp_ns if self._exact else stamp_ns > self._done_ns.get(name, -1)
 
 
-class ResendTimer:
-    """Time-outs of lockstep: when to publish a frame again, and when to fly on without a command.
-
-    The frame of a stalled tick is published again every `again_s`. After `give_up_s` without an answer the
-    tick is missed; the following ticks wait only `again_s`, until an answer arrives.
-    """
-
-    def __init__(self, again_s: float, give_up_s: float) -> None:
-        self._again_s = again_s
-        self._give_up_s = give_up_s
-        self._limit = give_up_s
-        self._since = 0.0
-        self._asked = 0.0
-
-    def begin(self, now: float) -> None:
-        """Start waiting for a tick, at wall time now [s]."""
-        self._since = self._asked = now
-
-    def answered(self) -> None:
-        """Record that the tick was answered."""
-        self._limit = self._give_up_s
-
-    def has_expired(self, now: float) -> bool:
-        """Return whether the tick is missed."""
-        if now - self._since < self._limit:
-            return False
-        self._limit = self._again_s
-        return True
-
-    def is_due(self, now: float) -> bool:
-        """Return whether the tick's frame should be published again."""
-        if now - self._asked < self._again_s:
-            return False
-        self._asked = now
-        return True
-
-
-def check_known(names: Names, known: Names) -> None:
-    """Raise ValueError if a command names a vehicle that does not exist."""
-    unknown = [] if names == known else [name for name in names if name not in known]
-    if unknown:
-        raise ValueError(f"command for unknown vehicle {', '.join(unknown)}; flying are {', '.join(known)}")
-
-
 def joined_command(names: Names, commands: Sequence[SwarmCommand]) -> SwarmCommand:
     """Return the command of the vehicles `names` from those of controllers of some vehicles each."""
     return _gathered(
         names, {name: (one, row) for one in commands for row, name in enumerate(one.names) if name in names}
     )
+
+
+def _check_known(names: Names, known: Names) -> None:
+    """Raise ValueError if a command names a vehicle that does not exist."""
+    unknown = [] if names == known else [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"command for unknown vehicle {', '.join(unknown)}; flying are {', '.join(known)}")
 
 
 def _gathered(names: Names, rows: dict[str, tuple[SwarmCommand, int]]) -> SwarmCommand:
