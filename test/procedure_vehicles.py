@@ -69,7 +69,7 @@ class Link(CflibSender):
     @property
     def pose(self) -> OnboardPose:
         """Return the true pose as the vehicle's estimate."""
-        x, y, z = self.firmware.pos.tolist()
+        x, y, z = self.firmware.rows.pos.tolist()
         return OnboardPose((x, y, z), (0.0, 0.0, 0.0, 1.0))
 
     def health(self) -> LinkHealth:
@@ -199,7 +199,7 @@ class Server:
         for vehicle in self.room.fleet.vehicles:
             firmware, takers = vehicle.firmware, self.room.node.takers
             status = kinds.Status(supervisor_info=firmware.info, battery_voltage=firmware.battery.volt)
-            x, y, z = firmware.pos.tolist()
+            x, y, z = firmware.rows.pos.tolist()
             onboard = kinds.LogDataGeneric(values=[x, y + self.offset, z])
             for topic, message in (("status", status), ("onboard", onboard)):
                 if topic in self.reports:

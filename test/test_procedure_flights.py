@@ -62,10 +62,10 @@ def test_calls_at_the_wrong_time_move_nothing(monkeypatch: pytest.MonkeyPatch) -
     room.wait(1.0)
     assert room.highest() < 0.01
     assert room.call(Call.TAKE_OFF).granted
-    hovering = room.fleet.vehicles[0].firmware.pos.copy()
+    hovering = room.fleet.vehicles[0].firmware.rows.pos.copy()
     refused(room, Step.HOVER)
     room.wait(1.0)
-    np.testing.assert_allclose(room.fleet.vehicles[0].firmware.pos, hovering, atol=0.02)
+    np.testing.assert_allclose(room.fleet.vehicles[0].firmware.rows.pos, hovering, atol=0.02)
 
 
 def test_a_flight_that_is_held_is_flown_again_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
