@@ -21,7 +21,7 @@ from q2q_sim.air.find_air import find_air
 from q2q_sim.plant.body.quadcopter import advance
 from q2q_sim.plant.body.state_row import STATE_WIDTH
 from q2q_sim.plant.body.vectorised_step import COMMAND_WIDTH, DRIVE_WIDTH
-from q2q_sim.plant.push.compiled_room_air import PushTable
+from q2q_sim.plant.push.push_table import PushTable
 from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH, remember
 from q2q_sim.plant.swarm import Swarm, air_push
 from simulated_swarms import swarm_flight

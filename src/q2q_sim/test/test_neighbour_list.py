@@ -7,8 +7,8 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.plant.body.state_row import ETA_Z, VEL
-from q2q_sim.plant.push.compiled_room_air import cell, knots_of
 from q2q_sim.plant.push.neighbour_list import NEIGHBOURS, NeighbourList, empty_list
+from q2q_sim.plant.push.push_table import cell, knots_of
 from q2q_sim.plant.push.state_history_ring import LINE, ROOM_WIDTH, empty_ring
 from q2q_sim.plant.swarm import Swarm
 

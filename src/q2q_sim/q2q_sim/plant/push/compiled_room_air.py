@@ -1,11 +1,10 @@
-"""Air of a room as compiled code takes it: table of the jet, numbers of all terms, workspace."""
+"""Air of a room as compiled code takes it: numbers of all terms, draws of a flight, workspace."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
@@ -14,6 +13,7 @@ from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, SearchBound, bound_of
 from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
+from q2q_sim.plant.push.push_table import PushTable, knots_of
 from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH
 from q2q_sim.random_streams import stream
 
@@ -22,9 +22,6 @@ LEAST_WORK = 0.5
 FARTHEST = 5.0
 """Largest value of a unit process that is searched [-]."""
 NO_JET = JetTerm(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2)), 0.0, 1.0, 0.0, 0.0)
-
-MOST_BINS = 1000
-"""Bins of knots at most: knots closer than a thousandth of their range share some."""
 
 FALL, RADIUS, AWAY_X, AWAY_Y, PUSH, WEIGHT, STRENGTH, TRANSMITTED = 0, 1, 2, 3, 4, 5, 6, 7
 """Columns of a vehicle in a jet: dz and r g / dz [m], direction from the axis to it, P [m/s^2] of a source
@@ -36,28 +33,6 @@ history when its air left."""
 JET_ROW_WIDTH = PAST + ROOM_WIDTH
 AT_ONCE = 64
 """Pairs whose pasts are read together: enough that waits for memory overlap, few enough for a first cache."""
-
-
-class Knots(NamedTuple):
-    """Rising places of the nodes along one axis of a table."""
-
-    at: Array
-    """[m], (k,)."""
-    cells: Rows
-    """Cell in the middle of each of the bins into which 0 to the last knot is divided evenly, (bins,)."""
-    per_m: float
-    """Bins over length [1/m]."""
-
-
-class PushTable(NamedTuple):
-    """Table of P."""
-
-    gaps: Knots
-    radii: Knots
-    push: Array
-    """[m/s^2], (a, b)."""
-    ends: Array
-    """Radius within which a vehicle is in the jet [m], (a - 1,)."""
 
 
 class RoomNumbers(NamedTuple):
@@ -200,36 +175,3 @@ def _numbers(air: RoomAir, body: Body) -> RoomNumbers:
         pitch_lead=lag / body.gains.inertia[1],
         lever=lever,
     )
-
-
-def knots_of(at: Array) -> Knots:
-    """Return knots with bins as wide as the narrowest cell."""
-    bins = min(int(np.ceil(at[-1] / np.diff(at).min() - 1e-9)), MOST_BINS)
-    middles = (np.arange(bins) + 0.5) * at[-1] / bins
-    cells = np.clip(np.searchsorted(at, middles) - 1, 0, len(at) - 2)
-    return Knots(np.ascontiguousarray(at), cells.astype(np.int64), bins / float(at[-1]))
-
-
-@compiled(**HOT)
-def cell(knots: Knots, value: float) -> int:
-    """Return the last cell whose lower end is below `value`, searched from the cell of its bin."""
-    at, last = knots.at, knots.at.shape[0] - 2
-    ahead = value * knots.per_m if value > 0.0 else 0.0  # also of NaN, whose cell is any
-    k: int = knots.cells[min(int(ahead), knots.cells.shape[0] - 1)]
-    while k > 0 and value <= at[k]:
-        k -= 1
-    while k < last and value > at[k + 1]:
-        k += 1
-    return k
-
-
-@compiled(**HOT)
-def table_push(table: PushTable, a: int, gap: float, radius: float) -> float:
-    """Return P [m/s^2] at a gap in the table's cell a."""
-    gaps, radii, push = table.gaps.at, table.radii.at, table.push
-    b = cell(table.radii, radius)
-    along = min(max((gap - gaps[a]) / (gaps[a + 1] - gaps[a]), 0.0), 1.0)
-    aside = max((radius - radii[b]) / (radii[b + 1] - radii[b]), 0.0)
-    near = (1.0 - aside) * push[a, b] + aside * push[a, b + 1]
-    far = (1.0 - aside) * push[a + 1, b] + aside * push[a + 1, b + 1]
-    return float((1.0 - along) * near + along * far)
