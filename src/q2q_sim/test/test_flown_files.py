@@ -60,6 +60,18 @@ def test_the_points_of_a_plan_are_the_waypoints_it_was_made_of(waypoints: Path, 
         np.testing.assert_allclose(found.points, made_of.points, rtol=0.0, atol=1e-9)
 
 
+def test_a_plan_that_ends_on_the_ground_is_flown(tmp_path: Path) -> None:
+    """Its polynomial ends 4e-15 m below."""
+    points, path = tmp_path / "landing.yaml", tmp_path / "landing.json"
+    points.write_text(
+        "vehicles: {cf1: [{t: 0, pos: [0, 0, 0]}, {t: 3, pos: [0, 0, 1]}, {t: 6, pos: [1, 0, 0]}]}"
+    )
+    swarm = read_waypoints(points, FlightLimits(), "stop_and_go")
+    plan_file.save(path, minimum_snap_plan(swarm, "stop_and_go"))
+    (found,) = library.load(str(path)).waypoints
+    assert -1e-12 < found.waypoints[-1].pos[2] < 0.0
+
+
 def test_waypoints_without_times_get_those_that_plan_gives_them(tmp_path: Path) -> None:
     path = tmp_path / "untimed.yaml"
     path.write_text("vehicles: {cf1: [{pos: [0, 0, 1]}, {pos: [1, 0, 1]}, {pos: [1, 1, 2]}]}")

@@ -24,6 +24,10 @@ AttitudeLoop = Literal["paper", "firmware"]
 SHORTEST, LONGEST = 0.01, 3600.0
 """Shortest flight, one tick, and longest [s]."""
 
+GROUND_ROUNDING = 1e-6
+"""Depth of a waypoint below the ground that is taken as rounding [m]: that of a polynomial's end within the
+bounds of `q2q_planner.offline.minimum_snap.waypoints`."""
+
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
@@ -71,7 +75,7 @@ class Scenario:
             raise ValueError(f"air_without = {', '.join(self.air_without)}: name an air too")
         for vehicle in self.waypoints:
             for k, waypoint in enumerate(vehicle.waypoints):
-                if waypoint.pos[2] < 0.0:
+                if waypoint.pos[2] < -GROUND_ROUNDING:
                     where = f"{vehicle.name}, waypoint {k}: z = {waypoint.pos[2]} m"
                     raise ValueError(f"{where}: z is up, and the ground is at 0")
         _check_latency(self)
