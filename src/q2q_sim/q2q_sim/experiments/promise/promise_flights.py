@@ -27,11 +27,12 @@ from q2q_sim.experiments.promise.room_encounter import (
 )
 from q2q_sim.experiments.promise.tracking_tube import (
     TrackingTube,
+    TubeFlights,
     check_enough_flights,
-    different_conditions,
     learn_tube,
     read_tube,
 )
+from q2q_sim.experiments.promise.tube_report import different_conditions, reused_seeds, tube_lines
 from q2q_sim.node_flights.run_json import Json
 
 
@@ -41,8 +42,8 @@ def run(args: Namespace) -> int:
         check_enough_flights(args.count, args.alpha)
     tube = read_tube(args.tube) if args.tube else None
     case = promise_case(args, tube)
-    for difference in different_conditions(tube, case.conditions) if tube else ():
-        print(f"promise: not the flights of the tube: {difference}", file=sys.stderr)
+    if tube:
+        _warn(tube, case, args)
     records = _flown(range(args.first, args.first + args.count), case, args)
     found = promise_verdict(records, tube)
     print(*verdict_lines(found), sep="\n")
@@ -52,13 +53,20 @@ def run(args: Namespace) -> int:
     if args.json:
         write_json(document, args.json)
     if args.learn:
-        learned = learn_tube(largest_errors(records), args.alpha, case.conditions)
-        print(
-            f"tube at alpha {args.alpha:g} from {learned.flights} flights: {1e3 * learned.horizontal:.0f} mm"
-            f" horizontally, {1e3 * learned.vertical:.0f} mm vertically"
-        )
+        flown = TubeFlights(args.first, args.count, case.params.tracking, case.params.tracking_z)
+        learned = learn_tube(largest_errors(records), args.alpha, case.conditions, flown)
+        print(*tube_lines(learned), sep="\n")
         write_json(to_plain(learned), args.learn)
     return int(found.entries.events > 0)
+
+
+def _warn(tube: TrackingTube, case: PromiseCase, args: Namespace) -> None:
+    """Print in what the flights are not fresh ones of those that the tube is learned from."""
+    for difference in different_conditions(tube, case.conditions):
+        print(f"promise: not the flights of the tube: {difference}", file=sys.stderr)
+    reused = reused_seeds(tube, args.first, args.count)
+    if reused:
+        print(f"promise: {reused}", file=sys.stderr)
 
 
 def promise_case(args: Namespace, tube: TrackingTube | None) -> PromiseCase:

@@ -67,6 +67,8 @@ class PromiseCase:
             REAL.vicon.latency + MOST_LATENCY,
             MOST_LOSS,
             REAL.vicon.dropout_max,
+            self.params.approach,
+            self.params.grace,
         )
 
 

@@ -15,10 +15,14 @@ the medians h_0 and v_0, and the other n its size s:
 A new flight exceeds s with probability 1 - k / (n + 1) if no two errors are equal. Given the n flights, this
 probability is itself distributed as Beta(n + 1 - k, k): at alpha = 0.01 it is below 1.2 alpha with near
 certainty only from some 10 000 flights on.
+
+Zones of the replanner, and the distances at which vehicles start, grow with the tube that is flown. So
+1 - alpha is proven for flights with the tube that those were flown with which gave the learned one; they stay
+within their own tube, too, if the learned one lies within it. How many flights with the learned tube leave it
+is counted, in others.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 
@@ -52,6 +56,23 @@ class TubeConditions:
     """Share of lost commands."""
     most_gap: float = 0.0
     """Longest time for which motion capture loses a vehicle [s]."""
+    approach: float | None = None
+    """Poles of the way back [1/s]; None: not known, as in older files."""
+    grace: float | None = None
+    """Age of a measurement up to which the tube covers the drift [s]; None as for `approach`."""
+
+
+@dataclass(frozen=True, slots=True)
+class TubeFlights:
+    """Flights that a tube is learned from."""
+
+    first: int
+    """Seed of the first."""
+    count: int
+    horizontal: float
+    """Width of the tube that they were flown with [m]."""
+    vertical: float
+    """Its height [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +88,15 @@ class TrackingTube:
     vertical: float
     """[m]"""
     conditions: TubeConditions
+    learned_from: TubeFlights | None = None
+    """None: not known, as in older files."""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where a number is out of bounds."""
+        if not 0.0 < self.alpha < 1.0:
+            raise ValueError(f"alpha = {self.alpha:g}: above 0 and below 1 is allowed")
+        if not (self.horizontal > 0.0 and self.vertical > 0.0):
+            raise ValueError(f"tube of {self.horizontal:g} m and {self.vertical:g} m: above 0 is allowed")
 
     def holds(self, errors: Array) -> bool:
         """Return whether a flight with these largest errors (horizontal, vertical) [m] stays within."""
@@ -100,7 +130,9 @@ def conformal_bound(scores: Array, alpha: float) -> float:
     return float(np.sort(scores)[rank - 1])
 
 
-def learn_tube(errors: Array, alpha: float, conditions: TubeConditions) -> TrackingTube:
+def learn_tube(
+    errors: Array, alpha: float, conditions: TubeConditions, learned_from: TubeFlights | None = None
+) -> TrackingTube:
     """Return the tube of flights with largest errors (horizontal, vertical) [m], (m, 2).
 
     Raises:
@@ -116,7 +148,7 @@ def learn_tube(errors: Array, alpha: float, conditions: TubeConditions) -> Track
         raise ValueError(f"errors with medians {shape} m: all must be finite, and most above 0")
     size = conformal_bound((sizing / shape).max(axis=1, initial=0.0), alpha)
     horizontal, vertical = (size * shape).tolist()
-    return TrackingTube(alpha, len(sizing), horizontal, vertical, conditions)
+    return TrackingTube(alpha, len(sizing), horizontal, vertical, conditions, learned_from)
 
 
 def read_tube(path: Path) -> TrackingTube:
@@ -126,12 +158,3 @@ def read_tube(path: Path) -> TrackingTube:
         ValueError: the file is not a tube; with key and value.
     """
     return from_plain(TrackingTube, load_yaml(path), str(path))
-
-
-def different_conditions(tube: TrackingTube, flown: TubeConditions) -> Sequence[str]:
-    """Return the conditions in which flights differ from those of a tube, as text."""
-    return [
-        f"{one.name} = {getattr(flown, one.name)}, of the tube {getattr(tube.conditions, one.name)}"
-        for one in fields(TubeConditions)
-        if getattr(flown, one.name) != getattr(tube.conditions, one.name)
-    ]
