@@ -69,7 +69,7 @@ def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, f
 
 
 def test_a_fall_that_no_command_prevents_is_a_failure_when_it_happens() -> None:
-    """The policies judge from 3.5 s after the push: a vehicle that lies there then is not excused."""
+    """The policies excuse it until 3.5 s after the push: a vehicle that lies there then has fallen before."""
     push = np.zeros_like(HOVER)
     push[T < 3.0, 0, 2] = -20.0
     while_excused, longer = (
@@ -79,7 +79,7 @@ def test_a_fall_that_no_command_prevents_is_a_failure_when_it_happens() -> None:
     assert output(while_excused) == said
     assert output(longer) == "cf1 hit the floor at 1.0 s"
     judged = [one.t for one in judge(trace_from_arrays(longer), AROUND, IN_FLIGHT)]
-    assert judged == pytest.approx([6.49])  # the last tick of the push is at 2.99 s
+    assert judged == pytest.approx([1.0])
 
 
 def test_a_failure_that_policies_excuse_does_not_hide_one_that_they_do_not() -> None:

@@ -1,8 +1,11 @@
 """Policy on falls: no vehicle with a setpoint above the floor touches it."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from q2q_model.signals.values import Mask
+from q2q_model.signals.values import Mask, Rows
+from q2q_sim.monitors.policies.exemptions.blind_descent import ends_blind_descent
 from q2q_sim.monitors.policies.exemptions.feedback_loss import sent_down_lately
 from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
@@ -14,14 +17,21 @@ def floor(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
 
     Take-off and landing are not falls: there the setpoint itself is near the floor. Nor is it a fall that a
     command could prevent if no command carries the vehicle (overpowered), or none is known to (unforeseen).
+    A vehicle that was sent down is excused where that brought it down (blind_descent). One that still lies
+    there when its excuse ends has fallen, at the time of the contact.
     """
     limits = circumstances.limits
-    excused = sent_down_lately(trace, limits.settle) | helpless_lately(trace, circumstances)
-    fallen = touches_floor(trace, limits) & ~excused
+    sent_down = sent_down_lately(trace, limits.settle)
+    helpless = helpless_lately(trace, circumstances)
+
+    def is_excused(contact: Rows, row: int) -> bool:
+        is_brought = ends_blind_descent(trace, row, int(contact[0]), limits.settle)
+        return bool((helpless[contact, row] | (is_brought & sent_down[contact, row])).all())
+
     return [
         Violation("floor", name, float(trace.t[k]), float(trace.true_pos[k, row, 2]), limits.floor)
         for row, name in enumerate(trace.names)
-        for k in np.flatnonzero(fallen[:, row])[:1]
+        for k in [int(one[0]) for one in _contacts(trace, row, limits) if not is_excused(one, row)][:1]
     ]
 
 
@@ -30,3 +40,12 @@ def touches_floor(trace: FlightTrace, limits: Limits) -> Mask:
     on_floor = trace.true_pos[..., 2] <= limits.floor
     sent_above = trace.sent_pos[..., 2] > limits.take_off
     return np.asarray(on_floor & sent_above)
+
+
+def _contacts(trace: FlightTrace, row: int, limits: Limits) -> Iterator[Rows]:
+    """Yield the ticks on the floor of each contact of a vehicle; it ends above the height of take-off."""
+    ticks = np.flatnonzero(touches_floor(trace, limits)[:, row])
+    risen = np.cumsum(trace.true_pos[:, row, 2] > limits.take_off)[ticks]
+    for part in np.split(ticks, np.flatnonzero(np.diff(risen)) + 1):
+        if len(part):
+            yield part
