@@ -8,6 +8,7 @@ and the downwash on another vehicle below with the ratio of the disk loadings. T
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
+from functools import partial
 
 from q2q_model.commands.argument_types import output_file, positive_number
 from q2q_model.commands.command_line import CommandLine, UsageError, Work, run_command
@@ -37,44 +38,15 @@ def parser() -> CommandLine:
     made = CommandLine("scale_model", __doc__, EXAMPLE)
     made.add_argument("--model", required=True, help="a shipped name, or a .q2q file with a jet")
     made.add_argument(
-        "--mass", type=positive_number, required=True, metavar="KG", help="take-off mass of the source"
-    )
-    made.add_argument(
-        "--rotor-radius",
-        type=positive_number,
-        required=True,
-        metavar="M",
-        help="radius of each of its four rotors",
-    )
-    made.add_argument(
         "--out", type=output_file, required=True, metavar="FILE", help="model file to write (.q2q)"
     )
-    made.add_argument(
-        "--below-mass",
-        type=positive_number,
-        metavar="KG",
-        help="mass of the vehicle below (default: the source's)",
-    )
-    made.add_argument(
-        "--below-rotor-radius",
-        type=positive_number,
-        metavar="M",
-        help="radius of its rotors (default: the source's)",
-    )
-    made.add_argument(
-        "--flown-mass",
-        type=positive_number,
-        default=0.032,
-        metavar="KG",
-        help="mass of the vehicles of --model",
-    )
-    made.add_argument(
-        "--flown-rotor-radius",
-        type=positive_number,
-        default=0.0225,
-        metavar="M",
-        help="radius of their rotors",
-    )
+    size = partial(made.add_argument, type=positive_number)
+    size("--mass", required=True, metavar="KG", help="take-off mass of the source")
+    size("--rotor-radius", required=True, metavar="M", help="radius of each of its four rotors")
+    size("--below-mass", metavar="KG", help="mass of the vehicle below (default: the source's)")
+    size("--below-rotor-radius", metavar="M", help="radius of its rotors (default: the source's)")
+    size("--flown-mass", default=0.032, metavar="KG", help="mass of the vehicles of --model")
+    size("--flown-rotor-radius", default=0.0225, metavar="M", help="radius of their rotors")
     return made
 
 
