@@ -1,1 +1,1 @@
-"""Vehicle constants with their sources, altitude loop, thrust map."""
+"""Vehicle constants with their sources, setpoint watchdog, altitude loop, thrust map."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
+from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S, LEVEL_AFTER_S
 from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
 
 DEGREES, RADIANS = 180.0 / math.pi, math.pi / 180.0
@@ -24,10 +25,8 @@ DEGREES, RADIANS = 180.0 / math.pi, math.pi / 180.0
 PWM_MIN = 1000
 """MIN_THRUST of the firmware [PWM]."""
 
-LEVEL_AFTER_NS = 500_000_000
-"""COMMANDER_WDT_TIMEOUT_STABILIZE of the firmware [ns]."""
-CUT_AFTER_NS = 2_000_000_000
-"""COMMANDER_WDT_TIMEOUT_SHUTDOWN of the firmware [ns]."""
+LEVEL_AFTER_NS, CUT_AFTER_NS = round(LEVEL_AFTER_S * 1e9), round(CUT_AFTER_S * 1e9)
+"""[ns]"""
 
 Nanoseconds = NDArray[np.int64]
 Flying = tuple[Nanoseconds, Array]
@@ -104,7 +103,7 @@ def send_packets(
 
 @compiled
 def run_watchdog(onboard: Onboard, now_ns: int) -> None:
-    """Level vehicles that have received nothing for 0.5 s and cut their motors after 2 s."""
+    """Level vehicles that have received nothing for LEVEL_AFTER_NS; cut their motors after CUT_AFTER_NS."""
     received_ns, locked, applied = onboard
     for i in range(received_ns.size):
         silent_ns = now_ns - received_ns[i]

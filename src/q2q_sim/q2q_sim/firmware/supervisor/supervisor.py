@@ -4,8 +4,8 @@ Source: firmware: modules/src/supervisor.c.
 
 | constant | meaning |
 |---|---|
-| LEVEL_MS | setpoint older than 0.5 s: level out, keep height or thrust (COMMANDER_WDT_TIMEOUT_STABILIZE) |
-| CUT_MS | older than 2 s: motors off, locked until a reboot (COMMANDER_WDT_TIMEOUT_SHUTDOWN) |
+| LEVEL_MS | setpoint older: level out, keep height or thrust (q2q_model.vehicle.setpoint_watchdog) |
+| CUT_MS | older: motors off, locked until a reboot (the same) |
 | FED_MS | emergency stop watchdog, once started, to be fed every 1 s (..._WATCHDOG_TIMEOUT) |
 | FLYING_MS | a motor has run within 2 s: flying (IS_FLYING_HYSTERESIS_THRESHOLD) |
 | TILT_, OVER_ | 60 deg (acc z below 0.5 g) for 1 s, or upside down for 0.1 s: tumbled (platform_defaults.h) |
@@ -13,6 +13,7 @@ Source: firmware: modules/src/supervisor.c.
 
 from dataclasses import dataclass, replace
 
+from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S, LEVEL_AFTER_S
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware.supervisor.rules import (
@@ -24,7 +25,8 @@ from q2q_sim.firmware.supervisor.rules import (
     next_state,
 )
 
-LEVEL_MS, CUT_MS, FED_MS, FLYING_MS = 500, 2000, 1000, 2000
+LEVEL_MS, CUT_MS = round(LEVEL_AFTER_S * 1e3), round(CUT_AFTER_S * 1e3)
+FED_MS, FLYING_MS = 1000, 2000
 TILT_ACC, TILT_MS, OVER_ACC, OVER_MS = 0.5, 1000, -0.2, 100
 """[g], [ms]."""
 FREE_FALL_ACC = 0.1

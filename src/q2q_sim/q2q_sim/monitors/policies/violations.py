@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import CONTACT, CRAZYFLIE_2_0, Vehicle
+from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
 
@@ -31,10 +32,12 @@ class Limits:
     thrust_slack: float = tunable(1e-9, "thrust beyond its bounds", unit="N", low=0.0)
     tilt_max: float = tunable(0.36, "largest commanded angle to the vertical", unit="rad", low=0.0)
     fresh: float = tunable(0.05, "largest age of the state behind a computed command", unit="s", low=0.0)
-    # requirement: fallback within 60 ms of the fault; the firmware's watchdog waits 500 ms
+    # requirement: fallback within 60 ms of the fault; the firmware's watchdog waits LEVEL_AFTER_S
     action: float = tunable(0.06, "from the fault to the fallback", unit="s", low=0.0)
-    # as of the firmware's watchdog; nodes and recorder of a flight that is ended do not end together
-    ended: float = tunable(0.5, "without commands up to the end of the recording", unit="s", low=0.0)
+    # nodes and recorder of a flight that is ended do not end together
+    ended: float = tunable(
+        LEVEL_AFTER_S, "without commands up to the end of the recording", unit="s", low=0.0
+    )
     belief: float = tunable(0.10, "error of a state with status tracked", unit="m", low=0.0)
     settle: float = tunable(3.5, "from the last fault to the return", unit="s", low=0.0)
     back: float = tunable(0.25, "distance from the reference after the return", unit="m", low=0.0)

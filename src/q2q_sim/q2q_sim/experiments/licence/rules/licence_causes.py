@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S
 from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT, ClientCommand, CommandKind
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.firmware.supervisor.rules import State
@@ -10,8 +11,6 @@ JUST_S = 0.5
 """Time within which a command is the cause of what follows it [s]: a fall from the ceiling takes 0.7 s."""
 SHUT = frozenset((State.FREE_FALL, State.LOCKED))
 ENDS = frozenset((CommandKind.OFF, CommandKind.EMERGENCY))
-WATCHDOG_S = 2.0
-"""Age of a setpoint at which the firmware stops the motors [s]."""
 FED_S = 1.0
 """Time in which the watchdog of the emergency stop, once started, is to be fed [s]."""
 
@@ -25,7 +24,7 @@ def failure_cause(log: LicenceLog, row: int, t: float) -> str:
     if ending is not None:
         return _closed_by_error(log, ending) or ending.words
     tick = min(round(t / float(log.t[0])), len(log.t) - 1)
-    if log.age[tick, row] >= WATCHDOG_S and log.state[tick, row] in SHUT:
+    if log.age[tick, row] >= CUT_AFTER_S and log.state[tick, row] in SHUT:
         return _silence(log, row, t)
     ignored = _ignored(log, row, t)
     if ignored:
@@ -77,7 +76,7 @@ def _silence(log: LicenceLog, row: int, t: float) -> str:
     last = log.last(row, t, lambda one: one.asked.kind == CommandKind.SETPOINT)
     after = f" after {last.words}" if last else ""
     ignored = _ignored(log, row, t)
-    return f"no setpoint came for {WATCHDOG_S:.0f} s{after}{f'; {ignored}' if ignored else ''}"
+    return f"no setpoint came for {CUT_AFTER_S:.0f} s{after}{f'; {ignored}' if ignored else ''}"
 
 
 def _ignored(log: LicenceLog, row: int, t: float) -> str:
