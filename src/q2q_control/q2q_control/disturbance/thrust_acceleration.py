@@ -37,7 +37,7 @@ def thrust_acc_of_quat(quat: Array, thrust: Array, mass: float) -> Array:
 
 @compiled
 def thrust_acc_of_command(command: Command, quat: Array, mass: float) -> Array:
-    """Return the same of commands, at the yaw of `quat` (n, 4)."""
+    """Return the acceleration by thrust of commands at the yaw of `quat` (n, 4) [m/s^2], world, (n, 3)."""
     thrust, roll, pitch = command.thrust, command.roll, command.pitch
     acc = np.empty((thrust.size, 3))
     for i in range(thrust.size):

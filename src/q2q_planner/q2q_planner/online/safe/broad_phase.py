@@ -49,7 +49,9 @@ class SweepLimits(NamedTuple):
     own: int
     """Rows of the swarm."""
     eps: float
+    """Radius of the zone [m]."""
     d: float
+    """Its half height [m]."""
     pole: float
     """Pole p of the approach [1/s]."""
     correction: float

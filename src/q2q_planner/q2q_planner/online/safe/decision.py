@@ -26,8 +26,11 @@ class _Bounds(NamedTuple):
     """Fields of SafeReplannerParams."""
 
     hold: float
+    """[s]"""
     acc: float
+    """[m/s^2]"""
     speed: float
+    """[m/s]"""
     steady: bool
     """Jerk is bounded."""
 

@@ -21,11 +21,17 @@ class _Tube(NamedTuple):
     """Tube and drift; fields of SafeReplannerParams."""
 
     tracking: float
+    """[m]"""
     tracking_z: float
+    """[m]"""
     drift: float
+    """[m/s]"""
     grace: float
+    """[s]"""
     forget: float
+    """[s]"""
     acc: float
+    """[m/s^2]"""
 
 
 def own_uncertainty(

@@ -88,12 +88,17 @@ class TrafficLimits(NamedTuple):
     steady: bool
     """Jerk is bounded."""
     hold: float
+    """[s]"""
     ramps: float
     """See _longest_ramps."""
     acc: float
+    """[m/s^2]"""
     eps: float
+    """Radius of the zone [m]."""
     d: float
+    """Its half height [m]."""
     pole: float
+    """Pole p of the approach [1/s]."""
 
 
 def limits_of(params: SafeReplannerParams, passed: float = 0.0) -> TrafficLimits:

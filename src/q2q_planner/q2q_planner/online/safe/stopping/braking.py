@@ -56,8 +56,11 @@ class BrakingLaw(NamedTuple):
     """Zone, deceleration and jerk of a proof."""
 
     eps: float
+    """Radius of the zone [m]."""
     d: float
+    """Its half height [m]."""
     brake: float
+    """Deceleration to rest [m/s^2]."""
     jerk: float = 0.0
     """Largest jerk of an axis [m/s^3]; 0 does not bound it."""
 
