@@ -38,7 +38,8 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import TEXTBOOK_065
-from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
+from q2q_sim.air.air_terms import JetTerm, ResidualTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.faults.faults import KINDS, Fault
 from q2q_sim.loop.closed_loop import FlightOptions, LoopSettings, fly, fly_blocks

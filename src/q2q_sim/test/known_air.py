@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from q2q_sim.air.air_terms import AbsorptionTerm, ResidualTerm
 from q2q_sim.air.learning.statistics.fitted import Fitted
-from q2q_sim.air.room_air import AbsorptionTerm, ResidualTerm
 
 ROLL, PITCH = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([-1.0, 1.0, 1.0, -1.0])
 """Signs of the rotors' thrusts in roll and pitch torque."""

@@ -6,7 +6,8 @@ from scipy.interpolate import RegularGridInterpolator
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.room_air import INSIDE, RoomAir
+from q2q_sim.air.air_terms import INSIDE
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake import Push
 from q2q_sim.air.wake_laws import BLEND
 

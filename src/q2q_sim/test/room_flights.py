@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.room_air import (
+from q2q_sim.air.air_terms import (
     AbsorptionTerm,
     EdgeTorqueTerm,
     GroundTerm,
@@ -12,11 +12,11 @@ from q2q_sim.air.room_air import (
     MeanderTerm,
     RateLoadTerm,
     ResidualTerm,
-    RoomAir,
     RotorDragTerm,
     VehicleTerm,
     WindTerm,
 )
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.plant.body.state_row import ETA_Z
 from q2q_sim.plant.swarm import Swarm
 

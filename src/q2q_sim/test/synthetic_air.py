@@ -8,9 +8,9 @@ from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import APART, PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.air.air_terms import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
 from q2q_sim.air.learning.records.air_record import AirRecord, rows_alone
-from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, JetTerm, ResidualTerm
 
 DT = 0.01
 MASS = 0.034

@@ -15,8 +15,9 @@ from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import Trajectory
 from q2q_sim.air.air_names import FLIGHTS, ROOM, SYNTHETIC
+from q2q_sim.air.air_terms import WindTerm
 from q2q_sim.air.find_air import find_air
-from q2q_sim.air.room_air import RoomAir, WindTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation import contender_flight, learned_models
 from q2q_sim.experiments.ablation.ablation_cases import (
     JUDGED,

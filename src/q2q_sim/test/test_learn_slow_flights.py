@@ -8,13 +8,13 @@ from known_air import RESIDUAL, SECONDS, assert_within
 from synthetic_air import DT, Wake, flown, orbit, process, still_record, wide_jet, with_push
 
 from q2q_model.signals.values import Rows
+from q2q_sim.air.air_terms import ResidualTerm
 from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.residual.residual_term import residual_term
 from q2q_sim.air.learning.residual.wake_residuals import LAGS, wake_residuals
 from q2q_sim.air.learning.statistics.autocovariance import flight_lags, lagged_pairs
 from q2q_sim.air.learning.wind_term import wind_term
-from q2q_sim.air.room_air import ResidualTerm
 
 
 def kept(record: AirRecord, rows: Rows) -> AirRecord:

@@ -11,11 +11,8 @@ from room_flights import GAPS, HOVER, JET, PUSH, RADII, hover, swarm_in
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
-from q2q_sim.air.room_air import (
-    AbsorptionTerm,
-    EdgeTorqueTerm,
-    RoomAir,
-)
+from q2q_sim.air.air_terms import AbsorptionTerm, EdgeTorqueTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.state_row import POS, QUAT, ROTORS, TORQUE, TX, TY, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE, Swarm

@@ -9,14 +9,8 @@ from room_flights import JET, WHOLE, held, hover, swarm_in
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.room_air import (
-    TERMS,
-    ResidualTerm,
-    RoomAir,
-    VehicleTerm,
-    WindTerm,
-    without_terms,
-)
+from q2q_sim.air.air_terms import ResidualTerm, VehicleTerm, WindTerm
+from q2q_sim.air.room_air import TERMS, RoomAir, without_terms
 from q2q_sim.air.unit_processes import RESIDUAL, OrnsteinUhlenbeck, PlayedBack
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.scenario_air import ambient_of_air

@@ -8,14 +8,8 @@ from room_flights import HOVER, JET, swarm_in
 
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
-from q2q_sim.air.room_air import (
-    GroundTerm,
-    RateLoadTerm,
-    ResidualTerm,
-    RoomAir,
-    RotorDragTerm,
-    VehicleTerm,
-)
+from q2q_sim.air.air_terms import GroundTerm, RateLoadTerm, ResidualTerm, RotorDragTerm, VehicleTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.plant.body.state_row import QUAT, RATE, ROTOR_MAX1, ROTORS, VEL
 from q2q_sim.plant.swarm import PHYSICS_RATE
 

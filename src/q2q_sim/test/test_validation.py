@@ -11,7 +11,8 @@ from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import PushRecord, scored_rows
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.air.room_air import RoomAir, RotorDragTerm, VehicleTerm
+from q2q_sim.air.air_terms import RotorDragTerm, VehicleTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.experiments.validation.comparison import comparison
 from q2q_sim.experiments.validation.drawn_air import Draw, MakeDraw, draws_in

@@ -18,7 +18,8 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air import wake_laws as law
-from q2q_sim.air.room_air import JetTerm, MeanderTerm, RoomAir
+from q2q_sim.air.air_terms import JetTerm, MeanderTerm
+from q2q_sim.air.room_air import RoomAir
 
 GAPS = np.linspace(0.1, 1.5, 29)
 """[m]: every 5 cm."""

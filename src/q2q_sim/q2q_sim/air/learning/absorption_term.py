@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_terms import AbsorptionTerm, JetTerm
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import jet_place
 from q2q_sim.air.learning.jet.jet_table import push_in_table
@@ -19,7 +20,6 @@ from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_two
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
-from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 FEWEST = 200
 """Fewest rows under two vehicles: 2 s at 100 Hz."""

@@ -15,6 +15,7 @@ from q2q_model.geometry.rotations import rotate
 from q2q_model.identification.push.push_samples import UNDER
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.air_terms import EdgeTorqueTerm, JetTerm
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import jet_place
 from q2q_sim.air.learning.jet.learned_downwash import travel_of
@@ -24,7 +25,6 @@ from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
 from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
-from q2q_sim.air.room_air import EdgeTorqueTerm, JetTerm
 
 LEAST_GAP = 0.15
 """Minimum gap of rows [m]: closer, vehicles swap heights and turn hard."""

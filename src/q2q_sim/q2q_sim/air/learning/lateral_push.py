@@ -11,13 +11,13 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.learned_downwash import travel_of
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import cell_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
-from q2q_sim.air.room_air import JetTerm
 
 RINGS = np.array([0.0, 0.03, 0.06, 0.09, 0.12, 0.15])
 """Bounds of the rings by radius [m]."""

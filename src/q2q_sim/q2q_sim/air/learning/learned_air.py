@@ -10,6 +10,7 @@ from typing import TypeVar
 from q2q_model.flights.same_flight import flight_digest
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.air_terms import AbsorptionTerm, EdgeTorqueTerm, JetTerm, RateLoadTerm, ResidualTerm
 from q2q_sim.air.learning.absorption_term import absorption_term, sum_of_two
 from q2q_sim.air.learning.edge_torque_term import edge_torque_term
 from q2q_sim.air.learning.ground_term import ground_term
@@ -24,14 +25,7 @@ from q2q_sim.air.learning.rotor_drag_term import rotor_drag_term
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm
 from q2q_sim.air.learning.vehicle_term import hovering_mass, vehicle_term
 from q2q_sim.air.learning.wind_term import wind_term
-from q2q_sim.air.room_air import (
-    AbsorptionTerm,
-    EdgeTorqueTerm,
-    JetTerm,
-    RateLoadTerm,
-    ResidualTerm,
-    RoomAir,
-)
+from q2q_sim.air.room_air import RoomAir
 
 T = TypeVar("T")
 OnStep = Callable[[str], None]

@@ -16,12 +16,12 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.air_terms import RateLoadTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
 from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
-from q2q_sim.air.room_air import RateLoadTerm
 
 FEWEST = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""

@@ -21,9 +21,10 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, AirError, air_path, recorded_paths
+from q2q_sim.air.air_terms import INSIDE, SHORTEST, ResidualTerm
 from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, wake_residuals
-from q2q_sim.air.room_air import INSIDE, SHORTEST, ResidualTerm, RoomAir
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import FADE_S, RECORDED_HZ, cross_fade
 
 FADE = round(FADE_S * RECORDED_HZ)

@@ -13,10 +13,10 @@ import numpy as np
 
 from q2q_model.geometry.rotations import rotate_inverse
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_terms import RotorDragTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
-from q2q_sim.air.room_air import RotorDragTerm
 
 FEWEST = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""

@@ -15,11 +15,11 @@ import numpy as np
 from q2q_control.attitude.attitude_law import AttitudeParams
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_sim.air.air_terms import VehicleTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.records.motor_curve import MotorCurve, motor_curves, usual_power
 from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
-from q2q_sim.air.room_air import VehicleTerm
 
 FEWEST_CLEAR = 200
 """Fewest rows of a vehicle in clear air: 2 s at 100 Hz."""

@@ -15,11 +15,11 @@ from scipy.optimize import least_squares
 
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_terms import WindTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, flight_lags, lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
-from q2q_sim.air.room_air import WindTerm
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
 """Lags of the autocovariance [s], or those of a flight nearest to them; noise is correlated for 0.03 s."""

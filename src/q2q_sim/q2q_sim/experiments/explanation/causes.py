@@ -18,8 +18,9 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.air_terms import VehicleTerm
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.air.room_air import RoomAir, VehicleTerm, without_terms
+from q2q_sim.air.room_air import RoomAir, without_terms
 from q2q_sim.air.wake_laws import WakeLaw, wake_by_name
 from q2q_sim.experiments.campaign.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase

@@ -7,13 +7,14 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.air.room_air import JetTerm, RoomAir, ends_of_jet
+from q2q_sim.air.air_terms import JetTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import KINDS, block_steps
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, SearchBound, bound_of
 from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
-from q2q_sim.plant.push.push_table import PushTable, knots_of
+from q2q_sim.plant.push.push_table import PushTable, ends_of_jet, knots_of
 from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH
 from q2q_sim.random_streams import stream
 

@@ -6,8 +6,11 @@ import numpy as np
 
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_terms import AbsorptionTerm, JetTerm
 from q2q_sim.plant.push.insertion_sort import Rows
 
+LEAST_ABSORBED = 1e-3
+"""Share of a jet below which nothing is absorbed by a vehicle that feels none of it [-]."""
 MOST_BINS = 1000
 """Bins of knots at most: knots closer than a thousandth of their range share some."""
 
@@ -32,6 +35,17 @@ class PushTable(NamedTuple):
     """[m/s^2], (a, b)."""
     ends: Array
     """Radius within which a vehicle is in the jet [m], (a - 1,)."""
+
+
+def ends_of_jet(jet: JetTerm, absorption: AbsorptionTerm | None) -> Array:
+    """Return the radius within which a vehicle is in the jet between two gaps of the table [m], (a - 1,)."""
+    radii = np.append(0.0, jet.radii_m[1:])
+    felt = [np.flatnonzero(row)[-1] + 1 if row.any() else 0 for row in jet.push_mps2]
+    ends = radii[np.minimum(felt, len(radii) - 1)]
+    absorbing = 0.0
+    if absorption is not None and absorption.share > LEAST_ABSORBED:
+        absorbing = absorption.width_m * np.sqrt(2.0 * np.log(absorption.share / LEAST_ABSORBED))
+    return np.asarray(np.clip(np.maximum(ends[:-1], ends[1:]), absorbing, radii[-1]))
 
 
 def knots_of(at: Array) -> Knots:

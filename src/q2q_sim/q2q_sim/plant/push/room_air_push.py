@@ -6,7 +6,7 @@ largest thrusts the load of its rates lowers.
 
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array
-from q2q_sim.air.room_air import INSIDE
+from q2q_sim.air.air_terms import INSIDE
 from q2q_sim.air.unit_processes import RESIDUAL
 from q2q_sim.plant.body.rotors import rotor_torque
 from q2q_sim.plant.body.state_row import (

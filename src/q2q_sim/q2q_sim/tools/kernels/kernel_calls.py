@@ -32,7 +32,8 @@ from q2q_model.node.warm_up import warm_up
 from q2q_model.signals.values import Interference, MocapFrame, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_model.vehicle.constants import TEXTBOOK_065
-from q2q_sim.air.room_air import JetTerm, ResidualTerm, RoomAir
+from q2q_sim.air.air_terms import JetTerm, ResidualTerm
+from q2q_sim.air.room_air import RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room

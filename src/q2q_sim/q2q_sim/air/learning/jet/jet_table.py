@@ -17,8 +17,8 @@ from scipy.interpolate import RegularGridInterpolator
 
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet.jet_splines import spline_values
-from q2q_sim.air.room_air import JetTerm
 
 GAPS = np.concatenate([np.arange(0.0, 0.975, 0.05), np.arange(1.0, 2.05, 0.1)]).round(3)
 """Gaps of a table [m]."""

@@ -23,6 +23,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from q2q_model.signals.values import Array, Mask
+from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet import wake_rows
 from q2q_sim.air.learning.jet.jet_coordinates import Travel
 from q2q_sim.air.learning.jet.jet_splines import (
@@ -42,7 +43,6 @@ from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, Spread, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
-from q2q_sim.air.room_air import JetTerm
 
 FEWEST = 300
 """Fewest exposed rows for a jet: 3 s at 100 Hz."""

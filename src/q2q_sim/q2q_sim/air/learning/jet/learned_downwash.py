@@ -8,11 +8,11 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.constants import GRAVITY
+from q2q_sim.air.air_terms import AbsorptionTerm, JetTerm
 from q2q_sim.air.learning.jet.jet_coordinates import Travel, jet_place
 from q2q_sim.air.learning.jet.jet_table import push_in_table
 from q2q_sim.air.learning.jet.wake_rows import CLOSEST, HIGHEST, NEAR
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 
 def travel_of(jet: JetTerm) -> Travel:

@@ -7,9 +7,9 @@ flights is therefore compared with the jet of all others, as `validate` compares
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet.jet_term import jet_alone
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.room_air import JetTerm
 
 GROUPS = 3
 """Groups of flights: each jet has the rows of two thirds of them."""

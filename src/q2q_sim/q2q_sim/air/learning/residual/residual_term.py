@@ -15,13 +15,13 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_terms import INSIDE, AbsorptionTerm, ResidualTerm
 from q2q_sim.air.learning.jet.leave_one_group_out import HeldOutGroup
 from q2q_sim.air.learning.residual.gain_spread import gain_spread
 from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, wake_residuals, with_vehicle_gain
 from q2q_sim.air.learning.statistics.autocovariance import lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, cell_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
-from q2q_sim.air.room_air import INSIDE, AbsorptionTerm, ResidualTerm
 
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
 """Bounds of the levels of |eta| [m/s^2]."""

@@ -7,10 +7,10 @@ import numpy as np
 
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
+from q2q_sim.air.air_terms import AbsorptionTerm, JetTerm
 from q2q_sim.air.learning.jet.learned_downwash import learned_downwash
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, autocovariance, flight_lags
-from q2q_sim.air.room_air import AbsorptionTerm, JetTerm
 
 LAGS = np.array([0.0, 0.01, 0.02, 0.03, 0.05, 0.08, 0.12, 0.16, 0.2])
 """Lags of the autocovariance [s], or those of a flight nearest to them; up to twice the time found."""
