@@ -17,9 +17,11 @@ from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.faults.faults import Fault
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_end
+from q2q_sim.monitors.flight_judgement import verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
+from q2q_sim.monitors.recording_end import with_end
 from q2q_sim.replay_page import replay_html, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.scenarios.scenario import Scenario

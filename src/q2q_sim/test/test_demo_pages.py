@@ -18,7 +18,7 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoin
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.flight_verdict import verdict_of
+from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun

@@ -12,17 +12,11 @@ from q2q_model.signals.values import Array, CommandStatus
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.flight_verdict import (
-    IN_FLIGHT,
-    FlightVerdict,
-    verdict_line,
-    verdict_of,
-    with_lost_ticks,
-    with_planned_end,
-    with_unknown_end,
-)
+from q2q_sim.monitors.flight_judgement import IN_FLIGHT, verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
+from q2q_sim.monitors.recording_end import with_lost_ticks, with_planned_end, with_unknown_end
 from q2q_sim.replay_page import replay_run
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 

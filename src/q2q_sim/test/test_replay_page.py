@@ -19,7 +19,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065
 from q2q_sim.commands.replay_page import main
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.monitors.flight_verdict import verdict_of
+from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.replay_page import (
     ReplayRun,

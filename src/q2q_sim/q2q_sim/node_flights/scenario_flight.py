@@ -25,9 +25,11 @@ from q2q_sim.loop.scenario_node_parameters import (
     filter_node_parameters,
     replanner_node_parameters,
 )
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of, with_finding, with_lost_ticks
+from q2q_sim.monitors.flight_judgement import verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict, with_finding
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.monitors.recording_end import with_lost_ticks
 from q2q_sim.node_flights.running_nodes import RECORDER, running_nodes
 from q2q_sim.node_flights.unfinished_bag import end_of_bag, read_flown, why_unfinished
 from q2q_sim.processes.cores import allowed_cores

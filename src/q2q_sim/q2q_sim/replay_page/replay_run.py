@@ -10,7 +10,8 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import MEASURED_SPEED
-from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_of
+from q2q_sim.monitors.flight_judgement import verdict_of
+from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import best_position
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances

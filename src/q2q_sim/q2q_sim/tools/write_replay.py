@@ -18,8 +18,9 @@ from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_sim.bag_topics.scenario_facts import flown_faults
-from q2q_sim.monitors.flight_verdict import verdict_of, with_end
+from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.monitors.recording_end import with_end
 from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
 from q2q_sim.tools.distinct_names import distinct_names
 

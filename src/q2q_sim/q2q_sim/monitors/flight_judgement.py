@@ -1,0 +1,164 @@
+"""Judgement of a flight: what went wrong, and what could not be judged.
+
+| finding | judged by |
+|---|---|
+| a vehicle hit the floor | policy `floor` |
+| a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
+| two vehicles collided | policy `separation` |
+| a vehicle left its path | policy `room` |
+| commands ended before the flight | a vehicle's last command older than the firmware's watchdog, 0.5 s |
+| ticks were missed | more than 1 % without a command in time, of a vehicle that ever had one |
+| the recording ends before the flight | a bag that was not closed (recording_end.py) |
+| the flight ended early | the length that was to be flown, in the bag's metadata (recording_end.py) |
+
+The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Policies
+excuse vehicles that no command carries; what happened to them is a failure here, with that reason. Times in
+words are those since the first tick of the recording.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from q2q_model.flights.flight import Flight
+from q2q_model.signals.values import CommandStatus, Mask
+from q2q_sim.monitors.flight_verdict import Finding, FlightVerdict
+from q2q_sim.monitors.policies import Circumstances, Violation, judge
+from q2q_sim.monitors.policies.flight_trace import FlightTrace
+from q2q_sim.monitors.policies.floor import floor, touches_floor
+from q2q_sim.monitors.policies.separation import separation
+from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
+from q2q_sim.monitors.policies.tracking import room
+from q2q_sim.monitors.recording_end import recorded_duration
+
+MISSED_SHARE = 0.01
+"""Largest fraction of ticks without a command in time [-]."""
+COMMANDS_END_S = 0.5
+"""Time without commands after which the Crazyflie firmware levels out [s] (q2q_sim.link.radio)."""
+UNSEEN_S = 0.5
+"""Time without a position of a vehicle from which it is reported [s]: longer than the dropouts of a room."""
+IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
+"""Policies that decide on the outcome of a flight."""
+WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left its path"}
+
+EXCUSED = " (no command could prevent it: policies excuse it)"
+"""Said of what the policies do not judge (q2q_sim.monitors.policies.exemptions)."""
+
+
+def verdict_of(
+    flight: Flight,
+    circumstances: Circumstances,
+    missed_ticks: int | None = None,
+    begin: float | None = None,
+) -> FlightVerdict:
+    """Return the verdict on a flight.
+
+    Args:
+        flight: recording of the flight.
+        circumstances: its vehicle and faults, as for the policies.
+        missed_ticks: ticks whose command was late or missing; None counts those without a command.
+        begin: stamp of the first tick of the whole recording, if this is a part of it [s].
+    """
+    if not len(flight.t):
+        return FlightVerdict(0.0, (Finding(0.0, "no tick was flown"),))
+    trace, is_part = trace_from_arrays(flight), begin is not None
+    begin = float(flight.t[0]) if begin is None else begin
+    found = [
+        *_broken(trace, circumstances, begin),
+        *_sent_down(trace, circumstances, begin),
+        *_commands_ended(trace, begin),
+        *_missed(trace, missed_ticks),
+    ]
+    found.sort(key=lambda one: one.t)
+    return FlightVerdict(recorded_duration(flight), tuple(found), tuple(_unjudged(trace, begin)), is_part)
+
+
+def _broken(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
+    """Yield what policies find, falls when they began; and what they excuse, of whom they find nothing."""
+    broken = judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT)
+    with_excuses = judge(trace, circumstances, IN_FLIGHT) if broken else ()
+    judged = {(one.policy, one.who): one for one in with_excuses}
+    for one in broken:
+        found = judged.get((one.policy, one.who))
+        told = one if found is None or one.policy == "floor" else found
+        yield Finding(told.t, _words(told, begin) + (EXCUSED if found is None else ""))
+
+
+def _words(broken: Violation, begin: float) -> str:
+    text = f"{broken.who} {WORDS[broken.policy]} at {broken.t - begin:.1f} s"
+    if broken.policy == "floor":
+        return text
+    measure = "apart" if broken.policy == "separation" else "from its setpoint"
+    return f"{text}, {broken.value:.2f} m {measure}"
+
+
+def _sent_down(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
+    """Yield the vehicles that their controller brought to the floor, away from their plan."""
+    status = trace.command_status
+    landed = touches_floor(trace, circumstances.limits)
+    for row, name in enumerate(trace.names):
+        ends = {
+            "motors were cut": status[:, row] == CommandStatus.CUT,
+            "landed blind": (status[:, row] == CommandStatus.LAND) & landed[:, row],
+        }
+        first = {words: trace.t[mask][0] for words, mask in ends.items() if mask.any()}
+        for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
+            owner = f"{name}'s" if words.startswith("motors") else name
+            yield Finding(float(t), f"{owner} {words} at {t - begin:.1f} s")
+
+
+def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:
+    """Yield the vehicles whose commands ended before the flight; all at once, if theirs ended together."""
+    t = trace.t
+    last = {name: float(t[given][-1]) for name, given in _commanded(trace).items()}
+    for name, at in _once_if_of_all(last).items():
+        if t[-1] - at > COMMANDS_END_S:
+            whose = f"{name}'s commands" if name else "commands"
+            yield Finding(at, f"{whose} ended at {at - begin:.1f} s of {t[-1] - begin:.1f} s")
+
+
+def _missed(trace: FlightTrace, counted: int | None) -> Iterator[Finding]:
+    """Yield a finding if too many ticks were missed, of all vehicles or by vehicle."""
+    ticks = len(trace.t)
+    lacking = {name: float(ticks - given.sum()) for name, given in _commanded(trace).items()}
+    missed = _once_if_of_all(lacking) if counted is None else {"": float(counted)}
+    for name, count in missed.items():
+        if count > MISSED_SHARE * ticks:
+            which = f"ticks of {name}" if name else "ticks"
+            yield Finding(float(trace.t[-1]), f"{count:.0f} of {ticks} {which} were missed")
+
+
+def _commanded(trace: FlightTrace) -> Mapping[str, Mask]:
+    """Return the ticks with a command, (T,), of each vehicle that ever has one."""
+    given = np.isfinite(trace.command_status)
+    return {name: given[:, row] for row, name in enumerate(trace.names) if given[:, row].any()}
+
+
+def _once_if_of_all(values: Mapping[str, float]) -> Mapping[str, float]:
+    """Return the values of vehicles; one that all of them have once, under an empty name."""
+    distinct = set(values.values())
+    return {"": distinct.pop()} if len(distinct) == 1 else values
+
+
+def _unjudged(trace: FlightTrace, begin: float) -> Iterator[str]:
+    if not np.isfinite(trace.true_pos).any():
+        yield "floor, room and distances (no state or truth recorded)"
+    elif not np.isfinite(trace.sent_pos).any():
+        yield "floor and room (no reference recorded)"
+    if not np.isfinite(trace.command_status).any():
+        yield "missed ticks (no command recorded)"
+    if np.isfinite(trace.true_pos).any():
+        yield from _unseen(trace, begin)
+
+
+def _unseen(trace: FlightTrace, start: float) -> Iterator[str]:
+    """Yield the longest time without a position of each vehicle that has a long one."""
+    t = trace.t
+    for row, name in enumerate(trace.names):
+        seen = t[np.isfinite(trace.true_pos[:, row]).all(axis=1)]
+        ends = np.concatenate((t[:1], seen, t[-1:]))
+        longest = int(np.argmax(np.diff(ends)))
+        begin, end = (ends[longest : longest + 2] - start).tolist()
+        if end - begin > UNSEEN_S:
+            yield f"{name} from {begin:.1f} to {end:.1f} s (no position recorded)"
