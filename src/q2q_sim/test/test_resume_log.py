@@ -4,11 +4,15 @@ from pathlib import Path
 
 import pytest
 
-from q2q_sim.commands import campaign
+from q2q_sim.commands import ablation, campaign, robustness
+from q2q_sim.experiments.ablation import fill_ablation
+from q2q_sim.experiments.ablation.ablation_numbers import Numbers, read_numbers
 from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 from q2q_sim.experiments.falsification import attack_record
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
+from q2q_sim.experiments.robustness import fill_robustness
+from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
 
 
 def test_a_second_campaign_into_a_folder_is_refused_while_the_first_runs(
@@ -49,3 +53,42 @@ def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
     assert campaign.main(asked) == 0
     assert statuses == [2]
     assert "attacks.jsonl is written by another run: wait for it" in capsys.readouterr().err
+
+
+def test_a_second_ablation_into_a_file_is_refused_until_the_first_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file is replaced after each flight, so that no lock on its content would hold."""
+    statuses: list[int] = []
+    file = tmp_path / "numbers.json"
+    asked = ["--json", str(file), "--out", str(tmp_path / "page.md")]
+
+    def fill(numbers: Numbers, *_: object) -> None:
+        numbers.save(file)
+        if not statuses:
+            statuses.append(ablation.main(asked))
+
+    monkeypatch.setattr(fill_ablation, "_fill", fill)
+    monkeypatch.setattr(fill_ablation, "write", lambda *_: None)
+    ablation.main(asked)
+    assert statuses == [1]
+    assert f"{file} is written by another run: wait for it" in capsys.readouterr().err
+    assert read_numbers(file, 4) == Numbers(4)
+
+
+def test_a_second_robustness_into_a_file_is_refused_until_the_first_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    statuses: list[int] = []
+    file = tmp_path / "numbers.json"
+    asked = ["--airs", "ring", "--json", str(file), "--out", str(tmp_path / "page.md")]
+
+    def fly(_: PerturbedFlight) -> Errors:
+        if len(statuses) < 2:
+            statuses.append(robustness.main(asked))
+        return Errors(0.1, 0.2, 0.004)
+
+    monkeypatch.setattr(fill_robustness, "fly_perturbed", fly)
+    assert robustness.main(asked) == 0
+    assert statuses == [1, 1]  # before and after the file was replaced
+    assert f"{file} is written by another run: wait for it" in capsys.readouterr().err

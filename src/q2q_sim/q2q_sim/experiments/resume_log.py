@@ -1,4 +1,4 @@
-"""Finished work in a file of JSON lines, from which an interrupted run of an experiment resumes."""
+"""Finished work in a file, mostly of JSON lines, from which an interrupted run of an experiment resumes."""
 
 import fcntl
 import json
@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO, TypeVar
+
+from q2q_model.node.exclusive_use import claim
 
 Entry = TypeVar("Entry")
 
@@ -21,8 +23,27 @@ def exclusive_log(log: Path) -> Iterator[TextIO]:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as used:
-            raise ValueError(f"{log} is written by another run: wait for it, or name another place") from used
+            raise _in_use(log) from used
         yield file
+
+
+@contextmanager
+def exclusive_file(file: Path) -> Iterator[None]:
+    """Keep a file, which may be replaced by a new one, from other runs until the block or the process ends.
+
+    Raises:
+        ValueError: another run uses it.
+    """
+    try:
+        held = claim(str(file.resolve()))
+    except ValueError as used:
+        raise _in_use(file) from used
+    with held:
+        yield
+
+
+def _in_use(file: Path) -> ValueError:
+    return ValueError(f"{file} is written by another run: wait for it, or name another place")
 
 
 def read_entries(log: Path, entry_from: Callable[[Mapping[str, object]], Entry]) -> list[Entry]:

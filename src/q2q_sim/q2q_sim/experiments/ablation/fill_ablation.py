@@ -18,6 +18,7 @@ from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.contender_flight import ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.contenders import NAMES
 from q2q_sim.experiments.ablation.learned_models import models_of
+from q2q_sim.experiments.resume_log import exclusive_file
 from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
@@ -29,9 +30,7 @@ def run(given: Namespace) -> int:
     if not 1 <= given.seeds <= 5 or given.jobs < 1:
         raise ValueError(f"seeds = {given.seeds}, jobs = {given.jobs}: 1 to 5 seeds, 1 job or more")
     wanted = [(case, name) for case in CASES for name in NAMES if _is_wanted(given, case, name)]
-    numbers = read_numbers(given.json, given.seeds)
-    if not given.table_only:
-        _fill(numbers, wanted, given)
+    numbers = read_numbers(given.json, given.seeds) if given.table_only else _filled(wanted, given)
     words = [word for word in given.argv if word != TABLE_ONLY]
     write(numbers, given.out, f"ros2 run q2q_sim ablation {shlex.join(words)}")
     print(f"page: {given.out}\nnumbers: {given.json}")
@@ -65,6 +64,14 @@ def _is_wanted(given: Namespace, case: Case, contender: str) -> bool:
             raise ValueError(f"--{option} {' '.join(unknown)}: choose some of {', '.join(known)}")
         chosen = chosen and value in asked
     return chosen
+
+
+def _filled(wanted: Sequence[tuple[Case, str]], given: Namespace) -> Numbers:
+    """Return the numbers in the file and those of missing flights, which are added to it."""
+    with exclusive_file(given.json):
+        numbers = read_numbers(given.json, given.seeds)
+        _fill(numbers, wanted, given)
+    return numbers
 
 
 def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace) -> None:

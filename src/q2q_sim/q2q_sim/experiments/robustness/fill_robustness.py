@@ -11,6 +11,7 @@ from typing import NamedTuple
 from rich.progress import track
 
 from q2q_model.documents.json_file import with_nulls
+from q2q_sim.experiments.resume_log import exclusive_file
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
 from q2q_sim.experiments.robustness.robustness_page import flight_key, ignoring_flight, page
@@ -41,20 +42,11 @@ class KeptNumbers(NamedTuple):
 def run(given: Namespace) -> int:
     """Fly what is missing, keep the numbers after each flight, write the page; return the exit status."""
     flights = asked_flights(given.airs, given.seeds, given.seed)
-    numbers, asked = read(given.json), FlightDraws(given.seeds, given.seed)
-    kept = numbers.draws or asked
-    if kept != asked:
-        raise ValueError(
-            f"{given.json} is of --seeds {kept.each} --seed {kept.seed}: give these, or another file"
-        )
-    found = dict(numbers.errors)
-    wanted = {
-        flight_key(one): one for pair in ((ignoring_flight(one), one) for one in flights) for one in pair
-    }
-    missing = [name for name in wanted if name not in found]
-    for name in () if given.table_only else track(missing, "flights"):
-        found[name] = fly_perturbed(wanted[name])
-        save(KeptNumbers(found, asked), given.json)
+    if given.table_only:
+        found = _present(given)
+    else:
+        with exclusive_file(given.json):
+            found = _filled(flights, given)
     complete = [
         one for one in flights if flight_key(one) in found and flight_key(ignoring_flight(one)) in found
     ]
@@ -64,6 +56,30 @@ def run(given: Namespace) -> int:
     given.out.write_text(page(found, complete, f"ros2 run q2q_sim robustness {shlex.join(words)}"))
     print(f"page: {given.out}\nnumbers: {given.json}")
     return 0
+
+
+def _present(given: Namespace) -> dict[str, Errors]:
+    """Return the numbers in the file; raise ValueError if they are of other draws."""
+    numbers, asked = read(given.json), FlightDraws(given.seeds, given.seed)
+    kept = numbers.draws or asked
+    if kept != asked:
+        raise ValueError(
+            f"{given.json} is of --seeds {kept.each} --seed {kept.seed}: give these, or another file"
+        )
+    return dict(numbers.errors)
+
+
+def _filled(flights: Sequence[PerturbedFlight], given: Namespace) -> dict[str, Errors]:
+    """Return the numbers in the file and those of missing flights, which are added to it."""
+    found, asked = _present(given), FlightDraws(given.seeds, given.seed)
+    wanted = {
+        flight_key(one): one for pair in ((ignoring_flight(one), one) for one in flights) for one in pair
+    }
+    missing = [name for name in wanted if name not in found]
+    for name in track(missing, "flights"):
+        found[name] = fly_perturbed(wanted[name])
+        save(KeptNumbers(found, asked), given.json)
+    return found
 
 
 def asked_flights(airs: Sequence[str], draws: int, seed: int) -> list[PerturbedFlight]:
