@@ -32,7 +32,9 @@ MODELS = (
 )
 
 
-def horizon(rng: np.random.Generator, n: int, stages: int, bound: float, step: Array = FREE_RATE) -> Horizon:
+def horizon(
+    rng: np.random.Generator, n: int, stages: int, bound: float, slew_max: Array = FREE_RATE
+) -> Horizon:
     """Return a question whose answer meets bounds of +-bound [m/s^2] when that is small.
 
     The upper bound falls by a fifth along the horizon.
@@ -42,7 +44,7 @@ def horizon(rng: np.random.Generator, n: int, stages: int, bound: float, step: A
     low, high = np.full((n, 3), -bound), np.empty((n, stages, 3))
     high[:] = bound * np.linspace(1.0, 0.8, stages)[:, None]
     path = rng.normal(size=(n, stages + 1, 3))
-    return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, low, high, step)
+    return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, low, high, slew_max)
 
 
 def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> DownwashHorizon:
@@ -51,10 +53,10 @@ def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> Downwa
     return DownwashHorizon(np.zeros((n, stages, 3)), i, j, rng.normal(size=(len(i), stages, 3, 3)) * slope)
 
 
-def problem(seed: int, n: int, stages: int, bound: float, step: Array = FREE_RATE) -> LqProblem:
+def problem(seed: int, n: int, stages: int, bound: float, slew_max: Array = FREE_RATE) -> LqProblem:
     """Return a joint problem of n vehicles on z, coupled by slopes of downwash."""
     rng = np.random.default_rng(seed)
-    asked = horizon(rng, n, stages, bound, step)
+    asked = horizon(rng, n, stages, bound, slew_max)
     shape = group_shape(n, (2,), MODELS)
     return joint_problem(shape, np.arange(n), asked, pairs(rng, n, stages, 0.5))
 
@@ -100,8 +102,8 @@ def test_bounded_answer_equals_a_dense_bounded_least_squares(seed: int, n: int, 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_rate_bounds_are_met_at_the_optimum_that_slsqp_finds(seed: int):
-    step = 0.1
-    asked = problem(seed, 1, 8, 1.0, np.full(3, step))
+    slew_max = 0.1
+    asked = problem(seed, 1, 8, 1.0, np.full(3, slew_max))
     answer = solve(asked, iterations=60)
     matrix, right = condensed(asked)
     a, b = dense_matrices(asked), input_matrix(asked)
@@ -119,14 +121,14 @@ def test_rate_bounds_are_met_at_the_optimum_that_slsqp_finds(seed: int):
         jac=lambda u: 2.0 * matrix.T @ (matrix @ u - right),
         bounds=np.hstack([asked.low, asked.high]),
         constraints=[
-            {"type": "ineq", "fun": lambda u: step - lead(u)},
-            {"type": "ineq", "fun": lambda u: step + lead(u)},
+            {"type": "ineq", "fun": lambda u: slew_max - lead(u)},
+            {"type": "ineq", "fun": lambda u: slew_max + lead(u)},
         ],
         method="SLSQP",
         options={"ftol": 1e-13, "maxiter": 500},
     )
     assert answer.converged
-    assert np.abs(lead(answer.inputs.ravel())).max() <= step + 1e-9
+    assert np.abs(lead(answer.inputs.ravel())).max() <= slew_max + 1e-9
     assert np.allclose(answer.inputs.ravel(), found.x, atol=1e-5)  # SLSQP's square root of ftol
 
 
@@ -235,12 +237,12 @@ def test_at_a_high_bandwidth_most_problems_are_solved_by_some_more_recursions() 
 def solved(params: MpcParams, vehicle: Vehicle, axis: int, rate: float) -> int:
     """Return how many of 200 random problems are solved at a rate of the acceleration [m/s^3]."""
     models = axis_models(params, vehicle)
-    step = np.full(3, rate * params.step / (1.0 - models[axis].transition[2, 2]))
+    slew_max = np.full(3, rate * params.step / (1.0 - models[axis].transition[2, 2]))
     shape, none = group_shape(1, (axis,), models, params.terminal), np.zeros(0, np.intp)
     count = 0
     for seed in range(200):
         rng = np.random.default_rng(seed)
-        asked = horizon(rng, 1, params.steps, 3.0, step)
+        asked = horizon(rng, 1, params.steps, 3.0, slew_max)
         gusts = np.repeat(rng.normal(size=(1, params.steps // 4, 3)) * 1.5, 4, axis=1)
         asked = asked._replace(reference=0.0 * asked.reference, push=gusts)
         downwash = DownwashHorizon(gusts, none, none, np.zeros((0, params.steps, 3, 3)))

@@ -75,7 +75,7 @@ class _Limits(NamedTuple):
 
     low: float
     high: float
-    rate: float
+    slew_max: float
 
 
 def solve_situations(
@@ -84,7 +84,7 @@ def solve_situations(
     """Return the solutions; `errors` (K, 2, N + 1) [m] are heights of the first linearisation."""
     count, params, model = len(situations.states), teacher.params, teacher.altitude_model
     shape = group_shape(2, (2,), (model, model, model), params.terminal)
-    rate = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
+    slew_max = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
     found = TeacherSolution(
         np.zeros((count, 2)),
         np.zeros((count, 2, STAGES + 1)) if errors is None else errors.copy(),
@@ -93,7 +93,7 @@ def solve_situations(
     for _ in range(ROUNDS):
         eta, slope = downwash_between(situations.paths, found.errors, teacher)
         pairs = PairHorizon(situations.states, eta + situations.extra, slope)
-        _solve_all(shape, pairs, _Limits(*teacher.bounds, rate), found)
+        _solve_all(shape, pairs, _Limits(*teacher.bounds, slew_max), found)
     return found
 
 
@@ -137,7 +137,7 @@ def _solve_all(shape: GroupShape, pairs: PairHorizon, limits: _Limits, out: Teac
     reference, path = np.zeros((2, stages + 1, 9)), np.zeros((2, stages + 1, 3))
     start, push, slope = np.zeros((2, 3, 3)), np.zeros((2, stages, 3)), np.zeros((2, stages, 3, 3))
     low, high = np.full((2, 3), limits.low), np.full((2, stages, 3), limits.high)
-    horizon = Horizon(start, reference, push, path, low, high, np.full(3, limits.rate))
+    horizon = Horizon(start, reference, push, path, low, high, np.full(3, limits.slew_max))
     downwash = DownwashHorizon(push, pair, other, slope)
     for q in range(out.inputs.shape[0]):
         start[:, 2], path[:, :, 2] = pairs.states[q], out.errors[q]

@@ -133,7 +133,7 @@ class Mpc:
         axes = axis_models(params, self._vehicle)
         share = np.array([1.0 - float(axis.transition[2, 2]) for axis in axes])
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
-        self._step_max = rates * params.step / share
+        self._slew_max = rates * params.step / share
         hover = min(self._vehicle.hover_thrust, thrust_max)
         self._last_commands = LastCommands(HoldThenLevel(params.hold_time, hover))
         self._law = CommandLaw(limits, thrust_max * (1.0 - 1e-9), self._last_commands.rule.numbers)
@@ -235,7 +235,7 @@ class Mpc:
         if not tick.all_usable:  # nobody knows where they are
             still = _on_reference(forecast.reference[:, 0], push[:, 0])
             states = np.where(tick.usable[:, None, None], states, still)
-        return Horizon(states, forecast.reference, push, forecast.path, low, high, self._step_max)
+        return Horizon(states, forecast.reference, push, forecast.path, low, high, self._slew_max)
 
 
 def _on_reference(reference: Array, push: Array) -> Array:

@@ -29,7 +29,7 @@ class Horizon(NamedTuple):
     """Minimum input of each axis [m/s^2], (n, 3)."""
     high: Array
     """Largest input of each axis at each stage [m/s^2], (n, N, 3)."""
-    step: Array
+    slew_max: Array
     """Largest difference of input and acceleration [m/s^2], (3,)."""
 
 

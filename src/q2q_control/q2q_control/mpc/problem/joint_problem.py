@@ -81,12 +81,12 @@ def joint_problem(
 
 @compiled
 def _fill_bounds(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: LqProblem) -> None:
-    """Write start, low, high and step."""
+    """Write start, low, high and slew_max."""
     axes = shape.axes
     for g in range(vehicles.size):
         for a in range(axes.size):
             v, axis, c = vehicles[g], axes[a], g * axes.size + a
-            problem.step[c] = horizon.step[axis]
+            problem.slew_max[c] = horizon.slew_max[axis]
             for row in range(3):
                 problem.start[3 * c + row] = horizon.start[v, axis, row]
             for k in range(problem.low.shape[0]):

@@ -2,7 +2,7 @@
 
     minimise    sum_k  |x_k - x*_k|^2_Q + R (u_k - u*_k)^2 + S (u_k - a_k)^2   + |x_N - x*_N|^2_P
     subject to  x_{k+1} = A_k x_k + B u_k + c_k,   A_k = A + D G_k E,   x_0 given
-                low_k <= u_k <= high_k,   |u_k - a_k| <= step
+                low_k <= u_k <= high_k,   |u_k - a_k| <= slew_max
 
 Each input has an axis of three states: position, velocity, and the acceleration a that follows the input with
 a lag. A bound on u - a thus limits the rate of thrust or tilt, and its weight S penalises jerk. Everything is
@@ -58,8 +58,8 @@ class LqProblem(NamedTuple):
     """(N, n) [m/s^2]."""
     high: Array
     """(N, n) [m/s^2]."""
-    step: Array
-    """(n,) [m/s^2]; infinite where the rate is not limited."""
+    slew_max: Array
+    """Largest difference of u and a [m/s^2], (n,); infinite where the rate is not limited."""
 
 
 class LqSolution(NamedTuple):

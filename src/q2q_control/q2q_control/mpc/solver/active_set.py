@@ -2,7 +2,7 @@
 
 An input that crosses a bound is put on it. An input on a bound is freed where its multiplier has the wrong
 sign, so that leaving the bound lowers the cost. Modes of inputs: free, on high, on low, rising or falling as
-fast as the rate allows (u = a + step, u = a - step).
+fast as the rate allows (u = a + slew_max, u = a - slew_max).
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from q2q_model.compiled import FAST, compiled
 Modes = NDArray[np.int8]
 
 FREE, HIGH, LOW, RISING, FALLING = 0, 1, 2, 3, 4
-"""Mode of an input: free, on high, on low, on a + step, on a - step."""
+"""Mode of an input: free, on high, on low, on a + slew_max, on a - slew_max."""
 
 _TOLERANCE = 1e-9
 """Violation of a bound [m/s^2], or multiplier of the wrong sign, below which nothing changes."""
@@ -25,7 +25,7 @@ _TOLERANCE = 1e-9
 def input_range(problem: LqProblem, k: int, c: int, acc: float) -> tuple[float, float]:
     """Return the range of an input at acceleration `acc`; low and high take precedence over the rate."""
     low, high = problem.low[k, c], problem.high[k, c]
-    return min(max(low, acc - problem.step[c]), high), max(min(high, acc + problem.step[c]), low)
+    return min(max(low, acc - problem.slew_max[c]), high), max(min(high, acc + problem.slew_max[c]), low)
 
 
 @compiled(**FAST)

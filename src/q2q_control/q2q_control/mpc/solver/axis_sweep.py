@@ -129,7 +129,7 @@ def _write_offsets(horizon: Horizon, v: int, axis: int, gains: AxisGains, inputs
 def _roll_out(horizon: Horizon, v: int, axis: int, gains: AxisGains, solution: HorizonSolution) -> bool:
     """Write positions and inputs from the first stage on; return whether all bounds hold."""
     a, b, feedback, push = gains.transition, gains.input, gains.feedback, gains.push
-    low, step = horizon.low[v, axis], horizon.step[axis]
+    low, slew_max = horizon.low[v, axis], horizon.slew_max[axis]
     pos, vel, acc = horizon.start[v, axis, 0], horizon.start[v, axis, 1], horizon.start[v, axis, 2]
     inside = True
     solution.pos[v, 0, axis] = pos
@@ -138,7 +138,7 @@ def _roll_out(horizon: Horizon, v: int, axis: int, gains: AxisGains, solution: H
         u = solution.inputs[v, k, axis] - feedback[0] * pos - feedback[1] * vel - feedback[2] * acc
         solution.inputs[v, k, axis] = u
         high = horizon.high[v, k, axis]
-        inside = inside and max(low, acc - step) <= u <= min(high, acc + step)
+        inside = inside and max(low, acc - slew_max) <= u <= min(high, acc + slew_max)
         pos += a[0, 1] * vel + a[0, 2] * acc + b[0] * u + push[0] * w
         vel += a[1, 2] * acc + b[1] * u + push[1] * w
         acc = a[2, 2] * acc + b[2] * u

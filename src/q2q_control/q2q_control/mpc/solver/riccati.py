@@ -1,16 +1,16 @@
 """Riccati recursion inside a primal-dual active set: the solver of an LqProblem.
 
 The active set guesses the bound each input lies on: none, the upper or lower one, or a rate bound, where the
-input follows the acceleration: u = a + step. With the guess fixed the problem has only equalities, and one
-Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is sparse); condensing would cost
-(N n)^3, and N^2 for the matrices. Then the guess is updated: a free input beyond a bound is put on it, an
-input on a bound with a multiplier of the wrong sign is freed. The pattern of the last tick is nearly right,
-so one or two recursions suffice. If updating all inputs at once does not reduce the number of wrong guesses,
-they are updated one by one, last first. With bounds of inputs alone this cannot cycle; where many rate bounds
-bind, which depend on the state, it can. MpcParams allows no rates at which that is frequent at the default
-bandwidth_z. A faster loop meets more bounds: at 12 rad/s, to which `correct` raises it, 68 % of random
-problems without a guess are solved in the default 12 recursions at the default rate (51 % at the least one
-allowed), and 90 % in 30 (70 %). Sources: Judice, Pires, Computers Oper. Res. 21 (1994), block principal
+input follows the acceleration: u = a + slew_max. With the guess fixed the problem has only equalities, and
+one Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is sparse); condensing would
+cost (N n)^3, and N^2 for the matrices. Then the guess is updated: a free input beyond a bound is put on it,
+an input on a bound with a multiplier of the wrong sign is freed. The pattern of the last tick is nearly
+right, so one or two recursions suffice. If updating all inputs at once does not reduce the number of wrong
+guesses, they are updated one by one, last first. With bounds of inputs alone this cannot cycle; where many
+rate bounds bind, which depend on the state, it can. MpcParams allows no rates at which that is frequent at
+the default bandwidth_z. A faster loop meets more bounds: at 12 rad/s, to which `correct` raises it, 68 % of
+random problems without a guess are solved in the default 12 recursions at the default rate (51 % at the least
+one allowed), and 90 % in 30 (70 %). Sources: Judice, Pires, Computers Oper. Res. 21 (1994), block principal
 pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati inside a QP of MPC.
 
     V_k(x) = x' P_k x + 2 p_k' x;   Quu = R + S + B' P B,   Qux = B' P A - S E,   Qu = B' (P c + p) - R u*

@@ -104,7 +104,7 @@ def _write_bounds(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: 
             policy[c, 3 * n] = problem.low[k, c]
         elif bound:
             policy[c, 3 * c + 2] = 1.0
-            policy[c, 3 * n] = problem.step[c] if modes[c] == RISING else -problem.step[c]
+            policy[c, 3 * n] = problem.slew_max[c] if modes[c] == RISING else -problem.slew_max[c]
 
 
 @compiled(**FAST_HOT)
