@@ -23,7 +23,8 @@ from q2q_sim.plant.body.state_row import STATE_WIDTH
 from q2q_sim.plant.body.vectorised_step import COMMAND_WIDTH, DRIVE_WIDTH
 from q2q_sim.plant.push.push_table import PushTable
 from q2q_sim.plant.push.state_history_ring import ROOM_WIDTH, remember
-from q2q_sim.plant.swarm import Swarm, air_push
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm_air import air_push
 from simulated_swarms import swarm_flight
 
 CORES = len(os.sched_getaffinity(0))

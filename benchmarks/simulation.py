@@ -20,7 +20,8 @@ import numpy as np
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.wake_laws import WakeLaw
-from q2q_sim.plant.swarm import PHYSICS_RATE, still_air
+from q2q_sim.plant.swarm import PHYSICS_RATE
+from q2q_sim.plant.swarm_air import still_air
 from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.plant.swarm_numpy import run_numpy
 from roofline import BYTES, CORES, flops_of_a_step, peak_flops, peak_traffic

@@ -42,7 +42,8 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of, filter_params, pid_params
 from q2q_sim.loop.room import STEPS
-from q2q_sim.plant.swarm import Swarm, still_air
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm_air import still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
 
 Task = Callable[[int], object]

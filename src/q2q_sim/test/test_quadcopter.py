@@ -125,7 +125,8 @@ def test_spin_without_torque_keeps_angular_momentum_and_energy(vehicle: Vehicle)
 def test_halving_the_step_halves_the_drift_of_angular_momentum() -> None:
     from q2q_sim.plant.body.quadcopter import body_of
     from q2q_sim.plant.body.state_row import state_at_rest
-    from q2q_sim.plant.swarm import run_steps, still_air
+    from q2q_sim.plant.swarm import run_steps
+    from q2q_sim.plant.swarm_air import still_air
 
     vehicle = TEXTBOOK_065
     drifts = []

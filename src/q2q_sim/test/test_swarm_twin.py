@@ -6,7 +6,8 @@ import pytest
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.state_row import ETA_Z
-from q2q_sim.plant.swarm import Swarm, still_air
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm_air import still_air
 from q2q_sim.plant.swarm_numpy import run_numpy
 
 

@@ -21,7 +21,8 @@ from q2q_sim.firmware.controllers.mixer import drive_motors
 from q2q_sim.firmware.motors.airframe import Airframe, airframe_of
 from q2q_sim.plant.body.quadcopter import Body, move
 from q2q_sim.plant.push.state_history_ring import remember
-from q2q_sim.plant.swarm import Air, Swarm, air_push
+from q2q_sim.plant.swarm import Swarm
+from q2q_sim.plant.swarm_air import Air, air_push
 
 STEPS = 5
 """Steps of 2 ms a tick."""

@@ -1,30 +1,23 @@
 """Physics step of a swarm: all vehicles, and the air between them, in one compiled loop.
 
-Each physics step finds the push of the air on every vehicle, then steps every vehicle
-(body/vectorised_step.py). The air is a wake law (push/wake_law_push.py), that of a room
-(push/room_air_push.py), or a class outside the loop (push/uncompiled_wake.py), asked between single steps.
-Both loops over pairs sort the vehicles by x. States of the last 0.4 s are kept in a ring buffer, one slot a
-step, for delayed downwash; between slots they are interpolated. A test compares the kernel with a plain numpy
-implementation.
+Each physics step finds the push of the air on every vehicle (swarm_air.py), then steps every vehicle
+(body/vectorised_step.py). A test compares the kernel with a plain numpy implementation.
 """
 
-import math
 import sys
-from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, Axes, attitude_gains
-from q2q_model.compiled import BORROWING, HOT, compiled
+from q2q_model.compiled import BORROWING, compiled
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake import AirSetup
-from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
-from q2q_sim.plant.body.quadcopter import Body, body_of
+from q2q_sim.air.wake_laws import WakeLaw
+from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import (
     ETA_X,
     ETA_Y,
@@ -32,56 +25,25 @@ from q2q_sim.plant.body.state_row import (
     POS,
     QUAT,
     RATE,
-    ROTORS,
     VEL,
     Three,
-    X,
     state_at_rest,
 )
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
-from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, compiled_room_air
 from q2q_sim.plant.push.insertion_sort import Rows
-from q2q_sim.plant.push.room_air_push import room_air_push
-from q2q_sim.plant.push.state_history_ring import LAW_WIDTH, ROOM_WIDTH, empty_ring, remember
+from q2q_sim.plant.push.state_history_ring import remember
 from q2q_sim.plant.push.uncompiled_wake import UncompiledWake
 from q2q_sim.plant.push.wake_law_push import wake_law_push
+from q2q_sim.plant.room_vehicle import body_of_room, vehicle_of_room
+from q2q_sim.plant.swarm_air import Air, air_push, still_air
 
 PHYSICS_RATE = 500
 """Steps of physics and of the onboard attitude loop [1/s]: the Crazyflie firmware's loop rate."""
-
-ROOM, UNCOMPILED = 3, 4
-"""Kinds of air besides those of WakeLaw: a RoomAir, and a Wake outside the compiled loop."""
-
-
-class Air(NamedTuple):
-    """Air in compiled code, with the past states of the sources."""
-
-    kind: int
-    """A WakeLaw, ROOM or UNCOMPILED."""
-    ring: Array
-    """x, y, z [m] and T / (m g) at each past step, (slots, n, 4); in a room all columns of
-    state_history_ring."""
-    rows: Rows
-    """Rows by rising x at the last step, then the number of steps taken, (n + 1,); the present is slot
-    steps % slots."""
-    room: CompiledRoomAir
-    """Empty if the kind is not ROOM."""
-
 
 LawAir = tuple[int, Array, Rows]
 """Kind, ring and rows of an Air: all that a wake law needs, as numba looks at every number in each call."""
 PlainBody = tuple[tuple[Axes, Axes, Axes, float], Three, float, float, float]
 """Fields of a Body, which numba takes in a third of the time."""
-
-
-@compiled(**HOT)
-def air_push(state: Array, air: Air, body: Body) -> None:
-    """Write push and torque of the air on every vehicle."""
-    kind, ring, rows, room = air
-    if kind == ROOM:
-        room_air_push(state, ring, rows, room, body.mass)
-    elif kind != UNCOMPILED:
-        wake_law_push(state, ring, rows, kind, body.step)
 
 
 @compiled(nogil=True)
@@ -121,22 +83,6 @@ def write_push(state: Array, air: Air, body: Body, push: Array) -> None:
     air_push(state, air, body)
     for i in range(state.shape[0]):
         push[i, 0], push[i, 1], push[i, 2] = state[i, ETA_X], state[i, ETA_Y], state[i, ETA_Z]
-
-
-def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:
-    """Return the air around vehicles that have always hovered at their present positions."""
-    order = np.append(np.argsort(state[:, X], kind="stable"), 0).astype(np.int64)
-    now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
-    kind, delay, room = UNCOMPILED, 0.0, compiled_room_air(RoomAir(), 0, body, seed)
-    if isinstance(air, RoomAir):
-        kind, delay, room = ROOM, MAX_DELAY, compiled_room_air(air, len(state), body, seed)
-        now = np.column_stack([now, np.zeros((len(state), ROOM_WIDTH - LAW_WIDTH))])
-    elif isinstance(air, WakeLaw):
-        kind, delay = int(air), max_delay(air)
-    slots = math.ceil(delay / body.step) + 2
-    ring = empty_ring((slots, *now.shape))
-    ring[:] = now
-    return Air(kind, ring, order, room)
 
 
 class Swarm:
@@ -235,33 +181,3 @@ class Swarm:
             age=self._age,
             status=self._tracked,
         )
-
-
-def vehicle_of_room(air: FlownAir, vehicle: Vehicle) -> Vehicle:
-    """Return the vehicle with thrust lag and largest thrust of a room's vehicles."""
-    if not isinstance(air, RoomAir) or air.vehicle is None:
-        return vehicle
-    own = air.vehicle
-    return replace(vehicle, thrust_lag=own.thrust_lag_s, thrust_max=own.headroom * vehicle.hover_thrust)
-
-
-def body_of_room(air: FlownAir, vehicle: Vehicle, step: float) -> Body:
-    """Return the constants of a vehicle in an air, for steps of `step` [s].
-
-    Each rotor of a room's vehicles is limited by its own largest thrust, and by nothing else.
-    """
-    body = body_of(vehicle_of_room(air, vehicle), attitude_loop_of_room(air), step)
-    if not isinstance(air, RoomAir) or air.vehicle is None:
-        return body
-    lever, drag, _ = body.frame
-    return body._replace(frame=(lever, drag, math.inf))
-
-
-def attitude_loop_of_room(air: FlownAir) -> AttitudeParams:
-    """Return the attitude loop of a room's vehicles, else that of the plant."""
-    if not isinstance(air, RoomAir) or air.vehicle is None:
-        return AttitudeParams()
-    own = air.vehicle
-    return AttitudeParams(
-        frequency=own.attitude_frequency, damping=own.attitude_damping, lead_ratio=own.attitude_lead_ratio
-    )

@@ -27,7 +27,9 @@ from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, Work, advance
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir
 from q2q_sim.plant.push.neighbour_list import NeighbourList
 from q2q_sim.plant.push.state_history_ring import empty_ring, remember
-from q2q_sim.plant.swarm import PHYSICS_RATE, Air, air_push, body_of_room, still_air
+from q2q_sim.plant.room_vehicle import body_of_room
+from q2q_sim.plant.swarm import PHYSICS_RATE
+from q2q_sim.plant.swarm_air import Air, air_push, still_air
 
 AT_ONCE = 64
 """Vehicles whose swarms take all steps of a call together: their states stay in the first-level cache."""

@@ -17,7 +17,7 @@ from q2q_sim.air import wake_laws as law
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import ACC, ETA_Z, POS, QUAT, RATE, ROTORS, VEL, VZ, Z
-from q2q_sim.plant.swarm import Air
+from q2q_sim.plant.swarm_air import Air
 
 
 def run_numpy(state: Array, air: Air, commands: Array, drive: Array, body: Body) -> None:

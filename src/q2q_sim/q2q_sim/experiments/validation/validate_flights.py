@@ -30,7 +30,7 @@ from q2q_sim.experiments.validation.validation import (
     validation_sentence,
 )
 from q2q_sim.experiments.validation.validation_page import write_page
-from q2q_sim.plant.swarm import vehicle_of_room
+from q2q_sim.plant.room_vehicle import vehicle_of_room
 
 
 def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, args: Namespace) -> int:

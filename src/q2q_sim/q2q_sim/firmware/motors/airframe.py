@@ -23,7 +23,7 @@ the rates compensates the rotor lag and scales with it: without lag it would des
 
 The scale holds from 7000 PWM, below which a compensated motor stops, to full duty (thrust_curve). A motor
 gives at most a quarter of thrust_max: a real battery sags under such a load. In an air with its own vehicles,
-each rotor's own largest thrust limits it, and nothing else does (q2q_sim.plant.swarm.body_of_room).
+each rotor's own largest thrust limits it, and nothing else does (q2q_sim.plant.room_vehicle.body_of_room).
 """
 
 import math
