@@ -34,7 +34,8 @@ from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.vehicle.constants import vehicle_by_name
 from q2q_sim.ros import node_survey
-from q2q_sim.ros.node_survey import PACKAGES, Configuration, configurations, node_modules
+from q2q_sim.ros.node_configurations import Configuration, configurations
+from q2q_sim.ros.node_survey import PACKAGES, node_modules
 from q2q_sim.ros.stand_in import NullEntity, StandInNode
 
 NODES = [(package, name) for package in PACKAGES for name in node_modules(package)]

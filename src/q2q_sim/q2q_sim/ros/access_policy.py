@@ -14,8 +14,9 @@ from xml.etree import ElementTree as ET
 
 from q2q_control.flight_procedure.steps import Call
 from q2q_control.ros.guarded_commands import EMERGENCY
-from q2q_sim.ros.node_survey import ANY_VEHICLE, NodeInterface
+from q2q_sim.ros.node_survey import NodeInterface
 from q2q_sim.ros.stack import CONTROL_LOOP
+from q2q_sim.ros.surveyed_ports import ANY_VEHICLE
 
 ROOT = "/q2q"
 """Path of the enclaves."""

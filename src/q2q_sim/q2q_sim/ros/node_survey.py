@@ -15,27 +15,16 @@ from tempfile import TemporaryDirectory
 from types import ModuleType
 
 from q2q_control.radio.link import LinkHealth
-from q2q_model.bag import BagWriter
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr.cdr_writer import encode
-from q2q_model.signals.topic_names import TICK_TOPICS
-from q2q_model.trajectory import plan_file
-from q2q_model.tunable import ParameterValue
-from q2q_sim.bag_topics.topics import TYPE_NAMES
-from q2q_sim.loop import flight_blocks
 from q2q_sim.ros.absent_packages import standing_in
+from q2q_sim.ros.node_configurations import VEHICLE, Configuration, configurations, write_start_files
 from q2q_sim.ros.stand_in import Declared, RecordedPort, StandInNode
-from q2q_sim.scenarios import library
+from q2q_sim.ros.surveyed_ports import surveyed_ports
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
-VEHICLE = "cf1"
-"""Example vehicle in the names of topics."""
-ANY_VEHICLE = "<name>"
-SCENARIO = "table6"
-
-Configuration = dict[str, ParameterValue]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,58 +52,6 @@ def node_modules(package: str) -> list[str]:
     named = sorted(found.name for found in iter_modules(path) if found.name.endswith("_node"))
     with standing_in():
         return [name for name in named if "main" in vars(import_module(f"{package}.ros.{name}"))]
-
-
-def configurations(executable: str, folder: Path) -> list[Configuration]:
-    """Return start configurations of a node that differ in topics or parameters, with files in `folder`."""
-    played: Configuration = {"bag": str(folder / "bag")}
-    unanswered: Configuration = played | {"topics": tuple(one for one in TICK_TOPICS if one != "command")}
-    known: dict[str, list[Configuration]] = _flying_configurations() | {
-        "interference": [{"correct_vehicle": "none"}, {"correct_vehicle": "crazyflie_2_0"}],
-        "trajectory": [
-            {"plan": str(folder / "plan.json"), "wait": True},
-            {"plan": str(folder / "plan.json"), "wait": False},
-        ],
-        "replanner": [{"law": "paper"}, {"law": "safe"}],
-        "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
-        "bag_record": [{"bag": str(folder / "made")}],
-        "bag_play": [
-            played | {"answer": "", "clock": False},
-            unanswered | {"answer": "command", "clock": False},
-            unanswered | {"answer": "", "clock": False},
-            unanswered | {"answer": "", "clock": True},
-        ],
-    }
-    return known.get(executable, [{}])
-
-
-def _flying_configurations() -> dict[str, list[Configuration]]:
-    """Return those of the controllers, and of the nodes that reach real vehicles."""
-    link: Configuration = {"vehicles": (VEHICLE,), "uris": ("udp://127.0.0.1:19850",)}
-    of_one: Configuration = {"vehicles": (VEHICLE,)}
-    return {
-        "pid": [
-            {"aware": True, "live": True, "correct": False},
-            {"aware": False, "live": True, "correct": False},
-            {"aware": True, "live": True, "correct": True},
-        ],
-        "mpc": [
-            of_one | {"correct": False, "distributed": False},
-            of_one | {"correct": True, "distributed": False},
-            of_one | {"correct": False, "distributed": True},
-        ],
-        "radio": [
-            link | {"mode": "command"},
-            link | {"mode": "setpoint", "aware": True},
-            link | {"mode": "setpoint", "aware": False},
-        ],
-        "crazyswarm": [
-            of_one | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": True},
-            of_one | {"mode": "setpoint", "poses_out": "", "aware": True},
-            of_one | {"mode": "setpoint", "poses_out": "/poses_filtered", "aware": False},
-            of_one | {"mode": "command", "poses_out": ""},
-        ],
-    }
 
 
 class _SilentLink:
@@ -149,15 +86,14 @@ def _surveyed(package: str, name: str) -> NodeInterface:
     executable = name.removesuffix("_node")
     with TemporaryDirectory(prefix="q2q-survey-") as scratch:
         folder = Path(scratch)
-        plan_file.save(folder / "plan.json", flight_blocks.plan_of(library.load(SCENARIO)))
-        _write_bag(folder / "bag")
+        write_start_files(folder)
         chosen = configurations(executable, folder)
         built = [_built(module, executable, configuration) for configuration in chosen]
     return NodeInterface(
         package=package,
         executable=executable,
         description=(module.__doc__ or "").strip(),
-        ports=tuple(_ports(built, chosen)),
+        ports=tuple(surveyed_ports(built, chosen)),
         parameters=tuple(
             {
                 one.name: (one, node.is_settable(one.name)) for node in built for one in node.parameters
@@ -212,45 +148,3 @@ def _feed(node: StandInNode) -> None:
     for message, receive in node.readers:
         if message in kinds:
             receive(encode(synthetic_signal(kinds[message], 0.0, (VEHICLE,)), 0))
-
-
-def _write_bag(folder: Path) -> None:
-    writer = BagWriter(folder)
-    for topic, kind in TYPE_NAMES.items():
-        writer.add_topic(f"/{topic}", kind)
-        writer.write_raw(f"/{topic}", 0, encode(synthetic_signal(TICK_TOPICS[topic], 0.0, (VEHICLE,)), 0))
-    writer.close()
-
-
-def _ports(built: list[StandInNode], chosen: list[Configuration]) -> list[tuple[RecordedPort, str]]:
-    """Return every port once, with the parameters that it requires."""
-    owners: dict[RecordedPort, list[Configuration]] = {}
-    for node, configuration in zip(built, chosen, strict=True):
-        for port in dict.fromkeys(_of_any_vehicle(port) for port in node.ports):
-            owners.setdefault(port, []).append(configuration)
-    return [
-        (port, "" if len(having) == len(chosen) else _distinction(having, chosen))
-        for port, having in owners.items()
-    ]
-
-
-def _distinction(having: list[Configuration], chosen: list[Configuration]) -> str:
-    """Return the parameters shared by these configurations and no other; empty if there is no other."""
-    lacking = [configuration for configuration in chosen if configuration not in having]
-    if not lacking:
-        return ""
-    shared = {key: value for key, value in having[0].items() if all(one.get(key) == value for one in having)}
-    distinct = {key: value for key, value in shared.items() if all(one.get(key) != value for one in lacking)}
-    return ", ".join(f"`{key}`: {_plain(value)}" for key, value in distinct.items())
-
-
-def _plain(value: ParameterValue) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _of_any_vehicle(port: RecordedPort) -> RecordedPort:
-    if not port.name.startswith(f"{VEHICLE}/"):
-        return port
-    return RecordedPort(
-        port.direction, f"{ANY_VEHICLE}/{port.name.removeprefix(VEHICLE + '/')}", port.kind, port.quality
-    )
