@@ -17,7 +17,7 @@ from q2q_sim.monitors.policies import (
     trace_of,
 )
 from q2q_sim.scenarios import library
-from q2q_sim.sensors.vicon import ViconParams
+from q2q_sim.sensors.vicon_params import ViconParams
 
 SCENARIO = replace(library.load("stack3"), duration=8.0, vicon=ViconParams(), radio=RadioParams())
 AROUND = Circumstances(vehicle=SCENARIO.vehicle)

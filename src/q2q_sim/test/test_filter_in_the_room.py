@@ -7,7 +7,8 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.outliers import find_outliers
 from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
-from q2q_sim.sensors.vicon import Injected, Vicon, ViconParams
+from q2q_sim.sensors.vicon import Injected, Vicon
+from q2q_sim.sensors.vicon_params import ViconParams
 
 NAMES: Names = ("cf1", "cf2", "cf3")
 TICK_S = 0.01

@@ -9,7 +9,8 @@ from q2q_model.geometry.rotations import quat_conjugate, quat_from_euler, quat_m
 from q2q_model.signals.values import MocapFrame, SwarmState
 from q2q_sim.scenarios.room_profiles import ROUGH
 from q2q_sim.sensors.episodes import AHEAD, Episodes, Frequency
-from q2q_sim.sensors.vicon import Injected, Vicon, ViconParams
+from q2q_sim.sensors.vicon import Injected, Vicon
+from q2q_sim.sensors.vicon_params import ViconParams
 
 TICK = 0.01
 PERFECT = ViconParams()

@@ -19,7 +19,7 @@ from q2q_model.tunable import ParameterValue
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.sensors.imu import ImuParams
-from q2q_sim.sensors.vicon import ViconParams
+from q2q_sim.sensors.vicon_params import ViconParams
 
 Overrides = Mapping[str, Mapping[str, ParameterValue]]
 

@@ -17,7 +17,7 @@ from q2q_sim.plant.disturbance import DisturbanceParams
 from q2q_sim.scenarios.block_overrides import check_overrides
 from q2q_sim.scenarios.room_profiles import Overrides
 from q2q_sim.sensors.imu import ImuParams
-from q2q_sim.sensors.vicon import ViconParams
+from q2q_sim.sensors.vicon_params import ViconParams
 
 AttitudeLoop = Literal["paper", "firmware"]
 

@@ -11,25 +11,22 @@ Effects on a frame, applied in this order, each from its own random stream:
 | stale | the frame before the burst repeated under new stamps, all vehicles | STALE |
 | dropout, missing | vehicle absent from the frame for 0.1-0.3 s, or for seconds | DROPOUT |
 
-The first frame says which vehicle is which: no swap begins in it. Rates and sizes are those that Crazyswarm
-users report (docs and issue trackers); VICON's static noise is 0.15 mm. `injected` lists the effects on the
-last frame, for tests only. The camera's latency is not modelled here: a controller knows only stamps, so late
+The first frame says which vehicle is which: no swap begins in it. `injected` lists the effects on the last
+frame, for tests only. The camera's latency is not modelled here: a controller knows only stamps, so late
 frames and late commands are equivalent, and the room adds both delays to the radio's (q2q_sim.loop.room).
 """
 
-import math
-from dataclasses import dataclass
 from enum import IntFlag
 
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.compiled import compiled
 from q2q_model.geometry.rotations import quat_multiply
 from q2q_model.signals.values import Array, Mask, MocapFrame, SwarmState
-from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.random_streams import DrawnAhead, stream
-from q2q_sim.sensors.episodes import Episodes, Frequency
+from q2q_sim.sensors.episodes import Episodes
+from q2q_sim.sensors.pose_noise import add_noise
+from q2q_sim.sensors.vicon_params import ViconParams, frequencies
 
 
 class Injected(IntFlag):
@@ -48,41 +45,6 @@ class Injected(IntFlag):
 
 Flags = NDArray[np.uint8]
 
-_SMALL_ANGLE = 1e-8
-"""Below this sin(x)/x is 1 to the last digit [rad]."""
-
-
-@dataclass(frozen=True, slots=True)
-class ViconParams:
-    """Noise, dropout and outliers of motion capture; the defaults are perfect."""
-
-    latency: float = tunable(0.0, "exposure to frame at the computer", unit="s", low=0.0, high=0.5)
-    pos_noise: float = tunable(0.0, "standard deviation of position", unit="m", low=0.0, high=0.1)
-    angle_noise: float = tunable(0.0, "standard deviation of attitude", unit="rad", low=0.0, high=0.5)
-    outlier_rate: float = tunable(0.0, "outliers per vehicle", unit="1/s", low=0.0, high=100.0)
-    outlier_min: float = tunable(0.2, "smallest outlier", unit="m", low=0.0, high=100.0)
-    outlier_max: float = tunable(2.0, "largest outlier", unit="m", low=0.0, high=100.0)
-    dropout_rate: float = tunable(0.0, "dropouts a vehicle", unit="1/s", low=0.0, high=10.0)
-    dropout_min: float = tunable(0.1, "shortest dropout", unit="s", low=0.0, high=10.0)
-    dropout_max: float = tunable(0.3, "longest dropout", unit="s", low=0.0, high=10.0)
-    missing_rate: float = tunable(0.0, "long absences a vehicle", unit="1/s", low=0.0, high=10.0)
-    missing_min: float = tunable(1.0, "shortest long absence", unit="s", low=0.0, high=100.0)
-    missing_max: float = tunable(3.0, "longest long absence", unit="s", low=0.0, high=100.0)
-    flip_rate: float = tunable(0.0, "axis flips a vehicle", unit="1/s", low=0.0, high=10.0)
-    flip_max: float = tunable(0.05, "longest axis flip", unit="s", low=0.0, high=10.0)
-    swap_rate: float = tunable(0.0, "marker swaps a vehicle", unit="1/s", low=0.0, high=10.0)
-    swap_max: float = tunable(0.1, "longest marker swap", unit="s", low=0.0, high=10.0)
-    stale_rate: float = tunable(0.0, "bursts of stale frames", unit="1/s", low=0.0, high=10.0)
-    stale_max: float = tunable(0.1, "longest stale burst", unit="s", low=0.0, high=10.0)
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
-        for name in ("outlier", "dropout", "missing"):
-            low, high = (getattr(self, f"{name}_{end}") for end in ("min", "max"))
-            if low > high:
-                raise ValueError(f"ViconParams.{name}_min = {low} is above {name}_max = {high}")
-
 
 class Vicon:
     """Motion capture from true states to frames, one per tick."""
@@ -94,7 +56,7 @@ class Vicon:
         self._noise = DrawnAhead(stream(seed, "vicon noise").standard_normal, (2, vehicles, 3))
         self._happens = [
             (name, Episodes(often, 1 if name == "stale" else vehicles, tick, stream(seed, f"vicon {name}")))
-            for name, often in _frequencies(params).items()
+            for name, often in frequencies(params).items()
             if often.rate > 0.0
         ]
         self._now: dict[str, tuple[Mask, Mask]] = {}  # rows in an episode, and that start one, in this tick
@@ -189,48 +151,3 @@ class Vicon:
             either = dropout or missing
             return None if either is None else either[0]
         return dropout[0] | missing[0]
-
-
-@compiled
-def add_noise(
-    truth: tuple[Array, Array], noise: Array, sizes: tuple[float, float], pos: Array, quat: Array
-) -> None:
-    """Write noisy poses; the attitude is turned by exp of a rotation vector (q2q_model.geometry.rotations).
-
-    Args:
-        truth: pos, quat.
-        noise: standard normal deviates, (2, n, 3).
-        sizes: standard deviations [m], [rad].
-        pos: written, (n, 3).
-        quat: written, (n, 4).
-    """
-    true_pos, true_quat = truth
-    for i in range(true_pos.shape[0]):
-        squared = 0.0
-        for k in range(3):
-            pos[i, k] = true_pos[i, k] + sizes[0] * noise[0, i, k]
-            squared += (sizes[1] * noise[1, i, k]) ** 2
-        angle = math.sqrt(squared)
-        scale = sizes[1] * (0.5 if angle < _SMALL_ANGLE else math.sin(0.5 * angle) / angle)
-        a, b, c, d = (
-            scale * noise[1, i, 0],
-            scale * noise[1, i, 1],
-            scale * noise[1, i, 2],
-            math.cos(0.5 * angle),
-        )
-        x, y, z, w = true_quat[i, 0], true_quat[i, 1], true_quat[i, 2], true_quat[i, 3]
-        quat[i, 0] = w * a + x * d + y * c - z * b
-        quat[i, 1] = w * b + y * d + z * a - x * c
-        quat[i, 2] = w * c + z * d + x * b - y * a
-        quat[i, 3] = w * d - x * a - y * b - z * c
-
-
-def _frequencies(params: ViconParams) -> dict[str, Frequency]:
-    return {
-        "flip": Frequency(params.flip_rate, 0.0, params.flip_max),
-        "swap": Frequency(params.swap_rate, 0.0, params.swap_max),
-        "outlier": Frequency(params.outlier_rate),
-        "stale": Frequency(params.stale_rate, 0.0, params.stale_max),
-        "dropout": Frequency(params.dropout_rate, params.dropout_min, params.dropout_max),
-        "missing": Frequency(params.missing_rate, params.missing_min, params.missing_max),
-    }

@@ -26,7 +26,7 @@ from q2q_sim.experiments.campaign.random_run import GAINS
 from q2q_sim.experiments.explanation.flight_case import FlightCase
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.scenarios.scenario import Scenario
-from q2q_sim.sensors.vicon import ViconParams
+from q2q_sim.sensors.vicon_params import ViconParams
 
 AMPLE = 4.0
 """Largest thrust over the weight, where thrust is no limit [-]: twice that of a Crazyflie."""
