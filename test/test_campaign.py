@@ -27,8 +27,9 @@ from q2q_sim.experiments.falsification.attack_case import read_case
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.monitors.policies import POLICIES, FlightTrace, Violation, trace_in_lockstep
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.resident import ResidentNodes
-from q2q_sim.node_flights.scenario_flight import FlightRequest, node_specs
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 from q2q_sim.tools.judge_bags import trace_in

@@ -8,8 +8,8 @@ import pytest
 from q2q_model.bag import BagReader
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 from q2q_sim.monitors.policies import POLICIES, Circumstances, FlightTrace, judge
+from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.process_faults import ProcessFault, Waiting, fly_with_process_faults
-from q2q_sim.node_flights.scenario_flight import FlightRequest
 from q2q_sim.scenarios import library
 from q2q_sim.tools.judge_bags import trace_in
 

@@ -26,7 +26,7 @@ from q2q_sim.launching.launched_nodes import (
     server_arguments,
 )
 from q2q_sim.loop import flight_blocks
-from q2q_sim.node_flights.scenario_flight import FlightRequest
+from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.processes.processes import NodeSpec, find_executable
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.scenarios import library

@@ -29,9 +29,10 @@ from q2q_sim.loop.closed_loop import FlightOptions, LoopSettings, fly_blocks
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.simulator_params import SimulatorParams
-from q2q_sim.node_flights import scenario_flight
+from q2q_sim.node_flights import flight_nodes, scenario_flight
+from q2q_sim.node_flights.flight_request import FlightRequest, facts_of, load_scenario
 from q2q_sim.node_flights.running_nodes import running_nodes
-from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun, facts_of, fly, load_scenario
+from q2q_sim.node_flights.scenario_flight import FlightRun, fly
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
 from q2q_sim.ros.flight_director import STILL_S
 from q2q_sim.scenarios import library
@@ -172,7 +173,7 @@ def test_a_process_beside_a_flight_in_one_process_hears_every_tick_of_its_topics
     run: FlightRun, tmp_path: Path
 ) -> None:
     request = FlightRequest(SCENARIO, seed=3, stack=True)
-    specs = scenario_flight.node_specs(load_scenario(request), request, tmp_path, tmp_path / "bag")
+    specs = flight_nodes.node_specs(load_scenario(request), request, tmp_path, tmp_path / "bag")
     with running_nodes(specs, tmp_path) as running, hearing_states(ticks=300) as heard:
         running.director.wait_connected(("mocap_filter", "listener"), STILL_S)
         running.director.start()
@@ -192,7 +193,7 @@ def test_a_lockstep_flight_under_sim_time_ends_with_the_same_numbers_to_the_last
     run: FlightRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The simulator makes /clock, by the ticks for which all wait: nobody may wait for it in turn."""
-    specs = scenario_flight.node_specs
+    specs = flight_nodes.node_specs
     monkeypatch.setattr(
         scenario_flight, "node_specs", lambda *given: [under_sim_time(one) for one in specs(*given)]
     )

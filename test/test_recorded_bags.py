@@ -17,7 +17,7 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import MocapFrame, TrackStatus
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
-from q2q_sim.node_flights.scenario_flight import FlightRequest, facts_of
+from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
 from q2q_sim.scenarios import library
 from q2q_sim.sensors.vicon import Injected, Vicon
 

@@ -14,7 +14,8 @@ from two_hosts import ADDRESS, DESK, ROOM
 from q2q_model.model_files.find_model import find_model
 from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.loop.closed_loop import fly as fly_pure
-from q2q_sim.node_flights.scenario_flight import FlightRequest, node_specs
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.processes.processes import find_executable
 from q2q_sim.scenarios import library
 from q2q_sim.tools.judge_bags import trace_in
@@ -30,7 +31,8 @@ IN_THE_ROOM = """
 import sys
 from pathlib import Path
 from q2q_sim.ros.flight_director import FlightDirector
-from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.processes.processes import Processes
 scenario, mode, seed, folder = sys.argv[1], sys.argv[2], int(sys.argv[3]), Path(sys.argv[4])
 request = FlightRequest(scenario, mode, seed=seed)

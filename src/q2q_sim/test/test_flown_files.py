@@ -15,7 +15,7 @@ from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.commands.fly import main
 from q2q_sim.loop import flight_blocks
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.choices import WAKES
 from q2q_sim.scenarios.scenario_variants import with_choices, with_firmware

@@ -11,7 +11,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
 from q2q_sim.commands import policies, report
 from q2q_sim.loop.closed_loop import FlightOptions, fly
-from q2q_sim.node_flights.scenario_flight import FlightRequest, facts_of
+from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
 from q2q_sim.scenarios import library
 
 SCENARIO = replace(library.load("table6"), duration=3.0)

@@ -17,8 +17,9 @@ from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, firmware_of, v
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.certificate.certified_file import load_plan
 from q2q_sim.launching.launch_arguments import YES
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.running_nodes import RECORDER
-from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_variants import with_choices, with_firmware

@@ -16,8 +16,9 @@ from pathlib import Path
 from typing import Literal
 
 from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.running_nodes import running_nodes
-from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.processes.frozen_threads import FrozenThreads
 from q2q_sim.processes.processes import NodeSpec, Processes
 

@@ -44,7 +44,7 @@ class ResidentNodes:
         self._domain.__exit__(None, None, None)
 
     def fly(self, specs: Sequence[NodeSpec], folder: Path) -> FlightTiming:
-        """Fly the stack of scenario_flight.node_specs, in lockstep; bag and parameters stay.
+        """Fly the stack of flight_nodes.node_specs, in lockstep; bag and parameters stay.
 
         Raises:
             NodeDiedError: the process ended.

@@ -3,7 +3,7 @@
 Within a tick most nodes wait for each other: simulator, mocap_filter, interference, controller, simulator.
 Under the scheduler they migrate between cores with cold caches; pinned to one core of their own a tick takes
 a quarter less. Nodes outside the chain (trajectory, replanner, recorder) use all other cores. Distributed
-MPC nodes compute at the same time and use all cores (q2q_sim.node_flights.scenario_flight).
+MPC nodes compute at the same time and use all cores (q2q_sim.node_flights.flight_nodes).
 """
 
 import os

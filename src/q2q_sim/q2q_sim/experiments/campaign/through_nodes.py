@@ -25,8 +25,10 @@ from q2q_sim.experiments.campaign.campaign_flight import (
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
 from q2q_sim.monitors.policies import FlightTrace, Violation, judge, trace_in_lockstep
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.resident import ResidentNodes
-from q2q_sim.node_flights.scenario_flight import FlightRequest, fly, load_scenario, node_specs
+from q2q_sim.node_flights.scenario_flight import fly
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.tools.judge_bags import trace_in
 

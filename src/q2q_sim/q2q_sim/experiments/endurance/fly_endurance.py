@@ -17,7 +17,7 @@ from q2q_sim.experiments.endurance.endurance_report import (
     measured_growths,
 )
 from q2q_sim.experiments.endurance.long_flight import LongFlight, fly_long, write_long_scenario
-from q2q_sim.node_flights.scenario_flight import FlightRequest
+from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.processes.interruption import Interruption
 
 WIDTH = 110

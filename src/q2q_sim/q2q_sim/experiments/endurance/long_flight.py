@@ -12,8 +12,9 @@ import yaml
 
 from q2q_model.signals.stamps import TICK_S
 from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.node_flights.flight_nodes import node_specs
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.running_nodes import running_nodes
-from q2q_sim.node_flights.scenario_flight import FlightRequest, load_scenario, node_specs
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.processes.usage import ProcessUsage, usage_of
 

@@ -10,8 +10,9 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.exposure import exposed
 from q2q_sim.monitors.metrics import FlightMetrics, best_position
+from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.run_json import runs_json
-from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun, load_scenario
+from q2q_sim.node_flights.scenario_flight import FlightRun
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.replay_page import replay_element, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
