@@ -1,29 +1,26 @@
 """UDP ports of a fleet on loopback: one for each vehicle, framed as in cflib's UDP driver.
 
 A thread receives datagrams, at most BURST from each port in turn, so that a flood on one port starves neither
-the others nor the room. The room's loop calls `fly`; a lock separates both. Ports are opened on loopback
-only.
+the others nor the room. The room's loop calls `fly`; a lock separates both.
 """
 
 import selectors
 import socket
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import monotonic
 from typing import Self
 
 from q2q_model.counted import counted
 from q2q_model.signals.values import Array
-from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.crtp.client_warnings import ClientWarnings
 from q2q_sim.crtp.fleet import Fleet, Sent
+from q2q_sim.crtp.loopback_ports import LOOPBACK, opened_ports
 from q2q_sim.crtp.packets.packet import is_stream
 from q2q_sim.crtp.vehicle import CrtpVehicle
 from q2q_sim.link.shared_radios import DelayLine, SharedRadioParams, SharedRadios
 
-LOOPBACK = "127.0.0.1"
-LAST_PORT = 65535
 BURST = 32
 """Datagrams received from one port before the next one's turn."""
 DATAGRAM_MAX = 64
@@ -42,19 +39,6 @@ class Traffic:
     sent: int = 0
     dropped: int = 0
     """Lost by the link model or a full socket."""
-
-
-@dataclass(frozen=True, slots=True)
-class PortParams:
-    """Ports of an endpoint."""
-
-    port: int = tunable(
-        19850, "UDP port of the first vehicle; 0 lets the system choose", low=0, high=LAST_PORT
-    )
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
 
 
 class CrtpEndpoint:
@@ -84,7 +68,7 @@ class CrtpEndpoint:
         self._down: DelayLine[tuple[int, Address, bytes]] = DelayLine()
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._sockets = _open_all([one.name for one in fleet.vehicles], base_port)
+        self._sockets = opened_ports([one.name for one in fleet.vehicles], base_port)
         self._wake_reader, self._wake_writer = socket.socketpair()
         self._thread = threading.Thread(target=self._run, name="crtp", daemon=True)
         self._thread.start()
@@ -201,31 +185,3 @@ class CrtpEndpoint:
 def _clients_of(vehicle: CrtpVehicle) -> str:
     counts = f"{counted(len(vehicle.clients), 'client')}, {vehicle.refusals.count} refused"
     return f"{counts}: {vehicle.refusals.last}" if vehicle.refusals.last else counts
-
-
-def _open_all(names: Sequence[str], base_port: int) -> list[socket.socket]:
-    last = LAST_PORT + 1 - len(names)
-    if base_port > last:
-        raise ValueError(f"port {base_port}: {len(names)} vehicles need a port each: 0 to {last} is allowed")
-    opened: list[socket.socket] = []
-    try:
-        for row, name in enumerate(names):
-            opened.append(_open(name, base_port + row if base_port else 0))
-    except OSError:
-        for one in opened:
-            one.close()
-        raise
-    return opened
-
-
-def _open(name: str, port: int) -> socket.socket:
-    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    made.settimeout(0.0)
-    try:
-        made.bind((LOOPBACK, port))
-    except OSError as refusal:
-        made.close()
-        raise OSError(
-            f"UDP port {port} of {name} is taken on {LOOPBACK} ({refusal.strerror}): choose another crtp_port"
-        ) from refusal
-    return made

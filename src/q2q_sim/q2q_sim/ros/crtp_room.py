@@ -4,7 +4,8 @@ from rclpy.node import Node
 
 from q2q_model.ros.node.node_parameters import declare
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in, unflown_faults, warm_up_firmware
-from q2q_sim.crtp.udp_endpoint import CrtpEndpoint, PortParams
+from q2q_sim.crtp.loopback_ports import PortParams
+from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
