@@ -163,10 +163,14 @@ class Server:
             "land": lambda k, one: self._high[k].land(one.height, one.duration.sec),
             "arm": lambda k, one: self._supervisors[k].send_arming_request(do_arm=one.arm),
             "notify_setpoints_stop": lambda k, _: self._commanders[k].send_notify_setpoint_stop(),
-            "emergency": lambda k, _: self._supervisors[k].send_emergency_stop(),
         }
-        served = {f"all/{name}": self._serve(name, act) for name, act in acts.items()}
-        return served | {"crazyflie_server/get_parameters": self._parameters}
+        served: dict[str, Callable[[object], object]] = {
+            f"{vehicle}/{name}": self._serve(name, act, (row,))
+            for row, vehicle in enumerate(NAMES)
+            for name, act in acts.items()
+        }
+        stop = self._serve("emergency", lambda k, _: self._supervisors[k].send_emergency_stop(), (0, 1))
+        return served | {"all/emergency": stop, "crazyflie_server/get_parameters": self._parameters}
 
     def _parameters(self, request: GetParameters.Request) -> GetParameters.Response:
         """Answer as rclcpp does: nothing at all where one of the parameters has no value."""
@@ -202,13 +206,16 @@ class Server:
             x, y, z = firmware.rows.pos.tolist()
             onboard = kinds.LogDataGeneric(values=[x, y + self.offset, z])
             for topic, message in (("status", status), ("onboard", onboard)):
-                if topic in self.reports:
-                    takers[f"{vehicle.name}/{topic}"](message)
+                take = takers.get(f"{vehicle.name}/{topic}")
+                if take and topic in self.reports:
+                    take(message)
 
-    def _serve(self, name: str, act: Callable[[int, object], None]) -> Callable[[object], object]:
+    def _serve(
+        self, name: str, act: Callable[[int, object], None], rows: tuple[int, ...]
+    ) -> Callable[[object], object]:
         def serve(request: object) -> object:
             self.room.log.append(name)
-            for row in range(2):
+            for row in rows:
                 if name not in self.ignore_signals:
                     act(row, request)
             return object()
@@ -217,9 +224,14 @@ class Server:
 
 
 def by_bridge(
-    monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, *, version: int = 1, **given: object
+    monkeypatch: pytest.MonkeyPatch,
+    plan: SwarmPlan | None = None,
+    *,
+    version: int = 1,
+    absent: str = "",
+    **given: object,
 ) -> tuple[ProcedureRoom, Server]:
-    """Return a room whose vehicles Crazyswarm2's server flies, and the server."""
+    """Return a room whose vehicles Crazyswarm2's server flies, but for an absent service, and the server."""
     for name, module in interface_packages().items():
         monkeypatch.setitem(sys.modules, name, module)
     room = ProcedureRoom(library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
@@ -232,7 +244,8 @@ def by_bridge(
         "vehicle": room.scenario.vehicle.name,
         **given,
     }
-    server.bridge = room.start("crazyswarm", asked, Crazyswarm, server.services())
+    offered = {name: serve for name, serve in server.services().items() if name != absent}
+    server.bridge = room.start("crazyswarm", asked, Crazyswarm, offered)
     assert room.node is not None
     for row, name in enumerate(NAMES):
         room.node.forward[f"{name}/cmd_full_state"] = lambda message, row=row: server.full_state(row, message)

@@ -59,6 +59,42 @@ def test_the_bridge_flies_with_poses_of_the_second_version(monkeypatch: pytest.M
     assert said_in_order(room) == SERVERS_ORDER
 
 
+@pytest.mark.parametrize("absent", ["cf2/takeoff", "cf2/notify_setpoints_stop", "cf2/land", "all/emergency"])
+def test_no_flight_begins_while_the_server_lacks_a_service_of_it(
+    monkeypatch: pytest.MonkeyPatch, absent: str
+) -> None:
+    """A take-off was granted whose landing no service could begin."""
+    room, _ = by_bridge(monkeypatch, SHORT, absent=absent)
+    room.wait(1.5)
+    why = f"{absent} not available: start Crazyswarm2's server, or update it"
+    assert room.call(Call.TAKE_OFF).reason == why
+    assert said_in_order(room) == []
+
+
+def test_a_vehicle_that_the_server_does_not_have_is_offline(monkeypatch: pytest.MonkeyPatch) -> None:
+    room, _ = by_bridge(monkeypatch, SHORT, absent="cf2/arm")
+    room.wait(1.5)
+    (refusal, _) = room.node.published["procedure/status"][-1].values
+    assert refusal.value == "cf2 offline: check URI, battery and radio"
+
+
+def test_vehicles_of_the_server_that_the_bridge_does_not_fly_stay_on_the_floor(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They took off unchecked."""
+    waypoints = (Waypoint(0.0, (0.0, 0.0, 0.8)), Waypoint(3.0, (0.0, 0.0, 1.0)))
+    room, _ = by_bridge(
+        monkeypatch, minimum_snap_plan([VehicleWaypoints("cf1", waypoints)]), vehicles=("cf1",)
+    )
+    room.wait(1.5)
+    assert all(room.call(call).granted for call in (Call.TAKE_OFF, Call.FLY))
+    room.wait(1.0)
+    land(room)
+    highest = np.max(room.height, axis=0)
+    assert highest[0] > 0.8
+    assert highest[1] < 0.001
+
+
 def test_a_landing_that_does_not_happen_is_not_a_success(monkeypatch: pytest.MonkeyPatch) -> None:
     """A server that is deaf to `land`: it answers, and the vehicles stay up."""
     room, server = by_bridge(monkeypatch, SHORT)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
 from q2q_control.flight_procedure.observation import VehicleReport
+from q2q_model.signals.values import Names
 
 READ_S = 1.0
 """Period of reading parameters [s]."""
@@ -27,9 +28,9 @@ class ReportedVehicles:
         self.read_at = t
         return True
 
-    def reports(self, t: float, *, connected: bool) -> tuple[VehicleReport, ...]:
-        """Return the report of every vehicle at time t [s]."""
-        return tuple(one.report(t, connected=connected) for one in self.vehicles)
+    def reports(self, t: float, *, connected: Names) -> tuple[VehicleReport, ...]:
+        """Return the report of every vehicle at time t [s], with which are connected."""
+        return tuple(one.report(t, connected=one.name in connected) for one in self.vehicles)
 
     def armed(self, ordered: float, t: float) -> bool:
         """Return whether all have armed since `ordered` [s]: by their status, without one after ARM_S."""

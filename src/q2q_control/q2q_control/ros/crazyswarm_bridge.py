@@ -93,7 +93,9 @@ class Crazyswarm:
         """Wire the procedure, without which nothing is flown, then what it lets through."""
         services = self._wire_procedure()
         self._wire_commands()
-        services.refuse_flights(lambda: self._commands.conflicts() or self._inputs.look())
+        services.refuse_flights(
+            lambda: self._executor.refusal() or self._commands.conflicts() or self._inputs.look()
+        )
 
     def _wire_commands(self) -> None:
         vehicle = vehicle_by_name(self._settings.vehicle, self._settings.firmware)

@@ -6,16 +6,18 @@
 | `poses_out` (NamedPoseArray, deadline 10 ms) | out | `state` if measured; lone markers without orientation |
 | `<name>/cmd_full_state` (FullState) | out | `reference_safe`, minus `interference`'s acceleration if aware |
 | `<name>/cmd_vel_legacy` (Twist) | out, in mode command | `command`; signs by `backend` |
-| `all/arm`, `takeoff`, `land`, `notify_setpoints_stop`, `emergency` | out, as a client | the procedure |
+| `<name>/arm`, `takeoff`, `land`, `notify_setpoints_stop` | out, as a client | the procedure |
+| `all/emergency` | out, as a client | the procedure: stops all vehicles of the server |
 | `<name>/status`, `<name>/onboard`, the server's parameters | in | checks before a take-off |
 
 Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
 `~/land`, `~/emergency`, each answered when it is done, or with why it is refused; `procedure/status` has the
 step, and what cannot be checked because the server does not report it. Setpoints are sent only from the
 hand-over after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` forward a request to
-the server, on the ground only. Without motion_capture_tracking_interfaces no poses pass, without
-crazyflie_interfaces nothing is flown: a warning says so, and with neither the node does not start. Set
-`legacy_hz:=0` on the controller if this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
+the server, on the ground only. No flight begins while the server lacks a service that it needs; vehicles of
+the server that this node does not fly are left alone. Without motion_capture_tracking_interfaces no poses
+pass, without crazyflie_interfaces nothing is flown: a warning says so, and with neither the node does not
+start. Set `legacy_hz:=0` on the controller if this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
 
 A node that is ended in flight (SIGINT, SIGTERM) stops the stream and lets the vehicles land where they are,
 by the server; it waits until they are down, for the duration of the landing and `patience_s` at most. The

@@ -61,7 +61,7 @@ class ServerVehicles:
             node.create_subscription(status, f"{one.name}/status", partial(_take_status, one), OUTSIDE)
             node.create_subscription(log, f"{one.name}/{ONBOARD}", partial(_take_estimate, one), OUTSIDE)
 
-    def reports(self, *, connected: bool) -> tuple[VehicleReport, ...]:
+    def reports(self, *, connected: Names) -> tuple[VehicleReport, ...]:
         """Return the report of every vehicle; read the server's parameters when they are due."""
         now = monotonic()
         for one, future in self._answers:
