@@ -6,7 +6,8 @@ import pytest
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from procedure_room import ProcedureRoom
-from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, Server, by_bridge, fly_plan, land
+from procedure_server import Server, by_bridge
+from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, fly_plan, land
 from room_node import Client, Future
 
 from q2q_control.flight_procedure.steps import Call

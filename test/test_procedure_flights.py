@@ -8,7 +8,8 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
-from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, by_bridge, by_radio, fly_plan, land, refused
+from procedure_server import by_bridge
+from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, by_radio, fly_plan, land, refused
 
 from q2q_control.flight_procedure.steps import Call, Step
 from q2q_model.vehicle.hover_thrust import OwnHover
