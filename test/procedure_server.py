@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import pytest
 
@@ -40,6 +41,8 @@ class Server:
     """Of the estimates from the truth [m]."""
     held: dict[str, float] = field(default_factory=dict)
     """Parameters that it reports in place of the vehicles'."""
+    backend: str = "cpp"
+    """Which of Crazyswarm2's servers it is."""
     bridge: Crazyswarm | None = None
     """Node that asks it."""
 
@@ -92,6 +95,14 @@ class Server:
             (turn.x, turn.y, turn.z, turn.w), 0.0, 0.0, message.twist.angular.z,
         )  # fmt: skip
 
+    def legacy(self, row: int, message: object) -> None:
+        """Send a vehicle the RPYT setpoint of a message, as crazyflie_cpp or the cflib server does."""
+        roll, nose_up, yaw_rate = message.linear.y, -message.linear.x, message.angular.z
+        pitch = nose_up if self.backend == "cflib" else -nose_up  # cflib's send_setpoint negates it
+        thrust = int(min(max(message.linear.z, 0.0), 60000.0))
+        self.room.log.append("cmd_vel_legacy" if thrust else "thrust 0")
+        self._commanders[row].send_setpoint(roll, pitch, yaw_rate, thrust)
+
     def publish(self) -> None:
         """Publish what the server logs of its vehicles."""
         assert self.room.node is not None
@@ -131,7 +142,7 @@ def by_bridge(
     for name, module in interface_packages().items():
         monkeypatch.setitem(sys.modules, name, module)
     room = ProcedureRoom(library.load(SCENARIO), monkeypatch, plan, auto_arming=False)
-    server = Server(room)
+    server = Server(room, backend=str(given.get("backend", "cpp")))
     room.clock(server_vehicles, procedure_services)
     asked = {
         "vehicles": NAMES,
@@ -144,7 +155,10 @@ def by_bridge(
     server.bridge = room.start("crazyswarm", asked, Crazyswarm, offered)
     assert room.node is not None
     for row, name in enumerate(NAMES):
-        room.node.forward[f"{name}/cmd_full_state"] = lambda message, row=row: server.full_state(row, message)
+        room.node.forward |= {
+            f"{name}/cmd_full_state": partial(server.full_state, row),
+            f"{name}/cmd_vel_legacy": partial(server.legacy, row),
+        }
     types = find_pose_types(version)
 
     def see(frame: MocapFrame, stamp_ns: int) -> None:

@@ -16,7 +16,7 @@ from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
 SERVERS_ORDER = [
-    "trajectory/wait_landed", "arm", "takeoff",
+    "trajectory/wait_landed", "arm", "notify_setpoints_stop", "takeoff",
     "trajectory/glide", "cmd_full_state", "trajectory/start", "cmd_full_state",
     "trajectory/glide", "cmd_full_state", "notify_setpoints_stop", "land", "arm",
 ]  # fmt: skip
@@ -38,6 +38,27 @@ def test_table6_by_the_bridge_flies_lands_and_disarms_in_the_servers_order(
     assert room.height_error(50.0).max() < 0.005
     land(room)
     assert said_in_order(room) == SERVERS_ORDER
+
+
+COMMANDS_ORDER = [
+    "trajectory/wait_landed", "arm", "thrust 0", "notify_setpoints_stop", "takeoff",
+    "trajectory/glide", "cmd_vel_legacy", "trajectory/start", "cmd_vel_legacy",
+    "trajectory/glide", "cmd_vel_legacy", "notify_setpoints_stop", "land", "arm",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("backend", ["cpp", "cflib"])
+def test_a_plan_is_flown_twice_by_rpyt_setpoints(monkeypatch: pytest.MonkeyPatch, backend: str) -> None:
+    """No setpoint of thrust 0 had unlocked the thrust: vehicles fell when setpoints took over."""
+    room, _ = by_bridge(monkeypatch, SHORT, mode="command", backend=backend)
+    for vehicle in room.fleet.vehicles:
+        vehicle.firmware.parameters.set("stabilizer.controller", 1.0)
+    room.wait(1.5)
+    for _ in range(2):
+        fly_plan(room, *SHORT_ENDS)
+        assert room.height_error(3.0).max() < 0.08  # the paper's soft loop (K_p 0.81), as by radio
+        land(room)
+        assert said_in_order(room) == COMMANDS_ORDER
 
 
 def test_a_plan_is_flown_by_the_bridge_three_times_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:

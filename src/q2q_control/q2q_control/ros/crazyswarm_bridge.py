@@ -108,7 +108,8 @@ class Crazyswarm:
         )
 
     def _wire_procedure(self) -> ProcedureServices:
-        self._executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings))
+        unlock = self._unlock if self._settings.mode == "command" else None
+        self._executor = CrazyswarmExecutor(self._node, server_vehicles(self._settings), unlock)
         services = ProcedureServices(self._node, self._names, self._executor, self._params)
         self._ticks.procedure = self._services = services
         for name, act in (
@@ -118,6 +119,9 @@ class Crazyswarm:
         ):
             services.offer(name, act)
         return services
+
+    def _unlock(self) -> None:
+        self._commands.unlock()
 
     def _facts(self) -> dict[str, str]:
         self._inputs.look()

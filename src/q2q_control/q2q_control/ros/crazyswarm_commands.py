@@ -62,6 +62,11 @@ class CrazyswarmCommands:
             self._writers[name].publish(Twist(linear=Vector3(x=x, y=y, z=pwm), angular=Vector3(z=yaw_rate)))
         return tuple(sent)
 
+    def unlock(self) -> None:
+        """Publish every vehicle's RPYT setpoint of thrust 0."""
+        for writer in self._writers.values():
+            writer.publish(Twist())
+
     def _message(self, header: Header, full_state: FullState) -> object:
         x, y, z = full_state.pos
         qx, qy, qz, qw = full_state.quat

@@ -7,9 +7,14 @@
 | stop streaming | `<name>/notify_setpoints_stop`: until then setpoints override the high-level commander |
 | stop the motors | `all/emergency` |
 | stream setpoints | none: the stream itself takes over |
+
+The firmware takes the thrust of every RPYT setpoint for 0 until one of thrust 0 has come: in mode command one
+is sent once the vehicles have armed. It overrides the high-level commander, too, so that a take-off begins by
+stopping the stream.
 """
 
 import math
+from collections.abc import Callable
 
 from rclpy.node import Node
 from rclpy.task import Future
@@ -22,40 +27,58 @@ from q2q_control.ros.server_vehicles import ServerVehicles
 from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names
 
+OVERTAKEN_S = 0.1
+"""Time in which a service may overtake a topic in the server [s]: assumed."""
+
 
 class CrazyswarmExecutor:
     """Clients of the server's services, and its vehicles."""
 
-    def __init__(self, node: Node, vehicles: tuple[ServerVehicle, ...]) -> None:
+    def __init__(
+        self, node: Node, vehicles: tuple[ServerVehicle, ...], unlock: Callable[[], None] | None
+    ) -> None:
         """Create the clients, and subscribe to the vehicles' topics.
+
+        Args:
+            node: of the clients.
+            vehicles: without a report.
+            unlock: sends every vehicle an RPYT setpoint of thrust 0; None if full states are flown.
 
         Raises:
             ImportError: crazyflie_interfaces is missing.
         """
         self._services = ServerServices(node, tuple(one.name for one in vehicles))
         self._vehicles = ServerVehicles(node, vehicles)
+        self._unlock, self._unlocked = unlock, -math.inf
         self._act: Act | None = None
         self._asked = -math.inf
+        self._left: list[Order] = []
         self._failed = ""
         self._futures: list[Future[object]] = []
 
     def begin(self, order: Order, t: float) -> None:
         """Call the services of an order."""
         self._act, self._asked = order.act, t
-        self._failed = self._services.missing((order.act,))
-        self._futures = self._services.call(order)
+        self._left = [Order(Act.STOP_STREAM), order] if order.act is Act.TAKE_OFF else [order]
+        self._failed, self._futures = "", []
+        self._go_on(t)
 
     def outcome(self, t: float) -> Reply | None:
         """Return the outcome of the last order, once; None while it is unknown.
 
         The server answers an arming request at once; that vehicles have armed is seen in their status.
         """
-        if self._act is None or (not self._failed and not self._done(t)):
+        if self._act is None:
             return None
+        self._go_on(t)
+        arming = self._act is Act.ARM and not self._vehicles.armed(self._asked, t)
+        if not self._failed and (self._left or arming or not self._answered()):
+            return None
+        if self._act is Act.ARM and not self._failed and self._unlock is not None:
+            self._unlock()
+            self._unlocked = t
         self._act = None
-        wrong = (str(one.exception()) for one in self._futures if one.done() and one.exception())
-        reason = self._failed or next(wrong, "")
-        return Reply(granted=not reason, reason=reason)
+        return Reply(granted=not self._failed, reason=self._failed)
 
     def take_sent(self, names: Names) -> None:
         """Take note that a setpoint or command was sent to these vehicles."""
@@ -69,6 +92,16 @@ class CrazyswarmExecutor:
         """Return which services of a flight are missing, and what to do; empty if none are."""
         return self._services.missing()
 
-    def _done(self, t: float) -> bool:
-        arming = self._act is Act.ARM and not self._vehicles.armed(self._asked, t)
-        return not arming and all(one.done() for one in self._futures)
+    def _go_on(self, t: float) -> None:
+        """Call the services of what is left of the order, one after the other, unless one fails."""
+        overtakes = self._act is Act.TAKE_OFF and t - self._unlocked < OVERTAKEN_S
+        while self._answered() and self._left and not self._failed and not overtakes:
+            order = self._left.pop(0)
+            self._failed = self._services.missing((order.act,))
+            self._futures = self._services.call(order)
+
+    def _answered(self) -> bool:
+        """Return whether all calls are answered; keep why one failed."""
+        wrong = (one.exception() for one in self._futures if one.done())
+        self._failed = self._failed or next((str(one) for one in wrong if one is not None), "")
+        return all(one.done() for one in self._futures)

@@ -5,7 +5,7 @@
 | `poses_in` (NamedPoseArray) | in | `mocap`, without vehicles that are named twice |
 | `poses_out` (NamedPoseArray, deadline 10 ms) | out | `state` if measured; lone markers without orientation |
 | `<name>/cmd_full_state` (FullState) | out | `reference_safe`, minus `interference`'s acceleration if aware |
-| `<name>/cmd_vel_legacy` (Twist) | out, in mode command | `command`; signs by `backend` |
+| `<name>/cmd_vel_legacy` (Twist) | out, in mode command | `command`; signs by `backend`; first thrust 0 |
 | `<name>/arm`, `takeoff`, `land`, `notify_setpoints_stop` | out, as a client | the procedure |
 | `all/emergency` | out, as a client | the procedure: stops all vehicles of the server |
 | `<name>/status`, `<name>/onboard`, the server's parameters | in | checks before a take-off |
