@@ -3,8 +3,9 @@
     robots:
       cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
 
-Of other keys, only `firmware_params` is read, whose values the server sets. A robot with `connection: none`,
-its own or its type's, is skipped: it is tracked by motion capture but not flown.
+Of other keys, only `firmware_params` is read, whose values the server sets. A robot of a type with
+`connection: none` is skipped: it is tracked by motion capture but not flown. The servers do not read a
+`connection` of the robot itself.
 """
 
 import math
@@ -20,6 +21,8 @@ from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.vehicle.vehicle_uri import canonical_uri
 
 Position = tuple[float, float, float]
+CRAZYFLIE = "crazyflie"
+"""Connection of the robots that the servers fly, and of a type that has none."""
 URI = "something like radio://0/80/2M/E7E7E7E701"
 SCHEMES = tuple(f"{driver}://" for driver in ("radio", "usb", "udp", "tcp", "prrt"))
 """Beginnings of the URIs that cflib opens unless it is asked for more."""
@@ -72,6 +75,21 @@ class _Fleet:
         """Return the entry of a robot's type, empty if there is none."""
         return self.robot_types.get(str(robot.type)) or _Robot()
 
+    def is_flown(self, name: str) -> bool:
+        """Return whether the servers fly a robot.
+
+        Raises:
+            ValueError: its own `connection`, which they do not read, differs from its type's.
+        """
+        robot = self.robots[name]
+        connection = self.type_of(robot).connection or CRAZYFLIE
+        if robot.enabled and robot.connection not in (None, connection):
+            raise ValueError(
+                f"robots.{name}.connection = {robot.connection!r}: Crazyswarm2 reads that of robot_types "
+                f"only, {connection!r} here: give {name} another type, or set `enabled: false`"
+            )
+        return robot.enabled and connection == CRAZYFLIE
+
 
 def crazyflies_from_file(path: str) -> tuple[Crazyflie, ...]:
     """Return the enabled vehicles of a `crazyflies.yaml`, in its order.
@@ -86,13 +104,14 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     """Return the enabled vehicles of a parsed `crazyflies.yaml`, in its order.
 
     Raises:
-        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI is used twice.
+        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI is used twice;
+            a robot's own `connection` differs from its type's.
     """
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
     enabled = tuple(
         Crazyflie(name, robot.uri, robot.initial_position)
         for name, robot in fleet.robots.items()
-        if robot.enabled and (robot.connection or fleet.type_of(robot).connection) != "none"
+        if fleet.is_flown(name)
     )
     if not enabled:
         raise ValueError("robots: none is enabled; set `enabled: true`")
