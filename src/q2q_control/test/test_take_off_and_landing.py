@@ -173,6 +173,13 @@ def test_a_room_without_an_inside_is_refused() -> None:
         FlightProcedureParams(room=(0.0, 0.0, 0.0, 1.0, 1.0, 0.0))
 
 
+def test_a_take_off_through_the_ceiling_is_refused() -> None:
+    low = (-3.0, -3.0, 0.0, 3.0, 3.0, 1.5)
+    FlightProcedureParams(room=low, take_off_height=1.2, ground=0.3)
+    with pytest.raises(ValueError, match=r"take_off_height = 1\.25: up to 1\.2 m is allowed"):
+        FlightProcedureParams(room=low, take_off_height=1.25, ground=0.3)
+
+
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
     observation = replace(Bench().observe(), pos=HOME + up(-0.001))
     assert heights_text(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"

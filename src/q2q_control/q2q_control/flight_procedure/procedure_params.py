@@ -79,7 +79,7 @@ class FlightProcedureParams:
     )
 
     def __post_init__(self) -> None:
-        """Check the bounds and the room.
+        """Check the bounds, the room, and that a take-off stays below its ceiling.
 
         Raises:
             ValueError: naming the value and what is allowed.
@@ -87,3 +87,7 @@ class FlightProcedureParams:
         check_bounds(self)
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
             raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
+        ceiling = self.room[5] - self.ground
+        if self.take_off_height > ceiling:
+            allowed = f"up to {ceiling:g} m is allowed, where room ends"
+            raise ValueError(f"take_off_height = {self.take_off_height:g}: {allowed}")
