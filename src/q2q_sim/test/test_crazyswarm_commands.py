@@ -9,7 +9,8 @@ import pytest
 
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.experiments.licence.client_commands.client_command import CommandKind, client_command
+from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
+from q2q_sim.experiments.licence.client_commands.packet_command import client_command
 from q2q_sim.experiments.licence.client_commands.setpoint_text import setpoint_text
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (

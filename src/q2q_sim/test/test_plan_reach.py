@@ -10,7 +10,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.ports import memory
-from q2q_sim.experiments.licence.client_commands.client_command import client_command
+from q2q_sim.experiments.licence.client_commands.packet_command import client_command
 from q2q_sim.experiments.licence.client_commands.plan_reach import beyond_reach, reach_violation
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.firmware.commander.piecewise import Piecewise

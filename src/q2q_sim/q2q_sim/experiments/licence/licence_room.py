@@ -16,11 +16,8 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.packets.packet import MalformedError, packet_of
-from q2q_sim.experiments.licence.client_commands.client_command import (
-    ClientCommand,
-    client_command,
-    malformed_command,
-)
+from q2q_sim.experiments.licence.client_commands.client_command import ClientCommand
+from q2q_sim.experiments.licence.client_commands.packet_command import client_command, malformed_command
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
 from q2q_sim.faults.injection import FaultInjection
