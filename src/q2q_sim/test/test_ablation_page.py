@@ -136,6 +136,14 @@ def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
     assert "--airs rom: choose some of bent," in capsys.readouterr().err
 
 
+def test_a_page_without_flights_replaces_no_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, out = tmp_path / "none.json", tmp_path / "page.md"
+    out.write_text("of other numbers")
+    assert main(["--json", str(file), "--out", str(out), "--table-only"]) == 1
+    assert capsys.readouterr().err == f"ablation: {file} holds no flights: leave out --table-only\n"
+    assert out.read_text() == "of other numbers"
+
+
 def test_the_page_in_the_documents_is_that_of_its_numbers() -> None:
     shown = (ROOT / "docs" / "ablation.md").read_text(encoding="utf-8")
     command = shown.split("`")[1]

@@ -69,7 +69,6 @@ def test_a_second_ablation_into_a_file_is_refused_until_the_first_ends(
             statuses.append(ablation.main(asked))
 
     monkeypatch.setattr(fill_ablation, "_fill", fill)
-    monkeypatch.setattr(fill_ablation, "write", lambda *_: None)
     ablation.main(asked)
     assert statuses == [1]
     assert f"{file} is written by another run: wait for it" in capsys.readouterr().err

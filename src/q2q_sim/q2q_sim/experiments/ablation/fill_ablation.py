@@ -31,6 +31,8 @@ def run(given: Namespace) -> int:
         raise ValueError(f"seeds = {given.seeds}, jobs = {given.jobs}: 1 to 5 seeds, 1 job or more")
     wanted = [(case, name) for case in CASES for name in NAMES if _is_wanted(given, case, name)]
     numbers = read_numbers(given.json, given.seeds) if given.table_only else _filled(wanted, given)
+    if not numbers.flights:
+        raise ValueError(f"{given.json} holds no flights: leave out {TABLE_ONLY}")
     words = [word for word in given.argv if word != TABLE_ONLY]
     write(numbers, given.out, f"ros2 run q2q_sim ablation {shlex.join(words)}")
     print(f"page: {given.out}\nnumbers: {given.json}")
