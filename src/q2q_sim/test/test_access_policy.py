@@ -53,6 +53,12 @@ def test_an_operator_may_call_the_procedure_and_write_nothing(granted: Enclaves)
     assert desk.publish == {"/rosout", "/parameter_events"}
 
 
+@pytest.mark.parametrize("name", ["pid", "stack", "bag_play"])
+def test_an_operator_may_not_have_the_name_of_a_node(nodes: list[NodeInterface], name: str) -> None:
+    with pytest.raises(ValueError, match=f"^operators {name}: .* choose other names$"):
+        enclaves(nodes, ["cf1"], ["desk", name])
+
+
 def test_every_node_but_the_player_of_bags_has_an_enclave(
     nodes: list[NodeInterface], granted: Enclaves
 ) -> None:

@@ -65,7 +65,13 @@ def enclaves(
         nodes: survey of the nodes.
         vehicles: names of the vehicles; empty allows any name.
         operators: names of the enclaves that may call emergencies and the flight procedure.
+
+    Raises:
+        ValueError: an operator has the name of a node.
     """
+    taken = sorted({"stack", *(node.executable for node in nodes)} & set(operators))
+    if taken:
+        raise ValueError(f"operators {', '.join(taken)}: nodes have these enclaves; choose other names")
     secured = [node for node in nodes if node.executable not in LEFT_OUT]
     profiles = {node.executable: profile_of(node, vehicles or ("*",)) for node in secured}
     within = (_of_any_node("stack"), *(profiles[name] for name in CONTROL_LOOP))
