@@ -1,6 +1,7 @@
 """Growth of what a long flight holds: slopes and their intervals, and what the command makes of them."""
 
 import gc
+import json
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -8,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.documents.json_file import with_nulls
 from q2q_sim.experiments.endurance.endurance_report import (
     endurance_json,
     endurance_sentence,
+    growth_table,
     is_flat,
     measured_growths,
 )
@@ -52,8 +55,9 @@ def test_what_a_short_flight_cannot_show_is_undecided() -> None:
     found = growth(MEMORY, np.linspace(0.0, 60.0, 120), 100.0 + noise)
     assert found.high - found.low > 40.0
     assert found.verdict == "undecided"
-    with pytest.raises(ValueError, match="at least 40 are needed; fly longer"):
-        growth(MEMORY, np.linspace(0.0, 20.0, 40), np.zeros(40))
+    few = growth(MEMORY, np.linspace(0.0, 20.0, 40), np.full(40, 7.0))
+    assert (few.mean, few.verdict) == (7.0, "undecided")
+    assert np.isnan(few.per_hour)
 
 
 def long_flight(leak: float = 0.0, drift: float = 0.0) -> LongFlight:
@@ -91,6 +95,20 @@ def test_only_what_grows_is_blamed(leak: float, drift: float, blamed: list[str])
     document = endurance_json(flight, found)
     assert isinstance(document, dict)
     assert document["flat"] == (not blamed)
+
+
+@pytest.mark.parametrize("count", [2, 18])
+def test_a_flight_of_few_samples_is_undecided_and_has_its_numbers(count: int) -> None:
+    flight = long_flight()
+    flight = replace(flight, samples=flight.samples[:count])
+    found = measured_growths(flight)
+    rate = next(one for one in found if one.what == "bag")
+    assert rate.mean == pytest.approx(50.0, rel=0.6)  # of whole seconds
+    assert {one.verdict for one in found} == {"undecided"}
+    assert growth_table(flight, found).row_count == len(found) == 8
+    document = with_nulls(endurance_json(flight, found))
+    assert isinstance(document, dict)
+    assert json.loads(json.dumps(document, allow_nan=False))["samples"] == count
 
 
 def test_a_flight_whose_bag_is_cut_is_not_flat() -> None:

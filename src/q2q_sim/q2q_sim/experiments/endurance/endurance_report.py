@@ -11,6 +11,7 @@ The speed of a flight in lockstep depends on what else the machine does; it is r
 """
 
 from collections.abc import Sequence
+from math import isfinite
 
 import numpy as np
 from rich.table import Table
@@ -26,14 +27,14 @@ MEGABYTE = 1e6
 MEMORY_MB, COUNT, RATE_SHARE, DRIFT_S = 20.0, 1.0, 0.05, 0.036
 """Allowed an hour."""
 WINDOWS = 64
-"""Parts of a flight in each of which the bag's rate is read: longer than the chunks in which it grows."""
+"""Most parts of a flight in each of which the bag's rate is read: longer than its chunks, in an hour."""
 
 
 def measured_growths(flight: LongFlight) -> list[Growth]:
-    """Return the growth of every quantity; raise ValueError for too few samples."""
+    """Return the growth of every quantity; raise ValueError for a flight of fewer than two samples."""
     samples = flight.samples
-    if len(samples) <= WINDOWS:
-        raise ValueError(f"{len(samples)} samples: more than {WINDOWS} are needed; fly longer")
+    if len(samples) < 2:
+        raise ValueError(f"{counted(len(samples), 'sample')}: at least 2 are needed; fly longer")
     t = np.array([one.flown for one in samples])
     found = []
     for name in samples[0].usage:
@@ -55,7 +56,8 @@ def measured_growths(flight: LongFlight) -> list[Growth]:
 
 def bag_rate(t: Array, size: Array) -> Growth:
     """Return the growth of the rate [kB/s of flight] at which a bag of `size` [bytes] grows."""
-    ends = np.linspace(0, len(t) - 1, WINDOWS + 1).astype(np.intp)
+    parts = min(WINDOWS, len(t) - 1)
+    ends = np.linspace(0, len(t) - 1, parts + 1).astype(np.intp)
     rate = np.diff(size[ends]) / np.diff(t[ends]) / 1000.0
     middle = 0.5 * (t[ends[1:]] + t[ends[:-1]])
     return growth(WatchedQuantity("bag", "kB/s", RATE_SHARE * float(rate.mean())), middle, rate)
@@ -71,7 +73,9 @@ def growth_table(flight: LongFlight, found: Sequence[Growth]) -> Table:
         made.add_column(column, justify="left" if left else "right", no_wrap=column != "quantity")
     for one in found:
         mean, slope, low, high = (f"{value:.4g}" for value in (one.mean, one.per_hour, one.low, one.high))
-        made.add_row(one.what, mean, slope, f"{low} to {high}", one.unit, one.verdict)
+        known = isfinite(one.per_hour)
+        cells = (slope, f"{low} to {high}") if known else ("-", "-")
+        made.add_row(one.what, mean, *cells, one.unit, one.verdict)
     return made
 
 

@@ -2,10 +2,12 @@
 
 The first WARM_UP of the samples is left out. The rest is averaged in BLOCKS blocks of equally many samples,
 so that samples that follow each other count once, and a line is fitted to the averages by least squares. The
-interval of its slope is Student's with BLOCKS - 2 degrees of freedom.
+interval of its slope is Student's with BLOCKS - 2 degrees of freedom. With fewer than two samples a block the
+slope is not known.
 """
 
 from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 from scipy.special import stdtrit
@@ -27,7 +29,7 @@ class Growth:
     unit: str
     mean: float
     per_hour: float
-    """Slope, in `unit` an hour."""
+    """Slope, in `unit` an hour; NaN, as its interval, where it is not known."""
     low: float
     """95 % interval of the slope."""
     high: float
@@ -36,7 +38,7 @@ class Growth:
 
     @property
     def verdict(self) -> str:
-        """Return `flat`, `grows`, `falls`, or `undecided` where the interval is too wide."""
+        """Return `flat`, `grows`, `falls`, or `undecided` where the interval is too wide or not known."""
         if -self.allowed <= self.low and self.high <= self.allowed:
             return "flat"
         if self.low > self.allowed:
@@ -55,15 +57,11 @@ class WatchedQuantity:
 
 
 def growth(kind: WatchedQuantity, t: Array, values: Array) -> Growth:
-    """Return the growth of samples `values` at times `t` [s], (k,) each.
-
-    Raises:
-        ValueError: fewer than two samples per block.
-    """
+    """Return the growth of samples `values` at times `t` [s], (k,) each, k at least 1."""
     late = t >= t[0] + WARM_UP * (t[-1] - t[0])
     t, values = t[late], values[late]
     if len(t) < 2 * BLOCKS:
-        raise ValueError(f"{len(t)} samples of {kind.what}: at least {2 * BLOCKS} are needed; fly longer")
+        return Growth(kind.what, kind.unit, float(values.mean()), nan, nan, nan, kind.allowed)
     hours, means = (
         np.array([part.mean() for part in np.array_split(one, BLOCKS)]) for one in (t / HOUR, values)
     )
