@@ -106,6 +106,11 @@ def test_a_model_is_identified_from_bags():
     assert q2q.load_model(found) is found.file
 
 
+def test_an_outcome_names_the_air_of_its_campaign(tmp_path: Path):
+    (outcome,) = q2q.campaign(1, seed=7, air="bent", out=tmp_path)
+    assert outcome.air == "bent"
+
+
 @pytest.mark.parametrize(
     ("runs", "choice"), [(0, {}), (-1, {}), (1, {"jobs": 0}), (1, {"jobs": -1}), (1, {"seed": -5})]
 )

@@ -66,6 +66,7 @@ def fly_and_judge(seed: int, kept: Path, air: str = "") -> RunOutcome:
         what=run_description(run),
         violations=flown.violations,
         seconds=perf_counter() - began,
+        air=air,
     )
 
 

@@ -33,7 +33,8 @@ def run_outcomes(
     Raises:
         ValueError: an unknown engine, or one that is not installed.
     """
-    return spread_work(ParallelRuns(engine, jobs), partial(fly_and_judge, kept=kept, air=air), seeds, _died)
+    fly, died = partial(fly_and_judge, kept=kept, air=air), partial(_died, air=air)
+    return spread_work(ParallelRuns(engine, jobs), fly, seeds, died)
 
 
 class ParallelRuns(NamedTuple):
@@ -96,10 +97,10 @@ def freeze_imports() -> None:
     gc.freeze()
 
 
-def _died(seed: int) -> RunOutcome:
+def _died(seed: int, air: str) -> RunOutcome:
     """Return the crash of a run whose process died."""
     what = Violation(CRASH, "its process died when flown alone", float("nan"), float("nan"), 0.0)
-    return RunOutcome(seed, through_nodes=False, what=DIED, violations=(what,), seconds=0.0)
+    return RunOutcome(seed, through_nodes=False, what=DIED, violations=(what,), seconds=0.0, air=air)
 
 
 def _dask(work: Work[Result], numbers: Sequence[int], jobs: int) -> Iterator[Result]:

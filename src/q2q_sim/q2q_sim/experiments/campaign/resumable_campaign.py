@@ -3,7 +3,6 @@
 import json
 from argparse import Namespace
 from collections.abc import Container, Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -48,8 +47,7 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
         nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
         drop_incomplete_line(log)
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
-        for outcome in _all(args, pure, nodes, kept):
-            one = replace(outcome, air=args.air)
+        for one in _all(args, pure, nodes, kept):
             file.write(json.dumps(as_document(one)) + "\n")
             file.flush()
             done[one.seed] = one

@@ -68,8 +68,9 @@ class NodeFlights:
             self._keep(run)
         shutil.rmtree(self._folder, ignore_errors=True)
         took = perf_counter() - began
+        what = run_description(run)
         return RunOutcome(
-            seed, through_nodes=True, what=run_description(run), violations=violations, seconds=took
+            seed, through_nodes=True, what=what, violations=violations, seconds=took, air=self._air
         )
 
     def _flown(self, run: Run) -> tuple[Violation, ...]:
