@@ -46,7 +46,7 @@ def old_format(seed: int = 0, first_us: int = 9_000) -> bytes:
     """Return a log of the first format: 100 Hz, in blocks; its CRC is stored inverted."""
     header = bytes([len(NAMES) + 1]) + b"".join(f"{one},".encode() for one in ("tick(I)", *NAMES))
     rows = [
-        struct.pack("<I", first_us + 10_000 * k) + struct.pack(KIND, *row)
+        struct.pack("<I", (first_us + 10_000 * k) % 2**32) + struct.pack(KIND, *row)
         for k, row in enumerate(values(seed))
     ]
     blocks = [rows[at : at + IN_BLOCK] for at in range(0, ROWS, IN_BLOCK)]
@@ -91,6 +91,27 @@ def test_a_log_that_was_cut_off_gives_the_rows_before_the_cut_and_says_so(data: 
     np.testing.assert_array_equal(
         log.variables["stateEstimate.x"], [row[0] for row in values(0)][: len(log.t)]
     )
+
+
+@pytest.mark.parametrize("row", [0, 1, 115, ROWS - 2, ROWS - 1])
+@pytest.mark.parametrize("byte", [3, 5, 7])
+def test_a_damaged_stamp_costs_its_own_row(row: int, byte: int) -> None:
+    data, plain = bytearray(new_format(2)), usd_log(new_format(2))
+    stamp = struct.pack("<HQ", 7, round(1e6 * plain.t[row]))
+    data[data.index(stamp) + 2 + byte] ^= 0x40  # by 18 min, 13 days, 146000 years
+    log = usd_log(bytes(data))
+    np.testing.assert_array_equal(log.t, np.delete(plain.t, row))
+    np.testing.assert_array_equal(
+        log.variables["stateEstimate.x"], np.delete(plain.variables["stateEstimate.x"], row)
+    )
+    assert log.repairs[-1] == "1 row whose time does not rise or is damaged"
+
+
+def test_a_log_whose_clock_wraps_is_whole() -> None:
+    plain, wrapped = usd_log(old_format(first_us=0)), usd_log(old_format(first_us=2**32 - 1_000_000))
+    assert wrapped.repairs == ()
+    np.testing.assert_allclose(wrapped.t - wrapped.t[0], plain.t, atol=1e-9)
+    assert wrapped.t[0] == pytest.approx(4293.967296)
 
 
 def test_a_spoiled_block_costs_its_own_rows() -> None:
@@ -173,6 +194,13 @@ def test_a_hole_of_a_log_is_marked() -> None:
         {"cf1": type(log)(log.t[kept], {n: v[kept] for n, v in log.variables.items()}, ())}
     )
     assert 9 <= found["cf1_gap"].sum() <= 11
+
+
+def test_a_flight_without_an_end_is_refused() -> None:
+    log = usd_log(new_format(2))
+    late = log.t + np.where(np.arange(ROWS) < 100, 0.0, 1e12)
+    with pytest.raises(ValueError, match=r"the logs span 10+2 s, 14400 s is the most"):
+        columns_of_logs({"cf1": type(log)(late, log.variables, ())})
 
 
 def test_a_map_comes_before_the_firmwares_names_and_lacking_positions_are_named() -> None:

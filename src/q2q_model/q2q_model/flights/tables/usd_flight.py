@@ -20,6 +20,8 @@ STEP_S = 0.01
 """Period of a flight's ticks [s]."""
 HOLE_S = 0.025
 """A row more is missing: 2.5 periods of a log at 100 Hz [s]."""
+LONGEST_S = 4 * 3600.0
+"""Longest flight [s]: stamps further apart are damaged; a battery lasts 7 min, a wired vehicle longer."""
 LOGGING_CLOCK_S = 2.0
 """First row up to which a clock counts from the start of logging [s]: 0.01 s in the logs of
 aerorobotics/neural-swarm, more where blocks of first rows are damaged; nobody sends a broadcast as soon after
@@ -47,8 +49,8 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
         given: Sources of columns, before those of FIRMWARE.
 
     Raises:
-        ValueError: a vehicle has no position, a given source is in no log, or the logs have no second in
-            common.
+        ValueError: a vehicle has no position, a given source is in no log, or the logs have less than a
+            second or more than `LONGEST_S` in common.
     """
     variables = sorted({name for log in logs.values() for name in log.variables})
     require_sources(given or {}, variables, variables)
@@ -56,6 +58,10 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
     shared = share_clock(logs.values())
     clocks = {name: log.t if shared else log.t - log.t[0] for name, log in logs.items()}
     begin, end = max(t[0] for t in clocks.values()), min(t[-1] for t in clocks.values())
+    if end - begin > LONGEST_S:
+        raise ValueError(
+            f"the logs span {end - begin:.0f} s, {LONGEST_S:.0f} s is the most: are time stamps damaged?"
+        )
     first, last = np.ceil(begin / STEP_S - ROUNDING), np.floor(end / STEP_S + ROUNDING)
     t = STEP_S * np.arange(first, last + 1.0)
     if end - begin < 1.0:

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.counted import counted
+from q2q_model.flights.tables.usd_stamps import rising_rows, stamped_times
 from q2q_model.signals.values import Array
 
 MAGIC = 0xBC
@@ -57,7 +58,8 @@ def is_usd_log(data: bytes) -> bool:
 def usd_log(data: bytes) -> UsdLog:
     """Return the rows of a log.
 
-    Rows of a block with a wrong CRC, rows cut off at the end, and rows whose time does not rise are left out.
+    Rows of a block with a wrong CRC, rows cut off at the end, and rows whose time is damaged or does not rise
+    are left out.
 
     Raises:
         UsdLogError: the bytes are no log, or no row can be read.
@@ -68,9 +70,9 @@ def usd_log(data: bytes) -> UsdLog:
         t, rows, repairs = _events(data) if data[0] == MAGIC else _blocks(data)
     except (struct.error, ValueError, IndexError) as damage:
         raise UsdLogError(f"its header is damaged: {damage}") from damage
-    rising = np.flatnonzero(np.diff(np.maximum.accumulate(t), prepend=-np.inf) > 0.0)
+    rising = rising_rows(t)
     if len(rising) < len(t):
-        repairs.append(f"{counted(len(t) - len(rising), 'row')} whose time does not rise")
+        repairs.append(f"{counted(len(t) - len(rising), 'row')} whose time does not rise or is damaged")
     if not len(rising):
         raise UsdLogError("it holds no row")
     names = [name for name in rows.dtype.names or () if name != "tick"]
@@ -104,7 +106,7 @@ def _blocks(data: bytes) -> tuple[Array, Records, list[str]]:
     rows = np.concatenate([np.empty(0, kind), *found])
     if "tick" not in (kind.names or ()):
         raise ValueError("there is no variable tick")
-    return rows["tick"] * TICK_S, rows, repairs
+    return stamped_times(rows["tick"], TICK_S), rows, repairs
 
 
 def _events(data: bytes) -> tuple[Array, Records, list[str]]:
@@ -133,7 +135,7 @@ def _events(data: bytes) -> tuple[Array, Records, list[str]]:
         raise ValueError("no event type")
     rows = np.frombuffer(b"".join(found[most]), kinds[most])
     kept = [name for name in rows.dtype.names or () if name not in {"event id", "stamp"}]
-    return rows["stamp"] * unit, rows[kept], repairs
+    return stamped_times(rows["stamp"], unit), rows[kept], repairs
 
 
 def _rows_of_events(

@@ -1,0 +1,45 @@
+"""Times of the rows of a micro-SD log from their stamps: counters that wrap, and stamps that are damaged.
+
+A damaged byte changes one stamp. Its neighbours rise without it, so the row is dropped, and not the rows
+whose times do not rise after it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from q2q_model.signals.values import Array, Mask
+
+LONGEST_PAUSE_S = 60.0
+"""Longest time between the first or last row and the next to it [s]: a log has no single row so far away."""
+
+
+def stamped_times(stamps: NDArray[np.generic], unit: float) -> Array:
+    """Return stamps in units of `unit` [s] as times [s], (T,).
+
+    A counter of 32 bits or fewer goes on where it wraps: one of microseconds does so after 71.6 minutes.
+    """
+    counts = stamps.astype(np.float64)
+    if stamps.dtype.kind == "u" and stamps.dtype.itemsize <= 4:
+        counts = np.unwrap(counts, period=2.0 ** (8 * stamps.dtype.itemsize))
+    return np.asarray(counts * unit)
+
+
+def rising_rows(t: Array) -> NDArray[np.intp]:
+    """Return the rows with rising times, without those whose time is outside that of their neighbours."""
+    rows = np.flatnonzero(~_alone(t))
+    rows = rows[np.diff(np.maximum.accumulate(t[rows]), prepend=-np.inf) > 0.0]
+    if len(rows) > 1 and t[rows[-1]] - t[rows[-2]] > LONGEST_PAUSE_S:
+        rows = rows[:-1]
+    if len(rows) > 1 and t[rows[1]] - t[rows[0]] > LONGEST_PAUSE_S:
+        rows = rows[1:]
+    return rows
+
+
+def _alone(t: Array) -> Mask:
+    """Return the rows without which their neighbours rise, and with which they do not, (T,)."""
+    alone = np.zeros(len(t), dtype=np.bool_)
+    if len(t) > 2:
+        before, own, after = t[:-2], t[1:-1], t[2:]
+        alone[1:-1] = (before < after) & ~((before < own) & (own < after))
+        alone[0] = t[1] < t[2] <= t[0]
+    return alone
