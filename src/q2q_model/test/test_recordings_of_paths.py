@@ -35,6 +35,13 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
         flights_among([tmp_path / "lists"])
 
 
+def test_a_flight_without_a_position_says_what_to_record(tmp_path: Path) -> None:
+    gaps = "".join(f"{row},1\n" for row in ROWS.split())
+    (tmp_path / "lost.csv").write_text("t,x,y,z,gap\n" + gaps)
+    with pytest.raises(ValueError, match="flight lost: no vehicle has a position; record the topic mocap"):
+        recordings_of_paths([tmp_path / "lost.csv"])
+
+
 def test_a_topic_map_without_a_bag_to_map_is_refused(tmp_path: Path):
     (tmp_path / "one.csv").write_text(HEAD + ROWS)
     with pytest.raises(ValueError, match=r"topics of bags, and .*one\.csv is a table: leave out --topics"):

@@ -44,7 +44,7 @@ def is_flight_csv(path: Path) -> bool:
 
 
 def recording_of_table(path: Path) -> Recording:
-    """Return the flight in a table; raise ValueError if it cannot be read."""
+    """Return the flight in a table; raise ValueError if it cannot be read or no vehicle has a position."""
     table = flight_table(read_columns(path))
     signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
     log = log_of(table)
@@ -53,7 +53,12 @@ def recording_of_table(path: Path) -> Recording:
 
 
 def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
-    """Return the flight in a bag with its log, as `flight_of_bag` reads it; BagError if they do not fit."""
+    """Return the flight in a bag with its log, as `flight_of_bag` reads it.
+
+    Raises:
+        BagError: the bag cannot be read, or flight and log do not fit.
+        ValueError: its positions are not in metres, or no vehicle has one.
+    """
     flight = flight_of_bag(bag, topics)
     log = _log(bag)
     try:
@@ -76,6 +81,8 @@ def flight_of_bag(bag: Path, topics: TopicMap | None = None) -> Flight:
 
 
 def _recording(flight: Flight, log: FlightLog | None) -> Recording:
+    if not flight.names:
+        raise ValueError(f"flight {flight.name}: no vehicle has a position; record the topic mocap or state")
     whole = with_filtered_states(flight)
     return Recording(whole, log, filtered=whole is not flight)
 
