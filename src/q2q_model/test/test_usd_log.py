@@ -55,8 +55,8 @@ def old_format(seed: int = 0, first_us: int = 9_000) -> bytes:
     )
 
 
-def new_format(version: int, seed: int = 0, first_s: float = 12.0) -> bytes:
-    """Return a log of version 1 or 2, in which another event type comes between the rows."""
+def new_format(version: int, seed: int = 0, first_s: float = 12.0, between: int = 0) -> bytes:
+    """Return a log of version 1 or 2; of another event type, one comes each 10 rows, or several each row."""
     header = struct.pack("<BHHH", 0xBC, version, 2, 7) + b"fixedFrequency\0" + struct.pack("<H", len(NAMES))
     header += b"".join(one.encode() + b"\0" for one in NAMES)
     header += struct.pack("<H", 9) + b"estimator\0" + struct.pack("<H", 1) + b"source(B)\0"
@@ -65,8 +65,7 @@ def new_format(version: int, seed: int = 0, first_s: float = 12.0) -> bytes:
     for k, row in enumerate(values(seed)):
         at = round((first_s + 0.01 * k) / unit)
         events.append(struct.pack(stamp, 7, at) + struct.pack(KIND, *row))
-        if k % 10 == 0:
-            events.append(struct.pack(stamp, 9, at) + b"\3")
+        events += [struct.pack(stamp, 9, at) + b"\3"] * (between or k % 10 == 0)
     return with_crc(header + b"".join(events))
 
 
@@ -77,7 +76,7 @@ LOGS = pytest.mark.parametrize("data", [old_format(), new_format(1), new_format(
 def test_every_value_comes_back(data: bytes) -> None:
     log = usd_log(data)
     assert is_usd_log(data)
-    assert log.repairs == ()
+    assert log.repairs == (() if data == old_format() else ("23 rows of the event type estimator",))
     np.testing.assert_allclose(np.diff(log.t), 0.01, atol=1e-9)
     for k, name in enumerate(NAMES):
         np.testing.assert_array_equal(log.variables[name[:-3]], [row[k] for row in values(0)])
@@ -112,6 +111,14 @@ def test_a_log_whose_clock_wraps_is_whole() -> None:
     assert wrapped.repairs == ()
     np.testing.assert_allclose(wrapped.t - wrapped.t[0], plain.t, atol=1e-9)
     assert wrapped.t[0] == pytest.approx(4293.967296)
+
+
+def test_the_event_type_with_positions_is_read_though_another_is_faster() -> None:
+    slow, fast = usd_log(new_format(2)), usd_log(new_format(2, between=3))
+    np.testing.assert_array_equal(fast.t, slow.t)
+    assert fast.repairs == ("690 rows of the event type estimator",)
+    of_source = {axis: (SourceColumn("source"),) for axis in "xyz"}
+    assert set(usd_log(new_format(2), of_source).variables) == {"source"}
 
 
 def test_a_spoiled_block_costs_its_own_rows() -> None:

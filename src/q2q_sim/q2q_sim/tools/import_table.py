@@ -7,7 +7,7 @@ from pathlib import Path
 
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
-from q2q_model.flights.tables.column_map import ColumnMap, load_column_map, mapped_table
+from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, load_column_map, mapped_table
 from q2q_model.flights.tables.flight_table import ANGLES, CARRIED, POS, FlightTable, flight_table
 from q2q_model.flights.tables.table_file import TABLES, read_columns
 from q2q_model.flights.tables.table_log import log_of
@@ -71,12 +71,14 @@ def _columns(
             raise ValueError(f"{paths[0]} is neither a table (.parquet, .csv) nor a log of a micro-SD deck")
         columns = read_columns(paths[0])
         return (mapped_table(columns, chosen) if chosen else columns), []
-    logs = read_logs(paths, names.split(",") if names else None)
+    logs = read_logs(paths, names.split(",") if names else None, chosen)
     notes = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
     return columns_of_logs(logs, chosen), [clock_note(logs), *notes]
 
 
-def read_logs(paths: Sequence[Path], names: Sequence[str] | None = None) -> dict[str, UsdLog]:
+def read_logs(
+    paths: Sequence[Path], names: Sequence[str] | None = None, chosen: ColumnMap | None = None
+) -> dict[str, UsdLog]:
     """Return each vehicle's micro-SD log; a vehicle is named by its file, up to the last _number.
 
     Raises ValueError for a file that is no such log, and for names that are not one each.
@@ -89,7 +91,7 @@ def read_logs(paths: Sequence[Path], names: Sequence[str] | None = None) -> dict
     logs = {}
     for name, path in zip(found, paths, strict=True):
         try:
-            logs[name] = usd_log(path.read_bytes())
+            logs[name] = usd_log(path.read_bytes(), {**FIRMWARE, **(chosen or {})})
         except UsdLogError as damage:
             raise ValueError(f"{path} is no log of a micro-SD deck: {damage}") from damage
     return logs

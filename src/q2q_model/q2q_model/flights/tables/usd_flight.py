@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, map_columns, require_sources
-from q2q_model.flights.tables.usd_log import UsdLog
+from q2q_model.flights.tables.usd_log import POS, UsdLog
 from q2q_model.geometry.quaternion32 import decompress_quat
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import Array
@@ -39,7 +39,6 @@ QUAT = ("qx", "qy", "qz", "qw")
 ATTITUDE = ("stateEstimate.roll", "stateEstimate.pitch", "stateEstimate.yaw")
 """Degrees; the firmware's pitch is nose up: minus theta."""
 QUAT_BITS = "stateEstimateZ.quat"
-NEEDED = ("x", "y", "z")
 
 
 def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) -> dict[str, Array]:
@@ -71,7 +70,7 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
     found = {"t": t}
     for name, log in logs.items():
         columns = _columns(log.variables, chosen)
-        missing = [one for one in NEEDED if one not in columns]
+        missing = [one for one in POS if one not in columns]
         if missing:
             raise ValueError(
                 f"{name} logs no {', '.join(missing)}; name its variables in a column map: it logs "

@@ -21,9 +21,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from q2q_model.counted import counted
+from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap
 from q2q_model.flights.tables.usd_stamps import rising_rows, stamped_times
 from q2q_model.signals.values import Array
 
+POS = ("x", "y", "z")
 MAGIC = 0xBC
 GOOD_CRC = 0xFFFFFFFF
 """CRC-32 of bytes followed by their own inverted CRC-32, as the old format stores it."""
@@ -55,11 +57,16 @@ def is_usd_log(data: bytes) -> bool:
     return data[:1] == bytes([MAGIC]) or bool(data and VARIABLE.match(data, 1))
 
 
-def usd_log(data: bytes) -> UsdLog:
-    """Return the rows of a log.
+def usd_log(data: bytes, sources: ColumnMap = FIRMWARE) -> UsdLog:
+    """Return the rows of a log, with several event types those of the one that has positions.
 
     Rows of a block with a wrong CRC, rows cut off at the end, and rows whose time is damaged or does not rise
     are left out.
+
+    Args:
+        data: Bytes of the file.
+        sources: Variables of positions. Of several event types with them, or if none has, that with most rows
+            is read.
 
     Raises:
         UsdLogError: the bytes are no log, or no row can be read.
@@ -67,7 +74,7 @@ def usd_log(data: bytes) -> UsdLog:
     if not is_usd_log(data):
         raise UsdLogError("it does not begin as a log of a micro-SD deck does")
     try:
-        t, rows, repairs = _events(data) if data[0] == MAGIC else _blocks(data)
+        t, rows, repairs = _events(data, sources) if data[0] == MAGIC else _blocks(data)
     except (struct.error, ValueError, IndexError) as damage:
         raise UsdLogError(f"its header is damaged: {damage}") from damage
     rising = rising_rows(t)
@@ -109,8 +116,22 @@ def _blocks(data: bytes) -> tuple[Array, Records, list[str]]:
     return stamped_times(rows["tick"], TICK_S), rows, repairs
 
 
-def _events(data: bytes) -> tuple[Array, Records, list[str]]:
-    """Return times, rows and repairs of version 1 or 2: those of the event type with the most rows."""
+@dataclass(frozen=True, slots=True)
+class _EventType:
+    """Type of events in versions 1 and 2."""
+
+    name: str
+    row: np.dtype
+    """Event id, stamp and variables."""
+
+    def has_positions(self, sources: ColumnMap) -> bool:
+        """Return whether its variables include a source of each of x, y, z."""
+        present = self.row.names or ()
+        return all(any(one.name in present for one in sources.get(axis, ())) for axis in POS)
+
+
+def _events(data: bytes, sources: ColumnMap) -> tuple[Array, Records, list[str]]:
+    """Return times, rows and repairs of version 1 or 2: those of one event type."""
     version, count = struct.unpack_from("<HH", data, 1)
     if version not in STAMPS:
         raise ValueError(f"version {version}; known are 1 and 2")
@@ -118,33 +139,40 @@ def _events(data: bytes) -> tuple[Array, Records, list[str]]:
     kinds, at = {}, 5
     for _ in range(count):
         (key,) = struct.unpack_from("<H", data, at)
-        _, at = _text(data, at + 2)
+        name, at = _text(data, at + 2)
         (variables,) = struct.unpack_from("<H", data, at)
         at, fields = at + 2, [("event id", "<u2"), ("stamp", stamp)]
         for _ in range(variables):
             text, at = _text(data, at)
             fields.append(_field(text))
-        kinds[key] = np.dtype(fields)
+        kinds[key] = _EventType(name.decode(errors="replace"), np.dtype(fields))
+    if not kinds:
+        raise ValueError("no event type")
     sound = crc32(data[:-4]) == int.from_bytes(data[-4:], "little")
     repairs = [] if sound else ["the CRC of the file is wrong: its end may be missing"]
     found: dict[int, list[bytes]] = {key: [] for key in kinds}
     for key, row in _rows_of_events(data[at : len(data) - 4], kinds, repairs):
         found[key].append(row)
-    most = max(found, key=lambda key: len(found[key]), default=None)
-    if most is None:
-        raise ValueError("no event type")
-    rows = np.frombuffer(b"".join(found[most]), kinds[most])
+    chosen = max(
+        kinds, key=lambda key: (bool(found[key]) and kinds[key].has_positions(sources), len(found[key]))
+    )
+    repairs += [
+        f"{counted(len(found[key]), 'row')} of the event type {kind.name}"
+        for key, kind in kinds.items()
+        if key != chosen and found[key]
+    ]
+    rows = np.frombuffer(b"".join(found[chosen]), kinds[chosen].row)
     kept = [name for name in rows.dtype.names or () if name not in {"event id", "stamp"}]
     return stamped_times(rows["stamp"], unit), rows[kept], repairs
 
 
 def _rows_of_events(
-    data: bytes, kinds: Mapping[int, np.dtype], repairs: list[str]
+    data: bytes, kinds: Mapping[int, _EventType], repairs: list[str]
 ) -> Iterator[tuple[int, bytes]]:
     at = 0
     while at + 2 <= len(data):
         key = int.from_bytes(data[at : at + 2], "little")
-        end = at + kinds[key].itemsize if key in kinds else len(data) + 1
+        end = at + kinds[key].row.itemsize if key in kinds else len(data) + 1
         if end > len(data):
             repairs.append(f"{counted(len(data) - at, 'byte')} at the end without an event")
             return
