@@ -164,6 +164,18 @@ def test_output_that_nobody_reads_ends_a_command_without_a_traceback(lines: int)
     assert said == b""
 
 
+def test_output_in_an_encoding_that_lacks_a_letter_is_printed_all_the_same():
+    program = (
+        "from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "line = CommandLine('tool', 'Does things.', '  tool')\n"
+        "raise SystemExit(run_command(line, lambda args: lambda args: print('effort [N\\xb2s]') or 3, []))"
+    )
+    ascii_only = os.environ | {"PYTHONIOENCODING": "ascii"}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, env=ascii_only, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (3, "effort [N?s]\n", "")
+
+
 def test_a_broken_pipe_to_another_process_is_reported(capsys: pytest.CaptureFixture[str]):
     def work(_: object) -> int:
         raise BrokenPipeError("the recorder has gone")

@@ -13,6 +13,7 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
+from io import TextIOWrapper
 from typing import NoReturn
 
 from q2q_model.commands.clean_exit import (
@@ -86,6 +87,7 @@ def run_command(
         interrupted: message after Ctrl-C; the status is 130.
         refused: exit status after a ValueError or OSError.
     """
+    _replace_unprintable()
     own, of_ros = split_at_ros(argv)
     args = line.parse_args(own, Namespace(argv=own, ros_argv=of_ros))
     try:
@@ -107,6 +109,12 @@ def run_command(
             return CUT_OFF
         print(f"{line.prog}: {failure_reason(refusal)}", file=sys.stderr)
         return refused
+
+
+def _replace_unprintable() -> None:
+    """Print `?` for what the encoding of the standard output lacks, such as N²s in ASCII."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
 
 
 def given_options(args: Namespace) -> list[str]:
