@@ -31,20 +31,20 @@ def resting(t: float, names: Names) -> SwarmSetpoint:
 def moving() -> CommittedMotion:
     """Return one vehicle at 1 m/s, off its reference, that holds a jerk for 0.1 s more."""
     one = at_reference(resting(2.0, ("cf1",)))
-    return replace(
-        one,
+    rows = one.rows._replace(
         vel=np.array([[1.0, 0.0, 0.0]]),
         hold=np.array([0.1]),
         on_reference=np.array([False]),
         pushed=np.array([True]),
         jerk=np.array([[0.0, 6.0, 0.0]]),
     )
+    return replace(one, rows=rows)
 
 
 def test_a_new_vehicle_starts_on_its_reference_and_the_others_go_on() -> None:
-    both = propagate(moving(), resting(2.01, ("cf0", "cf1")), PARAMS)
-    alone = propagate(moving(), resting(2.01, ("cf1",)), PARAMS)
-    assert both.names == ("cf0", "cf1")
+    motion = propagate(moving(), resting(2.01, ("cf0", "cf1")), PARAMS)
+    both, alone = motion.rows, propagate(moving(), resting(2.01, ("cf1",)), PARAMS).rows
+    assert motion.names == ("cf0", "cf1")
     assert both.hold.tolist() == [0.0, pytest.approx(0.09)]
     assert both.jerk.tolist() == [[0.0, 0.0, 0.0], [0.0, 6.0, 0.0]]
     assert both.on_reference.tolist() == [True, False]
@@ -55,7 +55,7 @@ def test_a_new_vehicle_starts_on_its_reference_and_the_others_go_on() -> None:
 
 
 def test_a_held_jerk_is_integrated_over_the_tick() -> None:
-    moved = propagate(moving(), resting(2.01, ("cf1",)), PARAMS)
+    moved = propagate(moving(), resting(2.01, ("cf1",)), PARAMS).rows
     np.testing.assert_allclose(moved.acc, [[0.0, 6.0 * 0.01, 0.0]], atol=1e-12)
     np.testing.assert_allclose(moved.vel, [[1.0, 0.5 * 6.0 * 0.01**2, 0.0]], atol=1e-12)
     np.testing.assert_allclose(moved.pos, [[0.01, 6.0 * 0.01**3 / 6.0, 1.0]], atol=1e-12)
@@ -63,14 +63,13 @@ def test_a_held_jerk_is_integrated_over_the_tick() -> None:
 
 def test_a_vehicle_is_near_its_reference_by_place_and_by_speed_unless_it_is_pushed() -> None:
     asked = resting(2.0, ("cf1", "cf2", "cf3", "cf4"))
-    on = at_reference(asked)
-    off = replace(
-        on,
+    on = at_reference(asked).rows
+    off = on._replace(
         pos=on.pos + np.array([[0.9e-4, 0, 0], [1.1e-4, 0, 0], [0, 0, 0], [0, 0, 0]]),
         vel=on.vel + np.array([[0, 4.9e-3, 0], [0, 0, 0], [0, 5.1e-3, 0], [0, 0, 0]]),
         pushed=np.array([False, False, False, True]),
     )
-    assert near_rows(off.rows, reference_rows(asked)).tolist() == [True, False, False, False]
+    assert near_rows(off, reference_rows(asked)).tolist() == [True, False, False, False]
 
 
 @pytest.mark.parametrize(
@@ -110,8 +109,8 @@ def test_a_reference_is_left_while_its_acceleration_can_be_taken_back_below_the_
 
 def follows(reference: SwarmSetpoint) -> bool:
     """Return whether a vehicle on a reference, and with its acceleration, stays on it."""
-    same = replace(at_reference(reference), vel=np.zeros((1, 3)))
-    return bool(followed_rows(same.rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))[0])
+    same = at_reference(reference).rows._replace(vel=np.zeros((1, 3)))
+    return bool(followed_rows(same, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))[0])
 
 
 @pytest.mark.parametrize(
@@ -128,6 +127,6 @@ def test_a_reference_is_followed_if_its_acceleration_jumps_by_no_more_than_the_j
     before: float, asked: float, followed: bool
 ) -> None:
     reference = replace(resting(2.0, ("cf1",)), acc=np.array([[0.0, asked, 0.0]]))
-    committed = replace(at_reference(reference), acc=np.array([[0.0, before, 0.0]]))
-    may = followed_rows(committed.rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))
+    rows = at_reference(reference).rows._replace(acc=np.array([[0.0, before, 0.0]]))
+    may = followed_rows(rows, reference_rows(reference), follow_bounds(PARAMS, PARAMS.hold))
     assert may.tolist() == [followed]

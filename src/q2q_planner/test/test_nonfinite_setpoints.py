@@ -135,12 +135,12 @@ def test_nobody_has_a_finite_setpoint(*, state: bool) -> None:
 
 def test_a_motion_that_overflowed_is_dropped_and_its_vehicle_a_new_one() -> None:
     motion = at_reference(apart(0))
-    motion.acc[0, 1] = np.inf
+    motion.rows.acc[0, 1] = np.inf
     assert not moves_finitely(motion)
     some = flyable_inputs(apart(1), motion, None)
     assert some.setpoint.names == NAMES
     assert some.committed is not None
     assert some.committed.names == ("cf2",)
     both = propagate(some.committed, some.setpoint, PARAMS)
-    np.testing.assert_array_equal(both.pos[0], apart(1).pos[0])
+    np.testing.assert_array_equal(both.rows.pos[0], apart(1).pos[0])
     assert moves_finitely(both)

@@ -12,7 +12,7 @@ from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
     SNAP_VEL,
-    CommittedMotion,
+    MotionRows,
     near_rows,
     propagate,
     reference_rows,
@@ -82,18 +82,20 @@ def test_external_vehicles_are_those_of_no_swarm_until_they_are_forgotten_for_go
 
 def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
     pos, vel, acc = np.array([[1.0, 2.0, 3.0]] * 2), np.array([[0.0, 1.0, 0.0]] * 2), np.eye(3)[:2] * 2.0
-    motion = replace(held(pos, vel, 0.5, acc), on_reference=ON, pushed=ON)
+    motion = held(pos, vel, 0.5, acc)
+    motion = replace(motion, rows=motion.rows._replace(on_reference=ON, pushed=ON))
     there = setpoint(1.25, ("a", "b"), np.zeros((2, 3)))
     strong = replace(PARAMS, acc_max=4.0)
-    early = propagate(motion, there, strong)
+    moved = propagate(motion, there, strong)
+    early = moved.rows
     np.testing.assert_allclose(early.pos[0], [1.0 + 0.0625, 2.25, 3.0], atol=1e-15)
     np.testing.assert_allclose(early.vel[0], [0.5, 1.0, 0.0], atol=1e-15)
     assert early.hold.tolist() == [0.25, 0.25]
-    assert (early.t, early.acc.tolist()) == (1.25, acc.tolist())
+    assert (moved.t, early.acc.tolist()) == (1.25, acc.tolist())
     assert early.on_reference.all()
     assert early.pushed.all()
     # b along y at 2 m/s after its hold, then a quarter
-    late = propagate(motion, replace(there, t=1.75), strong)
+    late = propagate(motion, replace(there, t=1.75), strong).rows
     np.testing.assert_allclose(late.pos[1], [1.0, 2.0 + 0.75 + 0.5 - 0.125, 3.0], atol=1e-15)
     np.testing.assert_allclose(late.vel[1], [0.0, 1.0, 0.0], atol=1e-15)
     assert late.hold.tolist() == [0.0, 0.0]
@@ -106,8 +108,9 @@ def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
 def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, carried: bool) -> None:
     motion = held(np.ones((2, 3)), np.zeros((2, 3)))
     there = setpoint(1.0 + passed, ("a", "b"), np.zeros((2, 3)), np.ones((2, 3)))
-    after = propagate(still_flown(motion, there.t), there, PARAMS)
-    assert after.t == 1.0 + passed
+    moved = propagate(still_flown(motion, there.t), there, PARAMS)
+    after = moved.rows
+    assert moved.t == 1.0 + passed
     assert (after.pos == 1.0).all() == carried
     assert (after.vel == 0.0).all() == carried
     assert after.on_reference.tolist() == [not carried] * 2
@@ -118,35 +121,36 @@ def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, ca
 
 def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references() -> None:
     motion = held(np.array([[1.0] * 3, [2.0] * 3]), np.zeros((2, 3)), 0.5, np.eye(3)[:2] * 2.0)
-    motion = replace(motion, pushed=np.array([False, True]))
-    after = propagate(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), PARAMS)
-    assert after.names == ("b", "new")
+    motion = replace(motion, rows=motion.rows._replace(pushed=np.array([False, True])))
+    moved = propagate(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), PARAMS)
+    after = moved.rows
+    assert moved.names == ("b", "new")
     assert after.pos.tolist() == [[2.0, 2.0625, 2.0], [0.0, 0.0, 0.0]]
     assert after.vel.tolist() == [[0.0, 0.5, 0.0], [1.0, 1.0, 1.0]]
     assert after.acc.tolist() == [[0.0, 2.0, 0.0], [0.0, 0.0, 0.0]]
     assert after.hold.tolist() == [0.25, 0.0]
     assert after.on_reference.tolist() == [False, True]
     assert after.pushed.tolist() == [True, False]
-    mixed = replace(motion, on_reference=np.array([True, False]))
+    mixed = replace(motion, rows=motion.rows._replace(on_reference=np.array([True, False])))
     more = setpoint(1.25, ("b", "a", "new"), np.zeros((3, 3)))
-    assert propagate(mixed, more, PARAMS).on_reference.tolist() == [False, True, True]
+    assert propagate(mixed, more, PARAMS).rows.on_reference.tolist() == [False, True, True]
 
 
-def near(motion: CommittedMotion, reference: SwarmSetpoint) -> list[bool]:
+def near(rows: MotionRows, reference: SwarmSetpoint) -> list[bool]:
     """Return which vehicles may be put onto a reference."""
-    return near_rows(motion.rows, reference_rows(reference)).tolist()
+    return near_rows(rows, reference_rows(reference)).tolist()
 
 
 def test_who_is_near_its_reference_and_was_not_pushed_may_be_put_onto_it() -> None:
     zero = np.zeros((2, 3))
     aside, away = np.array([[0.6, 0.8, 0.0], [0.6, 0.8, 0.0]]), np.array([[0.99], [1.01]])
     reference = setpoint(1.0, ("a", "b"), zero)
-    assert near(held(SNAP_POS * away * aside, zero), reference) == [True, False]
-    assert near(held(zero, SNAP_VEL * away * aside), reference) == [True, False]
-    assert near(held(zero, zero), setpoint(1.0, ("a", "b"), aside)) == [False, False]
-    assert near(held(zero, zero), setpoint(1.0, ("a", "b"), zero, aside)) == [False, False]
-    pushed = replace(held(zero, zero), pushed=np.array([True, False]))
-    assert near(pushed, reference) == [False, True]
+    assert near(held(SNAP_POS * away * aside, zero).rows, reference) == [True, False]
+    assert near(held(zero, SNAP_VEL * away * aside).rows, reference) == [True, False]
+    there = held(zero, zero).rows
+    assert near(there, setpoint(1.0, ("a", "b"), aside)) == [False, False]
+    assert near(there, setpoint(1.0, ("a", "b"), zero, aside)) == [False, False]
+    assert near(there._replace(pushed=np.array([True, False])), reference) == [False, True]
 
 
 def states(ages: list[float], x: list[float], speed: float = 1.0) -> KnownStates:

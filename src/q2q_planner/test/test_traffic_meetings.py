@@ -10,7 +10,7 @@ from q2q_model.signals.values import Array
 from q2q_planner.online.safe.committed_motion import (
     SNAP_POS,
     SNAP_VEL,
-    CommittedMotion,
+    MotionRows,
     reference_rows,
 )
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
@@ -67,12 +67,14 @@ def test_who_stands_matters_where_a_push_of_both_could_be_asked() -> None:
     assert not meet(far + 1e-9, np.zeros((2, 3)))
 
 
-def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) -> CommittedMotion:
+def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) -> MotionRows:
     """Return two vehicles so far apart in x [m] once they are put on their references, or not."""
     pos = np.array([[0.0, 0.0, 0.0], [apart, 0.0, 0.0]])
-    motion = replace(held(pos, np.zeros((2, 3))), on_reference=np.full(2, on), pushed=np.full(2, pushed))
+    motion = held(pos, np.zeros((2, 3)))
+    rows = motion.rows._replace(on_reference=np.full(2, on), pushed=np.full(2, pushed))
     there = setpoint(1.0, ("a", "b"), pos + reference, np.full((2, 3), SNAP_VEL / 2.0))
-    return traffic_at(motion, reference_rows(there), np.zeros((2, 2)), NOBODY, PARAMS)[0]
+    begun = replace(motion, rows=rows)
+    return traffic_at(begun, reference_rows(there), np.zeros((2, 2)), NOBODY, PARAMS)[0].rows
 
 
 def test_who_meets_nobody_stays_on_its_reference_however_that_jumps() -> None:

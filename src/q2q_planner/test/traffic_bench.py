@@ -4,9 +4,7 @@ import numpy as np
 
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.committed_motion import (
-    CommittedMotion,
-)
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 PARAMS = SafeReplannerParams(
@@ -34,4 +32,5 @@ def setpoint(t: float, names: Names, pos: Array, vel: Array | None = None) -> Sw
 def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> CommittedMotion:
     """Return two vehicles' motion from t = 1 s on, off their references."""
     acc = np.zeros((2, 3)) if acc is None else acc
-    return CommittedMotion(1.0, ("a", "b"), pos, vel, acc, np.full(2, hold), OFF, OFF, np.zeros((2, 3)))
+    rows = MotionRows(pos, vel, acc, np.full(2, hold), OFF, OFF, np.zeros((2, 3)))
+    return CommittedMotion(1.0, ("a", "b"), rows)

@@ -19,15 +19,22 @@ ROUNDING = 1e-9
 
 
 class MotionRows(NamedTuple):
-    """Committed motion of n vehicles; fields of CommittedMotion."""
+    """Committed motion of n vehicles: acc, or where it is bounded jerk, for hold; then braking."""
 
     pos: Array
+    """Modified position [m], (n, 3)."""
     vel: Array
+    """[m/s], (n, 3)."""
     acc: Array
+    """Held acceleration, or where jerk is bounded that at the start [m/s^2], (n, 3)."""
     hold: Array
+    """Remaining hold time [s], (n,)."""
     on_reference: Mask
+    """Exactly on its reference, (n,)."""
     pushed: Mask
+    """Deviates from its wanted acceleration, (n,)."""
     jerk: Array
+    """Held jerk [m/s^3], (n, 3); 0 where it is not bounded."""
 
 
 class ReferenceRows(NamedTuple):
@@ -58,39 +65,21 @@ class FollowBounds(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CommittedMotion:
-    """Motion of every vehicle from t on: acc, or where it is bounded jerk, for hold; then braking."""
+    """Motion of every vehicle from t [s] on."""
 
     t: float
     names: Names
-    pos: Array
-    """Modified position at t [m], (n, 3)."""
-    vel: Array
-    """[m/s], (n, 3)"""
-    acc: Array
-    """Held acceleration, or that at t where jerk is bounded [m/s^2], (n, 3)."""
-    hold: Array
-    """Remaining hold time [s], (n,)."""
-    on_reference: Mask
-    """Exactly on its reference, (n,)."""
-    pushed: Mask
-    """Deviates from its wanted acceleration, (n,)."""
-    jerk: Array
-    """Held jerk [m/s^3], (n, 3); 0 where it is not bounded."""
+    rows: MotionRows
     passed: float = 0.0
     """Time since the tick before [s]."""
-
-    @property
-    def rows(self) -> MotionRows:
-        """Return the motion's arrays."""
-        return MotionRows(self.pos, self.vel, self.acc, self.hold, self.on_reference, self.pushed, self.jerk)
 
 
 def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:
     """Return the motion of a swarm that starts on its reference."""
     n = len(setpoint.names)
     on, off = np.ones(n, np.bool_), np.zeros(n, np.bool_)
-    start = setpoint.t, setpoint.names, *reference_rows(setpoint)
-    return CommittedMotion(*start, np.zeros(n), on, off, np.zeros((n, 3)))
+    rows = MotionRows(*reference_rows(setpoint), np.zeros(n), on, off, np.zeros((n, 3)))
+    return CommittedMotion(setpoint.t, setpoint.names, rows)
 
 
 def starting(setpoint: SwarmSetpoint, params: SafeReplannerParams) -> CommittedMotion:
@@ -101,9 +90,10 @@ def starting(setpoint: SwarmSetpoint, params: SafeReplannerParams) -> CommittedM
     start = at_reference(setpoint)
     if params.jerk_max == 0.0:
         return start
-    on = followed_rows(start.rows, reference_rows(setpoint), follow_bounds(params, 0.0))
-    vel, acc = up_to(start.vel, params.speed_max), np.where(on[:, None], start.acc, 0.0)
-    return replace(start, vel=vel, acc=acc, on_reference=on)
+    rows = start.rows
+    on = followed_rows(rows, reference_rows(setpoint), follow_bounds(params, 0.0))
+    vel, acc = up_to(rows.vel, params.speed_max), np.where(on[:, None], rows.acc, 0.0)
+    return replace(start, rows=rows._replace(vel=vel, acc=acc, on_reference=on))
 
 
 def up_to(vel: Array, speed: float) -> Array:
@@ -141,8 +131,8 @@ def _moved(committed: CommittedMotion, t: float, brake: float, jerk: float) -> C
     passed = round(max(t - committed.t, 0.0), 9)  # stamps are whole nanoseconds
     law = BrakingLaw(0.0, 0.0, brake, jerk)
     pos, vel, acc, hold = _carried(committed.rows, passed, law)
-    on, pushed, held = committed.on_reference, committed.pushed, committed.jerk
-    return CommittedMotion(t, committed.names, pos, vel, acc, hold, on, pushed, held, passed)
+    rows = committed.rows._replace(pos=pos, vel=vel, acc=acc, hold=hold)
+    return CommittedMotion(t, committed.names, rows, passed)
 
 
 @compiled
@@ -162,19 +152,9 @@ def _with_new_vehicles(
     moved: CommittedMotion, setpoint: SwarmSetpoint, params: SafeReplannerParams
 ) -> CommittedMotion:
     """Return the motion of the setpoint's vehicles; those that are new start on the reference."""
-    fresh, have, names = starting(setpoint, params), moved.names, setpoint.names
-    return CommittedMotion(
-        setpoint.t,
-        names,
-        rows_by_name(moved.pos, have, names, fresh.pos),
-        rows_by_name(moved.vel, have, names, fresh.vel),
-        rows_by_name(moved.acc, have, names, fresh.acc),
-        rows_by_name(moved.hold, have, names, fresh.hold),
-        rows_by_name(moved.on_reference, have, names, fresh.on_reference),
-        rows_by_name(moved.pushed, have, names, fresh.pushed),
-        rows_by_name(moved.jerk, have, names, fresh.jerk),
-        moved.passed,
-    )
+    pairs = zip(moved.rows, starting(setpoint, params).rows, strict=True)
+    rows = MotionRows._make(rows_by_name(had, moved.names, setpoint.names, new) for had, new in pairs)
+    return CommittedMotion(setpoint.t, setpoint.names, rows, moved.passed)
 
 
 def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:

@@ -1,5 +1,6 @@
 """Motion that a swarm commits to after its choice, and what of it is outside the conditions."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -44,29 +45,21 @@ def decide(
 ) -> tuple[CommittedMotion, Decision]:
     """Return the motion that the swarm commits to, and what else is decided."""
     bounds = _Bounds(params.hold, params.acc_max, params.speed_max, params.jerk_max > 0.0)
-    (acc, hold, on_reference, pushed, jerk), (now, outside) = _decided(
-        committed.rows, wanted, choice, pairs, bounds
-    )
-    motion = CommittedMotion(
-        committed.t, committed.names, committed.pos, committed.vel, acc, hold, on_reference, pushed, jerk
-    )
-    return motion, Decision(now, outside)
+    rows, (acc, outside) = _decided(committed.rows, wanted, choice, pairs, bounds)
+    return replace(committed, rows=rows), Decision(acc, outside)
 
 
 @compiled
 def _decided(
     rows: MotionRows, wanted: WantedMotion, choice: Choices, pairs: Pairs, bounds: _Bounds
-) -> tuple[tuple[Array, Array, Mask, Mask, Array], tuple[Array, Mask]]:
-    """Return the fields of the committed motion that change, and those of the decision."""
-    acc, hold, on_reference, pushed, jerk = _committed(rows, wanted, choice, bounds.hold)
-    motion = MotionRows(rows.pos, rows.vel, acc, hold, on_reference, pushed, jerk)
-    return (acc, hold, on_reference, pushed, jerk), _decision(motion, pairs, bounds)
+) -> tuple[MotionRows, tuple[Array, Mask]]:
+    """Return the committed motion, and the fields of the decision."""
+    motion = _committed(rows, wanted, choice, bounds.hold)
+    return motion, _decision(motion, pairs, bounds)
 
 
 @compiled
-def _committed(
-    rows: MotionRows, wanted: WantedMotion, choice: Choices, held: float
-) -> tuple[Array, Array, Mask, Mask, Array]:
+def _committed(rows: MotionRows, wanted: WantedMotion, choice: Choices, held: float) -> MotionRows:
     acc, hold, jerk = rows.acc.copy(), rows.hold.copy(), rows.jerk.copy()
     on_reference, pushed = rows.on_reference.copy(), wanted.pushed.copy()
     for row in range(hold.size):
@@ -75,7 +68,7 @@ def _committed(
         else:
             acc[row], hold[row], jerk[row] = wanted.acc[row], held, wanted.jerk[row]
         on_reference[row] &= not pushed[row]
-    return acc, hold, on_reference, pushed, jerk
+    return MotionRows(rows.pos, rows.vel, acc, hold, on_reference, pushed, jerk)
 
 
 @compiled

@@ -23,7 +23,7 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask, Names, SwarmState, TrackStatus, rows_by_name
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.committed_motion import CommittedMotion, distance, up_to
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, distance, up_to
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 
 BLIND_S = MocapFilterParams().coast_s
@@ -78,7 +78,7 @@ def tracked_now(state: SwarmState, names: Names) -> Mask:
 
 def far_from_motion(committed: CommittedMotion, known: KnownStates) -> Mask:
     """Return which vehicles off the reference are measured too far from their motion, (n,)."""
-    return _left_behind(committed.pos, committed.on_reference, known.pos, known.age)
+    return _left_behind(committed.rows.pos, committed.rows.on_reference, known.pos, known.age)
 
 
 @compiled
@@ -96,17 +96,17 @@ def restart_motion(
     """Return the motion with `found` vehicles, (n,), where they are measured, at most at speed_max."""
     if not found.any():
         return committed
-    col, still = found[:, None], np.zeros((len(found), 3))
-    return replace(
-        committed,
-        pos=np.where(col, known.pos, committed.pos),
-        vel=np.where(col, _bounded(known, params), committed.vel),
-        acc=np.where(col, still, committed.acc),
-        hold=np.where(found, 0.0, committed.hold),
-        on_reference=committed.on_reference & ~found,
-        pushed=committed.pushed & ~found,
-        jerk=np.where(col, still, committed.jerk),
+    col, still, rows = found[:, None], np.zeros((len(found), 3)), committed.rows
+    restarted = MotionRows(
+        pos=np.where(col, known.pos, rows.pos),
+        vel=np.where(col, _bounded(known, params), rows.vel),
+        acc=np.where(col, still, rows.acc),
+        hold=np.where(found, 0.0, rows.hold),
+        on_reference=rows.on_reference & ~found,
+        pushed=rows.pushed & ~found,
+        jerk=np.where(col, still, rows.jerk),
     )
+    return replace(committed, rows=restarted)
 
 
 def _bounded(known: KnownStates, params: SafeReplannerParams) -> Array:

@@ -16,7 +16,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of, rows_by_name
-from q2q_planner.online.safe.committed_motion import CommittedMotion, ReferenceRows
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, ReferenceRows
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,10 @@ def is_finite(rows: ReferenceRows) -> bool:
 
 def moves_finitely(committed: CommittedMotion | None) -> bool:
     """Return whether a committed motion is finite; true if there is none."""
-    return committed is None or is_finite(ReferenceRows(committed.pos, committed.vel, committed.acc))
+    if committed is None:
+        return True
+    rows = committed.rows
+    return is_finite(ReferenceRows(rows.pos, rows.vel, rows.acc))
 
 
 def flyable_inputs(
@@ -53,7 +56,7 @@ def flyable_inputs(
     rows, bad = index_of(given.names, moving), nonfinite_rows(given)
     hover, setpoint = bad & (rows >= 0), given
     if motion is not None and last is not None and hover.any():
-        setpoint = _hovering(setpoint, hover, motion.pos[rows], last)
+        setpoint = _hovering(setpoint, hover, motion.rows.pos[rows], last)
     some = of_vehicles(setpoint, np.flatnonzero(~bad | hover))
     return Flyable(some, off_reference(motion, given))
 
@@ -66,7 +69,8 @@ def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> Co
     if committed is None:
         return None
     bad = rows_by_name(nonfinite_rows(given), given.names, committed.names)
-    return replace(committed, on_reference=committed.on_reference & ~bad)
+    rows = committed.rows._replace(on_reference=committed.rows.on_reference & ~bad)
+    return replace(committed, rows=rows)
 
 
 def answer_for_all(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
@@ -98,18 +102,10 @@ def _not_finite(pos: Array, vel: Array, acc: Array) -> Mask:
 def _finite_motion(committed: CommittedMotion | None) -> CommittedMotion | None:
     if committed is None:
         return None
-    kept = ~_not_finite(committed.pos, committed.vel, committed.acc)
-    return CommittedMotion(
-        committed.t,
-        tuple(name for name, stays in zip(committed.names, kept, strict=True) if stays),
-        committed.pos[kept],
-        committed.vel[kept],
-        committed.acc[kept],
-        committed.hold[kept],
-        committed.on_reference[kept],
-        committed.pushed[kept],
-        committed.jerk[kept],
-    )
+    rows = committed.rows
+    kept = ~_not_finite(rows.pos, rows.vel, rows.acc)
+    names = tuple(name for name, stays in zip(committed.names, kept, strict=True) if stays)
+    return CommittedMotion(committed.t, names, MotionRows._make(field[kept] for field in rows))
 
 
 def _hovering(setpoint: SwarmSetpoint, hover: Mask, pos: Array, last: SwarmSetpoint) -> SwarmSetpoint:

@@ -225,14 +225,14 @@ def _choice(
 
 def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
     """Return the setpoint of the tick; the reference object itself if no vehicle deviates from it."""
-    status = setpoint.status.copy()
-    if not _marked(status, committed.pos, np.array(setpoint.pos), committed.on_reference, broken):
+    status, rows = setpoint.status.copy(), committed.rows
+    if not _marked(status, rows.pos, np.array(setpoint.pos), rows.on_reference, broken):
         return setpoint
     return SwarmSetpoint(
         setpoint.t,
         setpoint.names,
-        committed.pos,
-        committed.vel,
+        rows.pos,
+        rows.vel,
         acc,
         setpoint.yaw,
         setpoint.yaw_rate,

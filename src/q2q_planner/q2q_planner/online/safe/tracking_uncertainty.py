@@ -58,7 +58,7 @@ def off_trajectory(
     """Return which vehicles are off their modified trajectory by more than their age allows, (n,)."""
     if states is None:
         return np.zeros(len(committed.names), np.bool_)
-    return _off(committed.pos, states.pos, states.vel, states.age, _tube(params))
+    return _off(committed.rows.pos, states.pos, states.vel, states.age, _tube(params))
 
 
 @compiled

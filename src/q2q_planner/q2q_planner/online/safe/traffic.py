@@ -8,7 +8,7 @@ that times A + hold; neither changes by more than `speed_max` allows; and it may
 brakes from `hold` after its message on, since any other choice was proven against us.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -120,21 +120,11 @@ def traffic_at(
     A vehicle on its reference without a pair stays on it, even if that jumps, unless jerk is bounded.
     """
     external, own = _external_rows(states, params), len(committed.names)
-    swarm = TrafficRows(committed.pos, committed.vel, growth)
+    swarm = TrafficRows(committed.rows.pos, committed.rows.vel, growth)
     limits = limits_of(params, committed.passed)
     put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits)
-    placed = CommittedMotion(
-        committed.t,
-        committed.names,
-        pos[:own],
-        vel[:own],
-        committed.acc,
-        committed.hold,
-        put,
-        committed.pushed,
-        committed.jerk,
-    )
-    return placed, TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
+    rows = committed.rows._replace(pos=pos[:own], vel=vel[:own], on_reference=put)
+    return replace(committed, rows=rows), TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
 
 
 @compiled

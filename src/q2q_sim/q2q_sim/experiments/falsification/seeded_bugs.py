@@ -143,8 +143,9 @@ def _hold_forgotten(
     committed: CommittedMotion | None, setpoint: SwarmSetpoint, params: SafeReplannerParams
 ) -> CommittedMotion:
     moved = propagate(committed, setpoint, params)
-    same = committed is not None and len(committed.hold) == len(moved.hold)
-    return replace(moved, hold=committed.hold) if committed is not None and same else moved
+    if committed is None or len(committed.names) != len(moved.names):
+        return moved
+    return replace(moved, rows=moved.rows._replace(hold=committed.rows.hold))
 
 
 def _half_zone(eps: float, d: float, brake: float, jerk: float) -> BrakingLaw:
