@@ -127,8 +127,8 @@ def plot(flights: Mapping[str, FlightResult], kind: FigureKind = "altitude", veh
 
     Args:
         flights: the flights by their labels.
-        kind: altitude [m], horizontal error [m] ("sideways"), vertical downwash [m/s^2], commanded thrust [N]
-            or commanded roll and pitch ("tilt").
+        kind: altitude [m], horizontal error [m] ("sideways"), vertical push of the air with the predicted
+            downwash [m/s^2] ("downwash"), commanded thrust [N] or commanded roll and pitch ("tilt").
         vehicle: name of the vehicle; empty takes the first.
 
     Raises:

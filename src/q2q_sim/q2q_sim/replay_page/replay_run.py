@@ -10,15 +10,20 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.wake_laws import MEASURED_SPEED
+from q2q_sim.monitors.exposure import BELOW
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import best_position
 from q2q_sim.monitors.mocap_quality import rejected_samples
 from q2q_sim.monitors.policies import Circumstances
+from q2q_sim.monitors.proximity import under_another
 from q2q_sim.replay_page.height_loss import LOSS_SHOWN, height_loss, height_loss_text
 
 MOST_LOSSES = 4
 """Vehicles whose largest height loss is marked."""
+BESIDE = 0.4
+"""Distance beside a vehicle above from which on the true push of the air is no downwash [m]: that of the wake
+laws has faded to 3 %."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +54,10 @@ class ReplayRun:
     rejected: Mask
     """Motion-capture samples that the filter did not follow, (T, n)."""
     downwash: Array
-    """Acceleration by the downwash [m/s^2], true where known, else predicted, (T, n, 3)."""
+    """Acceleration by the downwash [m/s^2], true where known, else predicted, (T, n, 3).
+
+    The true one is the whole push of the air on a vehicle under another, and 0 elsewhere.
+    """
     thrust: Array
     """Commanded thrust over the weight [-], (T, n)."""
     arm: float
@@ -115,13 +123,19 @@ def replay_run(
         ref_pos=_reference(flight),
         mocap_pos=flight.mocap_pos,
         rejected=rejected_samples(flight),
-        downwash=_first_known(flight.true_eta, flight.eta),
+        downwash=_first_known(_true_downwash(flight, pos), flight.eta),
         thrust=flight.thrust / vehicle.hover_thrust,
         arm=vehicle.arm,
         verdict=f"{loss}; {verdict}",
         events=tuple(_events(flight, pos, verdict)),
         since=since,
     )
+
+
+def _true_downwash(flight: Flight, pos: Array) -> Array:
+    """Return the true push of the air on vehicles under another [m/s^2], (T, n, 3); 0 elsewhere: gusts."""
+    under = under_another(pos, BESIDE, BELOW)
+    return np.where(under[..., None], flight.true_eta, 0.0 * flight.true_eta)
 
 
 def _first_known(values: Array, others: Array) -> Array:

@@ -138,11 +138,11 @@ KINDS: dict[str, Quantity] = {
         "horizontal error", "horizontal error [m]", (TimeTrace(_horizontal_error),), least=1e-3
     ),
     "downwash": Quantity(
-        "vertical downwash",
-        "downwash z [m/s²]",
+        "vertical push of the air",
+        "push z [m/s²]",
         (
             TimeTrace(lambda flight: flight.true_eta[..., 2], "true", palette.MEASURED, width=3.5),
-            TimeTrace(lambda flight: flight.eta[..., 2], "predicted", palette.MODEL),
+            TimeTrace(lambda flight: flight.eta[..., 2], "predicted downwash", palette.MODEL),
         ),
         least=0.01,
     ),

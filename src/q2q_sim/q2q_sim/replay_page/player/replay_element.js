@@ -147,7 +147,7 @@ class Replay {
     const lines = new Set([...this.runs.map((run) => run.facts.note), ...absent]);
     const push = this.sight.room.fullPush.toPrecision(2);
     const legends = [
-      ["downwash", `Air turns from blue to orange as it pushes a vehicle (orange: ${push} m/s² of downwash).`],
+      ["downwash", `Air turns from blue to orange as it pushes a vehicle below it (orange: ${push} m/s²).`],
       ["ref", "Dashed: reference."],
     ].flatMap(([channel, words]) => (this.runs.some((run) => run.has(channel)) ? [words] : []));
     const crosses = "Crosses: motion capture that the filter did not follow; in the curves at the edge if it lies outside.";
