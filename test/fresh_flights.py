@@ -90,8 +90,8 @@ def flights() -> None:
     )
     distributed(replace(library.load("stack3"), duration=0.2))
     flown(replace(library.load("swarm20"), duration=0.5), "mpc", "safe")
-    steady = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}
-    flown(replace(library.load("swarm20"), duration=0.5, overrides=steady), "pid", "safe")
+    jerk_limited = {"safe_replanner": {"jerk_max": 20.0, "tracking_z": 0.1}}
+    flown(replace(library.load("swarm20"), duration=0.5, overrides=jerk_limited), "pid", "safe")
     fly(replace(library.load("stack3"), duration=1.0), FlightOptions(residual_process=REAL_FLIGHTS))
     fly(replace(alone, duration=1.0), FlightOptions(residual_process=REAL_FLIGHTS))
     flown_by_firmware(library.load("table6"))

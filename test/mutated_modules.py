@@ -108,14 +108,16 @@ MUTATED = (
                 "safe_tick",
                 "safe_replanner",
                 "nonfinite_setpoints",
-                "steady_replanner",
+                "jerk_limited_replanner",
                 "encounters",
             )
         ),
         compiled=True,
     ),
     MutatedModules(
-        tuple(f"q2q_planner.online.safe.stopping.{name}" for name in ("jerk_limited", "smooth_separation")),
+        tuple(
+            f"q2q_planner.online.safe.stopping.{name}" for name in ("jerk_limited", "jerk_limited_separation")
+        ),
         ("src/q2q_planner/test/test_jerk_limited.py",),
         "not compiled_and_plain",
     ),

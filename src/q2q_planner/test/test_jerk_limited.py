@@ -9,14 +9,14 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions
 from q2q_planner.online.safe.stopping.jerk_limited import (
+    jerk_limited_motion_after,
     jerk_towards,
     rest_delay,
     rest_time,
-    smooth_motion_after,
     stop_reach,
     with_stops,
 )
-from q2q_planner.online.safe.stopping.smooth_separation import stays_out_smoothly
+from q2q_planner.online.safe.stopping.jerk_limited_separation import stays_out_jerk_limited
 
 BRAKE, JERK = 2.0, 20.0
 LAW = BrakingLaw(0.2, 1.1, BRAKE, JERK)
@@ -35,7 +35,7 @@ def random_motions(seed: int, n: int = 2) -> Motions:
 
 def _over_time(motions: Motions, times: Array) -> tuple[Array, Array, Array]:
     """Return position, velocity and acceleration at every time, (T, n, 3) each."""
-    states = [smooth_motion_after(motions, float(s), LAW) for s in times]
+    states = [jerk_limited_motion_after(motions, float(s), LAW) for s in times]
     pos, vel, acc = (np.array([one[part] for one in states]) for part in range(3))
     return pos, vel, acc
 
@@ -54,18 +54,18 @@ def rest(motions: Motions, row: int) -> float:
 
 def proven_apart(motions: Motions, floor: float = 1e-3) -> bool:
     """Return whether the first two motions are proven to stay apart."""
-    return stays_out_smoothly(with_stops(motions, LAW), 0, 1, LAW, floor)
+    return stays_out_jerk_limited(with_stops(motions, LAW), 0, 1, LAW, floor)
 
 
 def test_a_stop_from_2_m_per_s_takes_the_time_and_distance_of_its_trapezium() -> None:
     """Without initial acceleration: v / A + A / J, and half of v times that."""
     motion, end = stopping(2.0, 0.0), 2.0 / BRAKE + BRAKE / JERK
     assert rest(motion, 0) == pytest.approx(end, rel=1e-14)
-    pos, vel, acc = smooth_motion_after(motion, end, LAW)
+    pos, vel, acc = jerk_limited_motion_after(motion, end, LAW)
     assert pos[0].tolist() == pytest.approx([0.5 * 2.0 * end, 0.0, 0.0], rel=1e-14)
     assert np.abs(vel).max() < 1e-14
     assert np.abs(acc).max() < 1e-13
-    assert smooth_motion_after(motion, 9.0, LAW)[0][0, 0] == pytest.approx(1.0 * end, rel=1e-14)
+    assert jerk_limited_motion_after(motion, 9.0, LAW)[0][0, 0] == pytest.approx(1.0 * end, rel=1e-14)
 
 
 def test_a_stop_from_a_low_speed_takes_the_time_of_its_triangle() -> None:
@@ -74,7 +74,7 @@ def test_a_stop_from_a_low_speed_takes_the_time_of_its_triangle() -> None:
 
 
 def test_a_motion_at_rest_stays() -> None:
-    pos, vel, acc = smooth_motion_after(stopping(0.0, 0.0), 1.0, LAW)
+    pos, vel, acc = jerk_limited_motion_after(stopping(0.0, 0.0), 1.0, LAW)
     assert not pos.any()
     assert not vel.any()
     assert not acc.any()
@@ -103,12 +103,12 @@ def test_motions_keep_their_bounds_and_come_to_rest(seed: int) -> None:
 @example(1265, 0.109375, 1.0)  # continued where the deceleration ends
 def test_the_rest_of_a_motion_is_the_motion_of_its_rest(seed: int, first: float, then: float) -> None:
     motions = random_motions(seed)
-    pos, vel, acc = smooth_motion_after(motions, first, LAW)
+    pos, vel, acc = jerk_limited_motion_after(motions, first, LAW)
     left = np.maximum(motions.hold - first, 0.0)
     rest = motions._replace(pos=pos, vel=vel, acc=acc, hold=left)
     for one, other in zip(
-        smooth_motion_after(motions, first + then, LAW)[:2],
-        smooth_motion_after(rest, then, LAW)[:2],
+        jerk_limited_motion_after(motions, first + then, LAW)[:2],
+        jerk_limited_motion_after(rest, then, LAW)[:2],
         strict=True,
     ):
         # the peak is a root: a rounding of 1e-16 in its square moves it by 1e-8
@@ -121,7 +121,7 @@ def test_stops_bring_no_two_velocities_further_apart_on_any_axis(seed: int, s: f
     """The fact on which growth at the rate g1 rests."""
     motions = random_motions(seed)
     same = motions._replace(hold=np.zeros(2), acc=np.repeat(motions.acc[:1], 2, axis=0))
-    _, later, _ = smooth_motion_after(same, s, LAW)
+    _, later, _ = jerk_limited_motion_after(same, s, LAW)
     before = np.abs(motions.vel[0] - motions.vel[1])
     assert (np.abs(later[0] - later[1]) <= before + 1e-9).all()
 
@@ -135,7 +135,7 @@ def test_what_is_proven_is_true_at_every_sample(seed: int) -> None:
     late = max(rest(motions, row) for row in range(2)) + rest_delay(float(growth[1]), LAW)
     left = []
     for s in np.linspace(0.0, late, 400):
-        pos, _, _ = smooth_motion_after(motions, float(s), LAW)
+        pos, _, _ = jerk_limited_motion_after(motions, float(s), LAW)
         left.append(zone.signed_distance(pos[0] - pos[1]) - growth[0] - growth[1] * s)
     least = min(left)
     if proven:
@@ -150,7 +150,7 @@ def test_compiled_and_plain_agree(seed: int) -> None:
     motions = random_motions(seed, 4)
     for i, j in ((0, 1), (2, 3), (0, 3)):
         given = with_stops(motions, LAW), i, j, LAW, 1e-3
-        assert stays_out_smoothly(*given) == stays_out_smoothly.py_func(*given)
+        assert stays_out_jerk_limited(*given) == stays_out_jerk_limited.py_func(*given)
 
 
 @settings(deadline=None, max_examples=30)
@@ -158,7 +158,7 @@ def test_compiled_and_plain_agree(seed: int) -> None:
 def test_nothing_moves_beyond_its_reach(seed: int) -> None:
     motions = random_motions(seed, 4)
     longest = max(rest(motions, row) for row in range(4))
-    there, _, _ = smooth_motion_after(motions, longest, LAW)
+    there, _, _ = jerk_limited_motion_after(motions, longest, LAW)
     moved = np.sqrt(((there - motions.pos) ** 2).sum(-1)) + motions.growth @ [1.0, longest]
     assert (moved <= stop_reach(with_stops(motions, LAW), LAW, longest)).all()
 

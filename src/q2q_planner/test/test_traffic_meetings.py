@@ -47,9 +47,9 @@ def test_ways_to_rest_are_longer_by_the_ramps_of_a_bounded_jerk(jerk: float) -> 
     vel = np.array([[3.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
     late = 2 * 0.02 + 4.0 * 3.0 / jerk
     way = {v: (v + 3.0 * late) * (late + 0.5 * (v + 3.0 * late) / 3.0) for v in (3.0, 2.0)}
-    far, smooth = PARAMS.eps + way[3.0] + way[2.0], replace(PARAMS, jerk_max=jerk)
-    assert meet(far - 1e-6, vel, params=smooth)
-    assert not meet(far + 1e-6, vel, params=smooth)
+    far, limited = PARAMS.eps + way[3.0] + way[2.0], replace(PARAMS, jerk_max=jerk)
+    assert meet(far - 1e-6, vel, params=limited)
+    assert not meet(far + 1e-6, vel, params=limited)
 
 
 def test_zones_that_have_grown_count_in_the_ways_and_in_the_distance() -> None:

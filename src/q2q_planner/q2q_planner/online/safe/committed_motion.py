@@ -10,7 +10,7 @@ from q2q_model.signals.values import Array, Mask, Names, SwarmSetpoint, rows_by_
 from q2q_planner.online.replanner import LONGEST_GAP
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motions_after
-from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
+from q2q_planner.online.safe.stopping.jerk_limited import jerk_limited_motion_after
 
 SNAP_POS, SNAP_VEL = 1e-4, 5e-3
 """Distance [m] and speed [m/s] at which a vehicle snaps onto its reference; added to every zone's growth."""
@@ -142,7 +142,7 @@ def _carried(rows: MotionRows, passed: float, law: BrakingLaw) -> tuple[Array, A
     motions = Motions(rows.pos, rows.vel, rows.acc, rows.hold, growth, rows.jerk)
     left = np.maximum(rows.hold - passed, 0.0)
     if law.jerk > 0.0:
-        pos, vel, acc = smooth_motion_after(motions, passed, law)
+        pos, vel, acc = jerk_limited_motion_after(motions, passed, law)
         return pos, vel, acc, left
     pos, vel = motions_after(motions, np.full(rows.hold.size, passed), law.brake)
     return pos, vel, rows.acc.copy(), left

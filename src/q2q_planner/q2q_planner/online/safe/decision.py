@@ -32,7 +32,7 @@ class _Bounds(NamedTuple):
     """[m/s^2]"""
     speed: float
     """[m/s]"""
-    steady: bool
+    jerk_limited: bool
     """Jerk is bounded."""
 
 
@@ -78,12 +78,12 @@ def _decision(rows: MotionRows, pairs: Pairs, bounds: _Bounds) -> tuple[Array, M
     for row in range(own):
         vel = rows.vel[row]
         speed = length(vel[0], vel[1], vel[2])
-        if bounds.steady:
+        if bounds.jerk_limited:
             outside[row] = speed > bounds.speed
         elif not rows.hold[row] > 0.0:  # it brakes
             for axis in range(3):
                 acc[row, axis] = -bounds.acc * vel[axis] / (speed if speed > 0.0 else 1.0)
     for row in range(pairs.i.size):
-        if bounds.steady and pairs.j[row] >= own:
+        if bounds.jerk_limited and pairs.j[row] >= own:
             outside[pairs.i[row]] = True
     return acc, outside

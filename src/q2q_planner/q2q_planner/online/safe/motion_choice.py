@@ -23,8 +23,8 @@ from q2q_planner.online.safe.candidate_motions import PairedTraffic, new_motions
 from q2q_planner.online.safe.committed_motion import MotionRows
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, with_stops
+from q2q_planner.online.safe.stopping.jerk_limited_separation import stays_out_jerk_limited
 from q2q_planner.online.safe.stopping.overlapping_reaches import near_pairs
-from q2q_planner.online.safe.stopping.smooth_separation import stays_out_smoothly
 from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 OLD, NEW, BROKEN = 0, 1, 2
@@ -63,7 +63,7 @@ class _Selection(NamedTuple):
 def _stays_out(stopping: StoppingMotions, i: int, j: int, law: BrakingLaw, floor: float) -> bool:
     """Return whether a pair is proven to stay apart, by the law's kind of motion."""
     if law.jerk > 0.0:
-        return stays_out_smoothly(stopping, i, j, law, floor)
+        return stays_out_jerk_limited(stopping, i, j, law, floor)
     return stays_out(stopping.motions, i, j, law, floor)
 
 

@@ -85,7 +85,7 @@ class TrafficLimits(NamedTuple):
     """What decides who may snap onto its reference, and who may meet whom."""
 
     follow: FollowBounds
-    steady: bool
+    jerk_limited: bool
     """Jerk is bounded."""
     hold: float
     """[s]"""
@@ -103,9 +103,11 @@ class TrafficLimits(NamedTuple):
 
 def limits_of(params: SafeReplannerParams, passed: float = 0.0) -> TrafficLimits:
     """Return the limits of a replanner's parameters, `passed` [s] after the tick before."""
-    steady, ramps = params.jerk_max > 0.0, _longest_ramps(params)
+    jerk_limited, ramps = params.jerk_max > 0.0, _longest_ramps(params)
     zone = params.eps, params.d, params.pole
-    return TrafficLimits(follow_bounds(params, passed), steady, params.hold, ramps, params.acc_max, *zone)
+    return TrafficLimits(
+        follow_bounds(params, passed), jerk_limited, params.hold, ramps, params.acc_max, *zone
+    )
 
 
 def traffic_at(
@@ -140,7 +142,7 @@ def _placed(
     pos, vel = np.concatenate((rows.pos, external.pos)), np.concatenate((rows.vel, external.vel))
     growth = np.concatenate((swarm.growth, external.growth))
     near, stays = near_rows(rows, reference), rows.on_reference
-    if limits.steady:
+    if limits.jerk_limited:
         near = near & followed_rows(rows, reference, limits.follow)
         stays = stays & near
     put = near | stays

@@ -74,9 +74,9 @@ def wanted_motion(
 
 
 def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
-    steady, pole = params.jerk_max > 0.0, params.pole
+    jerk_limited, pole = params.jerk_max > 0.0, params.pole
     poles = 2.0 * pole, pole**2
-    barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, steady)
+    barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, jerk_limited)
     return _WantedLaw(
         params.k_p,
         params.k_d,

@@ -178,7 +178,7 @@ def stop_reach(stopping: StoppingMotions, law: BrakingLaw, longest: float) -> Ar
 
 
 @compiled
-def smooth_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
+def jerk_limited_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tuple[Array, Array, Array]:
     """Return position, velocity and acceleration (n, 3) of n motions at time s [s]."""
     pos, vel, acc = np.empty_like(motions.pos), np.empty_like(motions.pos), np.empty_like(motions.pos)
     stopping = with_stops(motions, law)

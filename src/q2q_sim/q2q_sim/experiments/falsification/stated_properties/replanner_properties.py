@@ -17,7 +17,7 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
-from q2q_planner.online.safe.stopping.jerk_limited import smooth_motion_after
+from q2q_planner.online.safe.stopping.jerk_limited import jerk_limited_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
 from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
@@ -101,7 +101,7 @@ def _stopping(setpoints: Sequence[SwarmSetpoint]) -> Motions:
 def _stopped(motions: Motions, s: float, law: BrakingLaw) -> Array:
     """Return the positions of motions after s [s], [m], (n, 3)."""
     if law.jerk > 0.0:
-        return smooth_motion_after(motions, s, law)[0]
+        return jerk_limited_motion_after(motions, s, law)[0]
     return motion_after(motions, s, law.brake)[0]
 
 
