@@ -71,7 +71,7 @@ class DisturbanceTracker:
         self, params: TrackerParams, vehicle: Vehicle, residual_process: ResidualProcess | None = None
     ) -> None:
         """Track vehicles like `vehicle`; `residual_process` is the residual that accelerometers measure."""
-        self._fine = None if residual_process is None else ResidualObserver(residual_process)
+        self._residual_observer = None if residual_process is None else ResidualObserver(residual_process)
         self._accelerometers = AccelerometerResidual()
         self._most, self._mass = params.disturbance_max, vehicle.mass
         self._actuation = Actuation(vehicle, params.latency)
@@ -86,8 +86,8 @@ class DisturbanceTracker:
         self._actuation.reset()
         self._observer.reset()
         self._accelerometers.reset()
-        if self._fine is not None:
-            self._fine.reset()
+        if self._residual_observer is not None:
+            self._residual_observer.reset()
         self._names, self._eta = (), np.zeros((0, 3))
 
     def update(self, tick: Aligned) -> Tracked:
@@ -99,9 +99,9 @@ class DisturbanceTracker:
         self._names = tick.names
         measured = Measurement(tick.t, tick.names, *rows)
         estimate, residual = self._observer.update(measured), np.zeros(len(tick.names))
-        if self._fine is not None:
+        if self._residual_observer is not None:
             eta, quat = self._eta[:, 2], tick.table[:, QUAT].copy()
-            vertical = self._fine.update(measured, eta)
+            vertical = self._residual_observer.update(measured, eta)
             estimate, residual = _with_vertical(estimate, vertical, self._most), vertical[:, RESIDUAL]
             now = ExplainedTick(tick.t, tick.names, quat, acc[:, 2] + GRAVITY + eta)
             self._correct(self._accelerometers.explain(now))
@@ -112,8 +112,8 @@ class DisturbanceTracker:
         self._correct(self._accelerometers.sense(imu))
 
     def _correct(self, sample: tuple[float, Array] | None) -> None:
-        if self._fine is not None and sample is not None:
-            self._fine.correct_by_accelerometer(*sample)
+        if self._residual_observer is not None and sample is not None:
+            self._residual_observer.correct_by_accelerometer(*sample)
 
     def sent(self, command: SwarmCommand, tick: Aligned) -> None:
         """Remember the tick's command."""
