@@ -102,10 +102,10 @@ class DeadReckonedBraking:
         names = self._names
         measured = _measured(state, names)
         step, self._t = max(t - self._t, 0.0), t
-        elapsed = self._elapsed.update(step, by_frame=state is not None)
+        dt = self._elapsed.update(step, by_frame=state is not None)
         if step > GAP_S:
-            self._track[:, UNSETTLED] = 2.0 * LAG_S + elapsed
-        unmeasured = reckon(self._track, self._applied, self._push, elapsed, measured)
+            self._track[:, UNSETTLED] = 2.0 * LAG_S + dt
+        unmeasured = reckon(self._track, self._applied, self._push, dt, measured)
         if state is not None:
             self._eta, self._has_prediction = predicted_eta(interference, names), interference is not None
         self._push = self._eta

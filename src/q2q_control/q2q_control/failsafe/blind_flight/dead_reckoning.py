@@ -102,7 +102,7 @@ class MeasuredState(NamedTuple):
 
 
 @compiled
-def reckon(track: Array, applied: AppliedCommand, push: Array, elapsed: float, state: MeasuredState) -> int:
+def reckon(track: Array, applied: AppliedCommand, push: Array, dt: float, state: MeasuredState) -> int:
     """Advance tracks (n, TRACK_WIDTH) in place to a tick; return how many vehicles are not measured.
 
     A vehicle whose state is not finite counts as not measured.
@@ -111,7 +111,7 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, elapsed: float, s
         track: Of the last tick.
         applied: In effect since then.
         push: Predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
-        elapsed: Time since the last tick [s].
+        dt: Time since the last tick [s].
         state: At the tick.
     """
     unmeasured = 0
@@ -119,10 +119,10 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, elapsed: float, s
     pos, vel, quat, status = state
     for i in range(track.shape[0]):
         one, command = track[i], (share[i], roll[i], pitch[i])
-        _propagate(one, command, push[i], elapsed)
+        _propagate(one, command, push[i], dt)
         measured = status[i] == TRACKED and abs(pos[i].sum() + vel[i].sum() + quat[i].sum()) < math.inf
         if measured:
-            _correct(one, pos[i], vel[i], elapsed)
+            _correct(one, pos[i], vel[i], dt)
             one[YAW] = yaw_of(quat[i, 0], quat[i, 1], quat[i, 2], quat[i, 3])
         one[SEEN] = 1.0 if measured else 0.0
         unmeasured += not measured
@@ -130,10 +130,10 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, elapsed: float, s
 
 
 @compiled
-def _propagate(one: Array, command: tuple[float, float, float], push: Array, elapsed: float) -> None:
-    """Propagate a track (TRACK_WIDTH,) by `elapsed` [s] under a share of the hover thrust, roll and pitch."""
+def _propagate(one: Array, command: tuple[float, float, float], push: Array, dt: float) -> None:
+    """Propagate a track (TRACK_WIDTH,) by `dt` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
-    one[UNSETTLED] = max(one[UNSETTLED] - elapsed, 0.0)
+    one[UNSETTLED] = max(one[UNSETTLED] - dt, 0.0)
     level = GRAVITY * share / (1.0 + one[TRIM + 2] / GRAVITY)  # a weak rotor or battery gives less
     ahead, aside = level * math.sin(pitch) * math.cos(roll), -level * math.sin(roll)
     cos, sin = math.cos(one[YAW]), math.sin(one[YAW])
@@ -141,49 +141,49 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, ela
     for k, aimed in enumerate((cos * ahead - sin * aside, sin * ahead + cos * aside, lift)):
         lacking, before = one[ACC + k] - aimed, one[VEL + k]
         if k < 2:
-            left, one[JERK + k], made = _tilted(lacking, one[JERK + k], elapsed)
+            left, one[JERK + k], made = _tilted(lacking, one[JERK + k], dt)
         else:
-            left = lacking * math.exp(-elapsed / THRUST_LAG_S)
+            left = lacking * math.exp(-dt / THRUST_LAG_S)
             made = THRUST_LAG_S * (lacking - left)
         pushed = push[k] if abs(push[k]) < math.inf else 0.0
-        gained = (aimed + pushed - one[TRIM + k]) * elapsed + made
+        gained = (aimed + pushed - one[TRIM + k]) * dt + made
         one[VEL + k] += gained
         one[OBSERVED + k] += gained
         one[ACC + k] = aimed + left
-        one[POS + k] += 0.5 * elapsed * (before + one[VEL + k])
+        one[POS + k] += 0.5 * dt * (before + one[VEL + k])
 
 
 @compiled
-def _tilted(lacking: float, jerk: float, elapsed: float) -> tuple[float, float, float]:
-    """Return a - u and j after `elapsed` [s], and the integral of a - u, for a constant u."""
+def _tilted(lacking: float, jerk: float, dt: float) -> tuple[float, float, float]:
+    """Return a - u and j after `dt` [s], and the integral of a - u, for a constant u."""
     decay = 0.5 * LAG_S * TILT_SQUARE
     turn = math.sqrt(TILT_SQUARE - decay * decay)
-    fading = math.exp(-decay * elapsed)
-    cos, sin = fading * math.cos(turn * elapsed), fading * math.sin(turn * elapsed) / turn
+    fading = math.exp(-decay * dt)
+    cos, sin = fading * math.cos(turn * dt), fading * math.sin(turn * dt) / turn
     left = lacking * (cos + decay * sin) + jerk * sin
     after = jerk * (cos - decay * sin) - TILT_SQUARE * lacking * sin
     return left, after, LAG_S * (lacking - left) + (jerk - after) / TILT_SQUARE
 
 
 @compiled
-def _correct(one: Array, pos: Array, vel: Array, elapsed: float) -> None:
-    """Correct a track by a measurement `elapsed` [s] after the last one; begin it if it was lost."""
-    one[KNOWN_S] += elapsed * one[SEEN]
+def _correct(one: Array, pos: Array, vel: Array, dt: float) -> None:
+    """Correct a track by a measurement `dt` [s] after the last one; begin it if it was lost."""
+    one[KNOWN_S] += dt * one[SEEN]
     for k in range(3):
         error = vel[k] - one[OBSERVED + k]
         one[POS + k], one[VEL + k] = pos[k], vel[k]
         if one[SEEN] == 0.0 or one[UNSETTLED] > 0.0 or not abs(error) < OUTLIER_SPEED:
             one[OBSERVED + k] = vel[k]
-        elif elapsed > 0.0:
-            observed, learned = _gains(OBSERVER[k // 2], elapsed, one[KNOWN_S])
+        elif dt > 0.0:
+            observed, learned = _gains(OBSERVER[k // 2], dt, one[KNOWN_S])
             trim, most = one[TRIM + k] - learned * error, TRIM_MAX[k // 2]
             one[OBSERVED + k] += observed * error
             one[TRIM + k] = min(max(trim, -most), most)
 
 
 @compiled
-def _gains(bandwidth: float, elapsed: float, known: float) -> tuple[float, float]:
+def _gains(bandwidth: float, dt: float, known: float) -> tuple[float, float]:
     """Return the gains of the observed velocity [-] and of the trim [1/s], `known` [s] after the first."""
-    fast, sure = math.exp(-bandwidth * elapsed), known**3 / (known**3 + LAG_S**3)
-    observed = max(1.0 - fast * fast, (1.0 + 3.0 * sure) * elapsed / known)
-    return observed, max((1.0 - fast) ** 2 / elapsed, 6.0 * sure * elapsed / known**2)
+    fast, sure = math.exp(-bandwidth * dt), known**3 / (known**3 + LAG_S**3)
+    observed = max(1.0 - fast * fast, (1.0 + 3.0 * sure) * dt / known)
+    return observed, max((1.0 - fast) ** 2 / dt, 6.0 * sure * dt / known**2)
