@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
-from q2q_planner.online.safe.committed_motion import at_reference, propagate
+from q2q_planner.online.safe.motion_propagation import at_reference, propagate
 from q2q_planner.online.safe.nonfinite_setpoints import flyable_inputs, moves_finitely
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams

@@ -8,9 +8,10 @@ import pytest
 
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe import safe_replanner
-from q2q_planner.online.safe.candidate_motions import PairedTraffic
-from q2q_planner.online.safe.committed_motion import SNAP_POS, SNAP_VEL, MotionRows
-from q2q_planner.online.safe.motion_choice import ChoiceRule, Choices, Proven, choices_at
+from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic
+from q2q_planner.online.safe.choice.motion_choice import ChoiceRule, Choices, Proven, choices_at
+from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.followed_reference import SNAP_POS, SNAP_VEL
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion

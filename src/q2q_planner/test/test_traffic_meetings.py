@@ -7,12 +7,8 @@ import pytest
 from traffic_bench import NOBODY, PARAMS, held, setpoint
 
 from q2q_model.signals.values import Array
-from q2q_planner.online.safe.committed_motion import (
-    SNAP_POS,
-    SNAP_VEL,
-    MotionRows,
-    reference_rows,
-)
+from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.followed_reference import SNAP_POS, SNAP_VEL, reference_rows
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.traffic import rows_in_pairs, traffic_at
 

@@ -16,7 +16,8 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint, index_of, rows_by_name
-from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, ReferenceRows
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows
+from q2q_planner.online.safe.followed_reference import ReferenceRows
 
 
 @dataclass(frozen=True, slots=True)

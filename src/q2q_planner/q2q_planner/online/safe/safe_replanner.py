@@ -60,18 +60,13 @@ from q2q_model.signals.values import (
 )
 from q2q_planner.online.last_known_states import KnownStates, LastKnownStates
 from q2q_planner.online.replanner import LONGEST_GAP
-from q2q_planner.online.safe.candidate_motions import PairedTraffic
-from q2q_planner.online.safe.committed_motion import (
-    CommittedMotion,
-    ReferenceRows,
-    distance,
-    propagate,
-    reference_rows,
-    still_flown,
-)
-from q2q_planner.online.safe.decision import decide
+from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic
+from q2q_planner.online.safe.choice.decision import decide
+from q2q_planner.online.safe.choice.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
+from q2q_planner.online.safe.committed_motion import CommittedMotion, distance, still_flown
+from q2q_planner.online.safe.followed_reference import ReferenceRows, reference_rows
 from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion, restart_motion, tracked_now
-from q2q_planner.online.safe.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
+from q2q_planner.online.safe.motion_propagation import propagate
 from q2q_planner.online.safe.nonfinite_setpoints import (
     answer_for_all,
     flyable_inputs,

@@ -17,16 +17,14 @@ from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.online.last_known_states import KnownStates
 from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
-from q2q_planner.online.safe.committed_motion import (
+from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, length
+from q2q_planner.online.safe.followed_reference import (
     SNAP_POS,
     SNAP_VEL,
-    CommittedMotion,
     FollowBounds,
-    MotionRows,
     ReferenceRows,
     follow_bounds,
     followed_rows,
-    length,
     near_rows,
 )
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams

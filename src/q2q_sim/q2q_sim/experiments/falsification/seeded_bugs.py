@@ -42,8 +42,9 @@ from q2q_model.signals.values import (
     SwarmState,
 )
 from q2q_planner.online.safe import safe_replanner
-from q2q_planner.online.safe.committed_motion import CommittedMotion, propagate
-from q2q_planner.online.safe.motion_choice import NEW, Choices
+from q2q_planner.online.safe.choice.motion_choice import NEW, Choices
+from q2q_planner.online.safe.committed_motion import CommittedMotion
+from q2q_planner.online.safe.motion_propagation import propagate
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.traffic import TrafficTable
