@@ -16,8 +16,8 @@ from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
+from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import gains_table, sweep_gains
-from q2q_control.mpc.solver.group_solve import Modes
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_control.mpc.solver.riccati import solve
 from q2q_control.pid.pid import Pid
@@ -54,11 +54,11 @@ class TimedSolver:
         return self
 
     def solve(
-        self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, warm_start: ActiveSet, in_time: InTime
     ) -> HorizonSolution:
         """Return the solution."""
         start = perf_counter()
-        found = self._solver.solve(horizon, downwash, guess, in_time)
+        found = self._solver.solve(horizon, downwash, warm_start, in_time)
         self.taken.append(1e3 * (perf_counter() - start))
         return found
 

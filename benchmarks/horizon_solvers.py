@@ -35,8 +35,8 @@ Program = dict[str, casadi.MX]
 def rows_of_solvers(params: MpcParams) -> list[Row]:
     """Return the time of our solve and those of others, and the cost that each reaches."""
     problem = pair_problem(params)
-    pattern = solve(problem).pattern
-    ours = least_time(lambda: solve(problem, pattern), 200)
+    active_set = solve(problem).active_set
+    ours = least_time(lambda: solve(problem, active_set), 200)
     others: dict[str, tuple[Callable[[], Array], int]] = {
         "dense condensed QP (build + daqp)": (lambda: _by_daqp(problem), 5),
         "PIQP (CasADi)": (_by_casadi(problem, _piqp), 20),

@@ -12,7 +12,7 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
-from q2q_control.mpc.solver.group_solve import Modes
+from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.horizon_solver import InTime, horizon_solver
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
@@ -74,9 +74,9 @@ def test_a_full_problem_may_step_aside_and_a_vertical_one_does_not(mode: str, mo
             self._solver = horizon_solver(params, vehicle)
 
         def solve(
-            self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
+            self, horizon: Horizon, downwash: DownwashHorizon, warm_start: ActiveSet, in_time: InTime
         ) -> HorizonSolution:
-            solution = self._solver.solve(horizon, downwash, guess, in_time)
+            solution = self._solver.solve(horizon, downwash, warm_start, in_time)
             aside.append(float(np.abs(solution.pos[..., :2] - horizon.reference[..., :2]).max()))
             return solution
 

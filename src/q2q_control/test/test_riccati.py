@@ -155,10 +155,10 @@ def test_a_solve_that_is_cut_off_says_so_and_keeps_every_bound():
     assert np.abs(lead[~outside]).max() <= 0.15 + 1e-12
 
 
-def test_the_last_pattern_as_a_guess_needs_one_recursion():
+def test_the_last_active_set_as_a_warm_start_needs_one_recursion():
     asked = problem(2, 2, 40, 0.3)
     first = solve(asked)
-    again = solve(asked, first.pattern)
+    again = solve(asked, first.active_set)
     assert first.iterations > 1
     assert again.iterations == 1
     assert np.array_equal(again.inputs, first.inputs)

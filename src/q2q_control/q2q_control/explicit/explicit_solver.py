@@ -8,7 +8,6 @@ solver.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.attitude.thrust_vector import largest_thrust
 from q2q_control.explicit.features import STAGES, PairHorizon
@@ -19,6 +18,7 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution, blank_solution
 from q2q_control.mpc.problem.input_bounds import level_bounds
+from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_table, sweep_axes, sweep_gains
 from q2q_control.mpc.solver.horizon_solver import InTime
 from q2q_model.compiled import compiled
@@ -35,10 +35,10 @@ class ExplicitSolver:
         self._weights, self._work = weights_of(law), workspace_of(law)
 
     def solve(
-        self, horizon: Horizon, downwash: DownwashHorizon, guess: NDArray[np.int8], in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, warm_start: ActiveSet, in_time: InTime
     ) -> HorizonSolution:
-        """Return the solution; guess and time budget are not needed."""
-        del guess, in_time
+        """Return the solution; warm start and time budget are not needed."""
+        del warm_start, in_time
         n = len(horizon.push)
         solution = blank_solution(n, STAGES)
         sweep_axes(horizon, np.ones((n, 3), dtype=np.bool_), self._gains, solution)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.explicit.features import STAGES, PairHorizon
 from q2q_control.explicit.situations import Situations
@@ -20,6 +19,7 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import DELTA, DownwashHo
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.input_bounds import level_bounds
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape, joint_problem
+from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import InteractionModel, SourceStates, pairs_at_rest, retarded_pairs
@@ -66,7 +66,7 @@ class TeacherSolution(NamedTuple):
     """First commands of both vehicles, their references' accelerations included [m/s^2], (K, 2)."""
     errors: Array
     """Predicted height errors [m], (K, 2, N + 1)."""
-    modes: NDArray[np.int8]
+    active_set: ActiveSet
     """Active bounds, (K, N, 2)."""
 
 
@@ -142,6 +142,6 @@ def _solve_all(shape: GroupShape, pairs: PairHorizon, limits: _Limits, out: Teac
     for q in range(out.inputs.shape[0]):
         start[:, 2], path[:, :, 2] = pairs.states[q], out.errors[q]
         push[:, :, 2], slope[:, :, 2, 2] = pairs.push[q], pairs.slope[q]
-        found = solve_from(joint_problem(shape, pair, horizon, downwash), out.modes[q], ITERATIONS)
+        found = solve_from(joint_problem(shape, pair, horizon, downwash), out.active_set[q], ITERATIONS)
         for v in range(2):
             out.inputs[q, v], out.errors[q, v] = found.inputs[0, v], found.states[:, 3 * v]

@@ -81,7 +81,7 @@ def commanded_acceleration(
     """
     old, acc = forecast.previous, np.empty((len(solution.status), 3))
     offset, solved = np.empty_like(old.offset), np.empty_like(old.solved)
-    new = PredictedSolution(old.start, offset, solution.inputs, solution.pattern, solved)
+    new = PredictedSolution(old.start, offset, solution.inputs, solution.active_set, solved)
     sources = _choose(solution, horizon, (old, new), rule, acc)
     report = MpcReport(sources, solution.iterations, len(forecast.downwash.i))
     return Commanded(acc, new, report)
@@ -139,7 +139,7 @@ def _keep_solution(
     old, new = predicted
     new.solved[v] = old.solved[v] if failed else old.start
     if failed:
-        new.offset[v], new.inputs[v], new.pattern[v] = old.offset[v], old.inputs[v], old.pattern[v]
+        new.offset[v], new.inputs[v], new.active_set[v] = old.offset[v], old.inputs[v], old.active_set[v]
         return
     for k in range(new.offset.shape[1]):
         for axis in range(3):

@@ -174,7 +174,7 @@ class Mpc:
             correct_downwash(tick, interference, forecast.downwash, self._params)
         horizon = self._horizon(tick, self._initial_state.update(tick), forecast)
         solution = self._solver.solve(
-            horizon, forecast.downwash, forecast.previous.pattern, self._setup.in_time
+            horizon, forecast.downwash, forecast.previous.active_set, self._setup.in_time
         )
         answer = commanded_acceleration(solution, horizon, forecast, self._command_rule)
         self._forecaster.keep(tick.names, answer.predicted)

@@ -1,7 +1,7 @@
 """Memory of every vehicle's last solution, shifted to the time of the next tick.
 
 Paths are stored relative to their references, so that a solution shifted beyond its end continues along the
-reference. Inputs are stored as they are, the pattern of active bounds as the next solve's first guess.
+reference. Inputs are stored as they are, the active set as the next solve's warm start.
 """
 
 import math
@@ -23,7 +23,7 @@ class PredictedSolution(NamedTuple):
     """Predicted minus reference position [m], world, (n, N + 1, 3)."""
     inputs: Array
     """Commanded acceleration [m/s^2], world, (n, N, 3)."""
-    pattern: NDArray[np.int8]
+    active_set: NDArray[np.int8]
     """Active bounds (q2q_control.mpc.solver.active_set), (n, N, 3)."""
     solved: Array
     """Start of the solution as it was solved, before any shift [s], (n,); minus infinity if there is none."""
@@ -52,7 +52,7 @@ class PreviousSolution:
             start,
             np.empty_like(old.offset),
             np.empty_like(old.inputs),
-            np.empty_like(old.pattern),
+            np.empty_like(old.active_set),
             old.solved,
         )
         _shift(late, old, new)
@@ -67,7 +67,7 @@ class PreviousSolution:
             start=-np.inf,
             offset=np.zeros((n, self._steps + 1, 3)),
             inputs=np.zeros((n, self._steps, 3)),
-            pattern=np.zeros((n, self._steps, 3), np.int8),
+            active_set=np.zeros((n, self._steps, 3), np.int8),
             solved=np.full(n, -np.inf),
         )
 
@@ -77,14 +77,14 @@ class PreviousSolution:
             start=old.start,
             offset=np.concatenate([old.offset, blank.offset])[rows],
             inputs=np.concatenate([old.inputs, blank.inputs])[rows],
-            pattern=np.concatenate([old.pattern, blank.pattern])[rows],
+            active_set=np.concatenate([old.active_set, blank.active_set])[rows],
             solved=np.concatenate([old.solved, blank.solved])[rows],
         )
 
 
 @compiled
 def _shift(late: float, old: PredictedSolution, new: PredictedSolution) -> None:
-    """Write `new` as `old` shifted by `late` stages: offsets interpolated, inputs held, nearest patterns."""
+    """Write `new` as `old`, `late` stages on: offsets interpolated, inputs held, the nearest active set."""
     vehicles, stages = old.inputs.shape[0], old.inputs.shape[1]
     nearest = int(late + 0.5)
     for v in range(vehicles):
@@ -97,4 +97,4 @@ def _shift(late: float, old: PredictedSolution, new: PredictedSolution) -> None:
                 new.offset[v, k, axis] = here + share * (after - here)
                 if k < stages:
                     new.inputs[v, k, axis] = old.inputs[v, before, axis]
-                    new.pattern[v, k, axis] = old.pattern[v, min(k + nearest, stages - 1), axis]
+                    new.active_set[v, k, axis] = old.active_set[v, min(k + nearest, stages - 1), axis]

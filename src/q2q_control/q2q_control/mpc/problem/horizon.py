@@ -40,7 +40,7 @@ class HorizonSolution(NamedTuple):
     """Predicted positions [m], world, (n, N + 1, 3)."""
     inputs: Array
     """Commanded accelerations [m/s^2], world, (n, N, 3)."""
-    pattern: NDArray[np.int8]
+    active_set: NDArray[np.int8]
     """Active bounds (q2q_control.mpc.solver.active_set), (n, N, 3)."""
     status: NDArray[np.int8]
     """INTERRUPTED, SOLVED or CUT_OFF, (n,)."""
@@ -53,7 +53,7 @@ def blank_solution(vehicles: int, stages: int) -> HorizonSolution:
     return HorizonSolution(
         pos=np.empty((vehicles, stages + 1, 3)),
         inputs=np.empty((vehicles, stages, 3)),
-        pattern=np.zeros((vehicles, stages, 3), np.int8),
+        active_set=np.zeros((vehicles, stages, 3), np.int8),
         status=np.full(vehicles, SOLVED, np.int8),
         iterations=1,
     )

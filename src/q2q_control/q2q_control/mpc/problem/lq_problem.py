@@ -69,8 +69,8 @@ class LqSolution(NamedTuple):
     """(N + 1, 3n)"""
     inputs: Array
     """(N, n)"""
-    pattern: NDArray[np.int8]
-    """Mode of each input (q2q_control.mpc.solver.active_set), (N, n): the next solve's guess."""
+    active_set: NDArray[np.int8]
+    """Bound of each input (q2q_control.mpc.solver.active_set), (N, n): the next solve's warm start."""
     iterations: int
     converged: bool
     """False: the inputs keep all bounds but are not optimal."""

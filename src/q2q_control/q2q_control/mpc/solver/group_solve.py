@@ -7,22 +7,21 @@ with the two separate calls of `joint_problem` and `solve`.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.problem.joint_problem import GroupShape, joint_problem
+from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.riccati import solve_from
 from q2q_model.compiled import compiled
-
-Modes = NDArray[np.int8]
+from q2q_model.signals.values import Rows
 
 
 class Group(NamedTuple):
     """Vehicles and axes that are solved together."""
 
     shape: GroupShape
-    vehicles: NDArray[np.intp]
+    vehicles: Rows
     """(g,)"""
     iterations: int
     """Recursions at most."""
@@ -38,17 +37,21 @@ class GroupResult(NamedTuple):
 
 @compiled
 def solve_group(
-    group: Group, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, solution: HorizonSolution
+    group: Group,
+    horizon: Horizon,
+    downwash: DownwashHorizon,
+    warm_start: ActiveSet,
+    solution: HorizonSolution,
 ) -> GroupResult:
-    """Write the group's rows of `solution`; `guess` (n, N, 3) is a pattern of active bounds."""
+    """Write the group's rows of `solution`; `warm_start` (n, N, 3) is an active set."""
     shape, vehicles = group.shape, group.vehicles
     stages, count = horizon.push.shape[1], shape.axes.size
-    modes = np.empty((stages, vehicles.size * count), np.int8)
+    active_set = np.empty((stages, vehicles.size * count), np.int8)
     for g in range(vehicles.size):
         for a in range(count):
             for k in range(stages):
-                modes[k, g * count + a] = guess[vehicles[g], k, shape.axes[a]]
-    found = solve_from(joint_problem(shape, vehicles, horizon, downwash), modes, group.iterations)
+                active_set[k, g * count + a] = warm_start[vehicles[g], k, shape.axes[a]]
+    found = solve_from(joint_problem(shape, vehicles, horizon, downwash), active_set, group.iterations)
     finite = True
     for g in range(vehicles.size):
         for a in range(count):
@@ -57,6 +60,6 @@ def solve_group(
             for k in range(stages):
                 solution.pos[v, k, axis] = found.states[k, 3 * c]
                 solution.inputs[v, k, axis] = found.inputs[k, c]
-                solution.pattern[v, k, axis] = modes[k, c]
+                solution.active_set[v, k, axis] = active_set[k, c]
                 finite = finite and np.isfinite(found.inputs[k, c])
     return GroupResult(found.iterations, found.converged, finite)

@@ -24,8 +24,9 @@ from q2q_control.mpc.problem.horizon import (
     blank_solution,
 )
 from q2q_control.mpc.problem.joint_problem import GroupShape, group_shape
+from q2q_control.mpc.solver.active_set import ActiveSet
 from q2q_control.mpc.solver.axis_sweep import gains_of_table, gains_table, sweep_axes, sweep_gains
-from q2q_control.mpc.solver.group_solve import Group, Modes, solve_group
+from q2q_control.mpc.solver.group_solve import Group, solve_group
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.constants import Vehicle
@@ -51,7 +52,7 @@ class Solver(Protocol):
     """Solver of one tick's problem."""
 
     def solve(
-        self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, warm_start: ActiveSet, in_time: InTime
     ) -> HorizonSolution:
         """Return the solution."""
 
@@ -67,9 +68,9 @@ class HorizonSolver:
         self._shapes: dict[tuple[int, tuple[int, ...]], GroupShape] = {}
 
     def solve(
-        self, horizon: Horizon, downwash: DownwashHorizon, guess: Modes, in_time: InTime
+        self, horizon: Horizon, downwash: DownwashHorizon, warm_start: ActiveSet, in_time: InTime
     ) -> HorizonSolution:
-        """Return the solution; `guess` (n, N, 3) is a pattern of active bounds to start from.
+        """Return the solution; `warm_start` (n, N, 3) is the active set to start from.
 
         `in_time` is called before each problem that the sweep does not solve; False leaves it INTERRUPTED.
         """
@@ -81,7 +82,7 @@ class HorizonSolver:
             if not in_time():
                 status[rows] = INTERRUPTED
                 continue
-            result = solve_group(group, horizon, downwash, guess, solution)
+            result = solve_group(group, horizon, downwash, warm_start, solution)
             most = max(most, int(result.iterations))
             if not result.finite:
                 status[rows] = INTERRUPTED

@@ -1,23 +1,24 @@
 """Riccati recursion inside a primal-dual active set: the solver of an LqProblem.
 
-The active set guesses the bound each input lies on: none, the upper or lower one, or a rate bound, where the
-input follows the acceleration: u = a + slew_max. With the guess fixed the problem has only equalities, and
-one Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is sparse); condensing would
-cost (N n)^3, and N^2 for the matrices. Then the guess is updated: a free input beyond a bound is put on it,
-an input on a bound with a multiplier of the wrong sign is freed. The pattern of the last tick is nearly
-right, so one or two recursions suffice. If updating all inputs at once does not reduce the number of wrong
-guesses, they are updated one by one, last first. With bounds of inputs alone this cannot cycle; where many
-rate bounds bind, which depend on the state, it can. MpcParams allows no rates at which that is frequent at
-the default bandwidth_z. A faster loop meets more bounds: at 12 rad/s, to which `correct` raises it, 68 % of
-random problems without a guess are solved in the default 12 recursions at the default rate (51 % at the least
-one allowed), and 90 % in 30 (70 %). Sources: Judice, Pires, Computers Oper. Res. 21 (1994), block principal
-pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati inside a QP of MPC.
+The active set is the bound that each input is assumed to lie on: none, the upper or lower one, or a rate
+bound, where the input follows the acceleration: u = a + slew_max. With the active set fixed the problem has
+only equalities, and one Riccati recursion solves it in N steps of at most (3n)^3 (less, because A_k is
+sparse); condensing would cost (N n)^3, and N^2 for the matrices. Then the active set is updated: a free input
+beyond a bound is put on it, an input on a bound with a multiplier of the wrong sign is freed. The last
+tick's, as a warm start, is nearly right, so one or two recursions suffice. If updating all inputs at once
+does not reduce the number of wrong bounds, they are updated one by one, last first. With bounds of inputs
+alone this cannot cycle; where many rate bounds bind, which depend on the state, it can. MpcParams allows no
+rates at which that is frequent at the default bandwidth_z. A faster loop meets more bounds: at 12 rad/s, to
+which `correct` raises it, 68 % of random problems without a warm start are solved in the default 12
+recursions at the default rate (51 % at the least one allowed), and 90 % in 30 (70 %). Sources: Judice, Pires,
+Computers Oper. Res. 21 (1994), block principal pivoting; Rao, Wright, Rawlings, JOTA 99 (1998), Riccati
+inside a QP of MPC.
 
     V_k(x) = x' P_k x + 2 p_k' x;   Quu = R + S + B' P B,   Qux = B' P A - S E,   Qu = B' (P c + p) - R u*
     free inputs  u = -Quu^-1 (Qux x + Qu);   multiplier of a bound  g = Quu u + Qux x + Qu
 
-The recursion runs backward, so a guess that changes at stage k and before leaves P and p behind k as they
-are: the next recursion begins at k. If the guess still changes after the last iteration, the last feedback
+The recursion runs backward, so an active set that changes at stage k and before leaves P and p behind k as
+they are: the next recursion begins at k. If it still changes after the last iteration, the last feedback
 u = K x + k is rolled out and clipped to the bounds: the solution then keeps all bounds and is marked as not
 converged.
 """
@@ -25,67 +26,69 @@ converged.
 import numpy as np
 
 from q2q_control.mpc.problem.lq_problem import LqProblem, LqSolution
-from q2q_control.mpc.solver.active_set import Modes, input_range, update_active_set
+from q2q_control.mpc.solver.active_set import ActiveSet, input_range, update_active_set
 from q2q_control.mpc.solver.stage import last_cost, stage_cost, stage_policy, stage_product, stage_quadratics
 from q2q_control.mpc.solver.workspace import Workspace, workspace
 from q2q_model.compiled import BORROWING, FAST, FAST_HOT, compiled
 
 PATIENCE = 10
-"""Recursions without fewer wrong guesses before inputs are updated one by one."""
+"""Recursions without fewer wrong bounds before inputs are updated one by one."""
 
 
-def solve(problem: LqProblem, guess: Modes | None = None, iterations: int = 12) -> LqSolution:
-    """Return the optimal states and inputs; `guess` is the pattern of a similar problem, (N, n)."""
+def solve(problem: LqProblem, warm_start: ActiveSet | None = None, iterations: int = 12) -> LqSolution:
+    """Return the optimal states and inputs; `warm_start` is the active set of a similar one, (N, n)."""
     shape = problem.low.shape
-    return solve_from(problem, np.zeros(shape, np.int8) if guess is None else guess.copy(), iterations)
+    return solve_from(
+        problem, np.zeros(shape, np.int8) if warm_start is None else warm_start.copy(), iterations
+    )
 
 
 @compiled(**FAST)
-def solve_from(problem: LqProblem, pattern: Modes, iterations: int) -> LqSolution:
-    """Return the solution; `pattern` (N, n) holds the guess and is updated in place."""
-    stages, n = pattern.shape
+def solve_from(problem: LqProblem, active_set: ActiveSet, iterations: int) -> LqSolution:
+    """Return the solution; `active_set` (N, n) is the warm start, and is updated in place."""
+    stages, n = active_set.shape
     work = workspace(stages, n)
-    fewest, patience, wrong, changed = pattern.size + 1, PATIENCE, 1, stages - 1
+    fewest, patience, wrong, changed = active_set.size + 1, PATIENCE, 1, stages - 1
     for iteration in range(iterations):
-        _recursion(problem, pattern, work, changed)
-        wrong, changed = update_active_set(problem, pattern, work, every=patience > 0)
+        _recursion(problem, active_set, work, changed)
+        wrong, changed = update_active_set(problem, active_set, work, every=patience > 0)
         if wrong == 0:
-            return LqSolution(work.states, work.inputs, pattern, iteration + 1, wrong == 0)
+            return LqSolution(work.states, work.inputs, active_set, iteration + 1, wrong == 0)
         patience = PATIENCE if wrong < fewest else patience - 1
         fewest = min(fewest, wrong)
     _roll_out_clipped(problem, work)
-    return LqSolution(work.states, work.inputs, pattern, iterations, wrong == 0)
+    return LqSolution(work.states, work.inputs, active_set, iterations, wrong == 0)
 
 
 @compiled(**FAST, **BORROWING)
-def _recursion(problem: LqProblem, pattern: Modes, work: Workspace, last: int) -> None:
+def _recursion(problem: LqProblem, active_set: ActiveSet, work: Workspace, last: int) -> None:
     """Write policy and quadratic forms from stage `last` to the first one, then states and inputs.
 
     The number of axes is a constant for one and for a pair, whose loops are unrolled: half the time. More
     cases would double the time to compile, and solves of more vehicles are a small part of a swarm's tick.
     """
-    n = pattern.shape[1]
+    n = active_set.shape[1]
     if n == 1:
-        _backward(problem, pattern, work, (last, 1))
+        _backward(problem, active_set, work, (last, 1))
         _roll_out(problem, work, 1)
     elif n == 2:
-        _backward(problem, pattern, work, (last, 2))
+        _backward(problem, active_set, work, (last, 2))
         _roll_out(problem, work, 2)
     else:
-        _backward(problem, pattern, work, (last, n))
+        _backward(problem, active_set, work, (last, n))
         _roll_out(problem, work, n)
 
 
 @compiled(**FAST_HOT)
-def _backward(problem: LqProblem, pattern: Modes, work: Workspace, last_n: tuple[int, int]) -> None:
+def _backward(problem: LqProblem, active_set: ActiveSet, work: Workspace, last_n: tuple[int, int]) -> None:
     """Write policy and quadratic forms of the stages from `last` to the first one."""
     last, n = last_n
-    if last == pattern.shape[0] - 1:
+    if last == active_set.shape[0] - 1:
         last_cost(problem, work, n)
     for k in range(last, -1, -1):
         stage_product(problem, k, work, n)
         stage_quadratics(problem, k, work, n)
-        stage_policy(problem, k, pattern[k], work, n)
+        stage_policy(problem, k, active_set[k], work, n)
         stage_cost(problem, k, work, n)
 
 

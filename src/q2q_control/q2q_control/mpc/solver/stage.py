@@ -13,7 +13,7 @@ All functions are inlined, with `n` axes as an argument: for a constant `n` LLVM
 import numpy as np
 
 from q2q_control.mpc.problem.lq_problem import LqProblem
-from q2q_control.mpc.solver.active_set import FREE, HIGH, LOW, RISING, Modes
+from q2q_control.mpc.solver.active_set import FREE, HIGH, LOW, RISING, ActiveSet
 from q2q_control.mpc.solver.workspace import Workspace
 from q2q_model.compiled import FAST_HOT, compiled
 from q2q_model.signals.values import Array
@@ -75,40 +75,40 @@ def stage_quadratics(problem: LqProblem, k: int, work: Workspace, n: int) -> Non
 
 
 @compiled(**FAST_HOT)
-def stage_policy(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: int) -> None:
+def stage_policy(problem: LqProblem, k: int, active_set: ActiveSet, work: Workspace, n: int) -> None:
     """Write the policy of stage k: bounds of the active inputs, and the free inputs' response to them."""
     policy, quu = work.policy[k], work.quu[k]
-    _write_bounds(problem, k, modes, work, n)
+    _write_bounds(problem, k, active_set, work, n)
     for c in range(n):
         for d in range(n):
-            if modes[c] == FREE and modes[d] != FREE:
+            if active_set[c] == FREE and active_set[d] != FREE:
                 for i in range(3 * n + 1):
                     policy[c, i] -= quu[c, d] * policy[d, i]
-    _factorise(quu, modes, work.factor, n)
+    _factorise(quu, active_set, work.factor, n)
     for i in range(3 * n + 1):
         _substitute(work.factor, policy, i, n)
 
 
 @compiled(**FAST_HOT)
-def _write_bounds(problem: LqProblem, k: int, modes: Modes, work: Workspace, n: int) -> None:
+def _write_bounds(problem: LqProblem, k: int, active_set: ActiveSet, work: Workspace, n: int) -> None:
     """Write the policy of active inputs, and -Qux and -Qu of free ones."""
     policy, qux, qu = work.policy[k], work.qux[k], work.qu[k]
     for c in range(n):
-        bound = modes[c] != FREE
+        bound = active_set[c] != FREE
         for i in range(3 * n):
             policy[c, i] = 0.0 if bound else -qux[c, i]
         policy[c, 3 * n] = -qu[c]
-        if modes[c] == HIGH:
+        if active_set[c] == HIGH:
             policy[c, 3 * n] = problem.high[k, c]
-        elif modes[c] == LOW:
+        elif active_set[c] == LOW:
             policy[c, 3 * n] = problem.low[k, c]
         elif bound:
             policy[c, 3 * c + 2] = 1.0
-            policy[c, 3 * n] = problem.slew_max[c] if modes[c] == RISING else -problem.slew_max[c]
+            policy[c, 3 * n] = problem.slew_max[c] if active_set[c] == RISING else -problem.slew_max[c]
 
 
 @compiled(**FAST_HOT)
-def _factorise(matrix: Array, modes: Modes, factor: Array, n: int) -> None:
+def _factorise(matrix: Array, active_set: ActiveSet, factor: Array, n: int) -> None:
     """Write the Cholesky factor of the free rows of `matrix`, elsewhere that of the identity.
 
     The diagonal of `factor` holds inverses.
@@ -116,7 +116,7 @@ def _factorise(matrix: Array, modes: Modes, factor: Array, n: int) -> None:
     for a in range(n):
         for b in range(a + 1):
             total = 1.0 if a == b else 0.0
-            if modes[a] == FREE and modes[b] == FREE:
+            if active_set[a] == FREE and active_set[b] == FREE:
                 total = matrix[a, b]
                 for c in range(b):
                     total -= factor[a, c] * factor[b, c]
