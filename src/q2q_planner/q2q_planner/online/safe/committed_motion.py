@@ -36,7 +36,7 @@ class CommittedMotion:
     t: float
     names: Names
     rows: MotionRows
-    passed: float = 0.0
+    dt: float = 0.0
     """Time since the tick before [s]."""
 
 

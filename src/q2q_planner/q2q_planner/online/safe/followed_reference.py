@@ -35,7 +35,7 @@ class FollowBounds(NamedTuple):
 
     jerk: float
     """Of an axis [m/s^3]."""
-    passed: float
+    dt: float
     """Time since the tick before, at most `hold` [s]."""
     acc: float
     """[m/s^2]."""
@@ -50,11 +50,9 @@ def reference_rows(setpoint: SwarmSetpoint) -> ReferenceRows:
     return ReferenceRows(np.array(setpoint.pos), np.array(setpoint.vel), np.array(setpoint.acc))
 
 
-def follow_bounds(params: SafeReplannerParams, passed: float) -> FollowBounds:
-    """Return the bounds of a reference, `passed` [s] after the tick before."""
-    return FollowBounds(
-        params.jerk_max, min(passed, params.hold), params.acc_max, params.speed_max, params.lag
-    )
+def follow_bounds(params: SafeReplannerParams, dt: float) -> FollowBounds:
+    """Return the bounds of a reference, `dt` [s] after the tick before."""
+    return FollowBounds(params.jerk_max, min(dt, params.hold), params.acc_max, params.speed_max, params.lag)
 
 
 @compiled
@@ -76,7 +74,7 @@ def followed_rows(rows: MotionRows, reference: ReferenceRows, bounds: FollowBoun
     acceleration is taken back.
     """
     followed = np.empty(rows.hold.size, np.bool_)
-    jump = bounds.jerk * bounds.passed + ROUNDING
+    jump = bounds.jerk * bounds.dt + ROUNDING
     acc = reference.acc
     for row in range(followed.size):
         size = length(acc[row, 0], acc[row, 1], acc[row, 2])

@@ -32,23 +32,23 @@ def propagate(
 
 
 def _moved(committed: CommittedMotion, t: float, brake: float, jerk: float) -> CommittedMotion:
-    passed = round(max(t - committed.t, 0.0), 9)  # stamps are whole nanoseconds
+    dt = round(max(t - committed.t, 0.0), 9)  # stamps are whole nanoseconds
     law = BrakingLaw(0.0, 0.0, brake, jerk)
-    pos, vel, acc, hold = _carried(committed.rows, passed, law)
+    pos, vel, acc, hold = _carried(committed.rows, dt, law)
     rows = committed.rows._replace(pos=pos, vel=vel, acc=acc, hold=hold)
-    return CommittedMotion(t, committed.names, rows, passed)
+    return CommittedMotion(t, committed.names, rows, dt)
 
 
 @compiled
-def _carried(rows: MotionRows, passed: float, law: BrakingLaw) -> tuple[Array, Array, Array, Array]:
+def _carried(rows: MotionRows, dt: float, law: BrakingLaw) -> tuple[Array, Array, Array, Array]:
     """Return position, velocity, acceleration (n, 3) and remaining hold (n,) after a time [s]."""
     growth = np.zeros((rows.hold.size, 2))
     motions = Motions(rows.pos, rows.vel, rows.acc, rows.hold, growth, rows.jerk)
-    left = np.maximum(rows.hold - passed, 0.0)
+    left = np.maximum(rows.hold - dt, 0.0)
     if law.jerk > 0.0:
-        pos, vel, acc = jerk_limited_motion_after(motions, passed, law)
+        pos, vel, acc = jerk_limited_motion_after(motions, dt, law)
         return pos, vel, acc, left
-    pos, vel = motions_after(motions, np.full(rows.hold.size, passed), law.brake)
+    pos, vel = motions_after(motions, np.full(rows.hold.size, dt), law.brake)
     return pos, vel, rows.acc.copy(), left
 
 
@@ -58,7 +58,7 @@ def _with_new_vehicles(
     """Return the motion of the setpoint's vehicles; those that are new start on the reference."""
     pairs = zip(moved.rows, starting(setpoint, params).rows, strict=True)
     rows = MotionRows._make(rows_by_name(had, moved.names, setpoint.names, new) for had, new in pairs)
-    return CommittedMotion(setpoint.t, setpoint.names, rows, moved.passed)
+    return CommittedMotion(setpoint.t, setpoint.names, rows, moved.dt)
 
 
 def at_reference(setpoint: SwarmSetpoint) -> CommittedMotion:

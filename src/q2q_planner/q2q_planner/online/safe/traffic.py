@@ -99,13 +99,11 @@ class TrafficLimits(NamedTuple):
     """Pole p of the approach [1/s]."""
 
 
-def limits_of(params: SafeReplannerParams, passed: float = 0.0) -> TrafficLimits:
-    """Return the limits of a replanner's parameters, `passed` [s] after the tick before."""
+def limits_of(params: SafeReplannerParams, dt: float = 0.0) -> TrafficLimits:
+    """Return the limits of a replanner's parameters, `dt` [s] after the tick before."""
     jerk_limited, ramps = params.jerk_max > 0.0, _longest_ramps(params)
     zone = params.eps, params.d, params.pole
-    return TrafficLimits(
-        follow_bounds(params, passed), jerk_limited, params.hold, ramps, params.acc_max, *zone
-    )
+    return TrafficLimits(follow_bounds(params, dt), jerk_limited, params.hold, ramps, params.acc_max, *zone)
 
 
 def traffic_at(
@@ -121,7 +119,7 @@ def traffic_at(
     """
     external, own = _external_rows(states, params), len(committed.names)
     swarm = TrafficRows(committed.rows.pos, committed.rows.vel, growth)
-    limits = limits_of(params, committed.passed)
+    limits = limits_of(params, committed.dt)
     put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits)
     rows = committed.rows._replace(pos=pos[:own], vel=vel[:own], on_reference=put)
     return replace(committed, rows=rows), TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
