@@ -22,7 +22,7 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.policies import Circumstances, RecordedSignal
 from q2q_sim.monitors.recording_end import with_end
-from q2q_sim.replay_page import replay_html, replay_run
+from q2q_sim.replay_page import in_air, replay_html, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.scenarios.scenario import Scenario
 
@@ -159,7 +159,10 @@ def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "")
         ValueError: no flight.
     """
     _check_labelled(flights)
-    runs = [replay_run(one.arrays, one.vehicle, label, one.verdict) for label, one in flights.items()]
+    runs = [
+        in_air(replay_run(one.arrays, one.vehicle, label, one.verdict), one.facts.flown_air)
+        for label, one in flights.items()
+    ]
     html, file = replay_html(runs, title or ", ".join(flights)), Path(path)
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(html, encoding="utf-8")

@@ -220,6 +220,32 @@ def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browse
     opened.page.context.close()
 
 
+@pytest.mark.parametrize("wake_speed", [2.0, np.inf])
+def test_the_air_nearest_to_a_pushed_vehicle_is_warm_also_where_it_is_drawn_beside_it(
+    browser: Browser, tmp_path: Path, wake_speed: float
+):
+    """cf1 is 1 m below and 0.3 m beside cf2, whose air it is in, and is pushed by too little for an arrow."""
+    t = 0.1 * np.arange(20)
+    pos = np.tile([(0.0, 0.0, 0.5), (0.3, 0.0, 1.5)], (len(t), 1, 1))
+    unknown = np.full_like(pos, np.nan)
+    level = np.tile([0.0, 0.0, 0.0, 1.0], (len(t), 2, 1))
+    made = ReplayRun(
+        "made", ("cf1", "cf2"), t, pos, level, unknown, unknown, np.zeros((len(t), 2), dtype=np.bool_),
+        np.zeros_like(pos), np.ones((len(t), 2)), 0.046, wake_speed=wake_speed,
+    )  # fmt: skip
+    blue_pixels = []
+    for push in (0.0, -0.09):
+        file = tmp_path / "page.html"
+        pushed = np.tile([(0.0, 0.0, push), (0.0, 0.0, 0.0)], (len(t), 1, 1))
+        file.write_text(replay_html([replace(made, downwash=pushed)], "Air"), encoding="utf-8")
+        opened = OpenPage(browser, file.as_uri(), color_scheme="light")
+        opened.draw_at(1.0)
+        red, _, blue = np.moveaxis(opened.picture(), -1, 0)
+        blue_pixels.append((blue > red + 0.06).sum())
+        opened.page.context.close()
+    assert blue_pixels[1] < 0.5 * blue_pixels[0]  # the other half is the air of cf1, which pushes nobody
+
+
 def test_between_two_ticks_a_tumbling_vehicle_turns_the_short_way(wide: OpenPage):
     half = np.pi * np.array([0.49, 0.51])  # at two ticks, half the angle about x: w passes zero
     quat = np.column_stack([np.sin(half), 0.0 * half, 0.0 * half]) * np.sign(np.cos(half))[:, None]

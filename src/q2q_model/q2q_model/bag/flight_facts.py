@@ -42,6 +42,11 @@ class FlightFacts:
     """Length that was to be flown [s]."""
 
     @property
+    def flown_air(self) -> str:
+        """Return the simulator's air, else its downwash law; empty where both are unknown."""
+        return self.air or self.wake
+
+    @property
     def known(self) -> dict[str, str]:
         """Return the facts that are known."""
         return {name: value for name, value in asdict(self).items() if value}

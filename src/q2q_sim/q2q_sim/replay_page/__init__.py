@@ -8,12 +8,13 @@ scripts are ES modules in `player/`, drawn by three.js (`three/`); `script_archi
 
 from q2q_sim.replay_page.measured_downwash import with_measured_downwash
 from q2q_sim.replay_page.replay_html import MOST_RUNS, replay_element, replay_html
-from q2q_sim.replay_page.replay_run import ReplayEvent, ReplayRun, replay_run
+from q2q_sim.replay_page.replay_run import ReplayEvent, ReplayRun, in_air, replay_run
 
 __all__ = [
     "MOST_RUNS",
     "ReplayEvent",
     "ReplayRun",
+    "in_air",
     "replay_element",
     "replay_html",
     "replay_run",

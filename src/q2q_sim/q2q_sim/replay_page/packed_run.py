@@ -52,7 +52,7 @@ def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> Json:
         "palette": VEHICLES,
         "arm": run.arm,
         "zone": asdict(run.zone),
-        "wakeSpeed": run.wake_speed,
+        "wakeSpeed": run.wake_speed if np.isfinite(run.wake_speed) else None,
         "verdict": run.verdict,
         "missing": run.missing,
         "note": run.note,

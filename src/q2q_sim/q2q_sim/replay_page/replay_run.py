@@ -1,7 +1,7 @@
 """Run of a replay page: what is drawn of one flight, from a bag or from a flight without ROS."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.air.travel_speed import travel_speed
 from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.monitors.exposure import BELOW
 from q2q_sim.monitors.flight_judgement import verdict_of
@@ -65,7 +66,7 @@ class ReplayRun:
     zone: Cylinder = field(default_factory=Cylinder)
     """Zone I(eps, d)."""
     wake_speed: float = MEASURED_SPEED
-    """Speed at which the downwash travels [m/s]."""
+    """Speed at which the downwash travels [m/s]; infinite where it acts at once, straight below."""
     verdict: str = ""
     """What happened, in one line."""
     events: tuple[ReplayEvent, ...] = ()
@@ -130,6 +131,11 @@ def replay_run(
         events=tuple(_events(flight, pos, verdict)),
         since=since,
     )
+
+
+def in_air(run: ReplayRun, air: str) -> ReplayRun:
+    """Return a run whose air travels as that of a name, or as in a bag's metadata."""
+    return replace(run, wake_speed=travel_speed(air))
 
 
 def _true_downwash(flight: Flight, pos: Array) -> Array:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.bag import TopicMap
+from q2q_model.bag import TopicMap, read_facts
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
 from q2q_model.recordings.filtered_states import with_filtered_states
@@ -21,7 +21,7 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
 from q2q_sim.node_flights.run_json import Json, finite
-from q2q_sim.replay_page import MOST_RUNS, replay_element, replay_run
+from q2q_sim.replay_page import MOST_RUNS, in_air, replay_element, replay_run
 from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
@@ -69,6 +69,8 @@ class Reported:
     vehicle: Vehicle
     note: str = ""
     """Assumed vehicle, if the bag does not name it."""
+    air: str = ""
+    """Air of the simulator, if known."""
 
 
 def run(args: Namespace) -> int:
@@ -94,7 +96,8 @@ def report_bag(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, n
     flight = replace(read, name=name or read.name)
     verdict = bag_verdict(bag, flight, flown.vehicle)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
-    return Reported(flight, metrics, quality, recorded_lives(bag), verdict, flown.vehicle, flown.note)
+    lives, air = recorded_lives(bag), read_facts(bag).flown_air
+    return Reported(flight, metrics, quality, lives, verdict, flown.vehicle, flown.note, air)
 
 
 def verdicts(flights: Sequence[Reported]) -> str:
@@ -133,7 +136,10 @@ def write(flights: Sequence[Reported], out: Path) -> None:
 def _replay(flights: Sequence[Reported]) -> Part:
     """Return the replay of the first flights side by side, or why there is none."""
     try:
-        runs = [replay_run(one.flight, one.vehicle, verdict=one.verdict) for one in flights[:MOST_RUNS]]
+        runs = [
+            in_air(replay_run(one.flight, one.vehicle, verdict=one.verdict), one.air)
+            for one in flights[:MOST_RUNS]
+        ]
         return Markup(replay_element(runs))
     except ValueError as lacking:
         return f"No replay: {lacking}."

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.bag import BagReader, TopicMap, read_facts
+from q2q_model.bag import BagReader, FlightFacts, TopicMap, read_facts
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
@@ -21,7 +21,7 @@ from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.monitors.recording_end import with_end
-from q2q_sim.replay_page import MOST_RUNS, ReplayRun, replay_html, replay_run, with_measured_downwash
+from q2q_sim.replay_page import MOST_RUNS, ReplayRun, in_air, replay_html, replay_run, with_measured_downwash
 from q2q_sim.tools.distinct_names import distinct_names
 
 
@@ -53,10 +53,11 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     around = Circumstances(vehicle=flown.vehicle, faults=flown_faults(path))
     is_part = len(part.t) < len(whole.t)
     verdict = verdict_of(part, around, begin=begin if is_part else None)
+    facts = FlightFacts() if is_table else read_facts(path)
     if part.t[-1] == whole.t[-1] and not is_table:
-        verdict = with_end(verdict, whole, read_facts(path).duration, is_cut=BagReader(path).is_cut)
+        verdict = with_end(verdict, whole, facts.duration, is_cut=BagReader(path).is_cut)
     since = float(part.t[0]) - begin
-    run = replay_run(part, flown.vehicle, name, verdict, since)
+    run = in_air(replay_run(part, flown.vehicle, name, verdict, since), facts.flown_air)
     return with_measured_downwash(run, lambda: measured_push(recording, flown.vehicle))
 
 

@@ -10,7 +10,7 @@ from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.layout import Signal
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.replay_page import ReplayEvent, replay_html, replay_run
+from q2q_sim.replay_page import ReplayEvent, in_air, replay_html, replay_run
 from q2q_sim.scenarios.scenario import Scenario
 
 
@@ -27,7 +27,7 @@ def write_replay(
     file.unlink(missing_ok=True)
     try:
         flight = flight_from_signals(file.stem, topics).flight
-        run = replay_run(flight, scenario.vehicle, scenario.name)
+        run = in_air(replay_run(flight, scenario.vehicle, scenario.name), scenario.air or scenario.wake)
         marked = tuple(
             ReplayEvent(one.t, f"{one.who}, {one.policy}") for one in violations if np.isfinite(one.t)
         )

@@ -12,7 +12,7 @@ from q2q_sim.experiments.explanation.explanation_sentence import explanation_sen
 from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
 from q2q_sim.experiments.explanation.loss import LOST
 from q2q_sim.experiments.explanation.recorded_case import RecordedCase
-from q2q_sim.replay_page import ReplayRun, replay_element, replay_run
+from q2q_sim.replay_page import ReplayRun, in_air, replay_element, replay_run
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import panels, save
 from q2q_sim.report.significant_digits import CENTIMETRE
@@ -80,4 +80,8 @@ def _replay(found: Explanation, recorded: RecordedCase) -> list[Part]:
 
 
 def _runs(flights: dict[str, Flight], case: FlightCase) -> list[ReplayRun]:
-    return [replay_run(flight, case.scenario.vehicle, name) for name, flight in flights.items()]
+    flown = case.scenario
+    return [
+        in_air(replay_run(flight, flown.vehicle, name), flown.air or flown.wake)
+        for name, flight in flights.items()
+    ]

@@ -2,9 +2,10 @@
 //
 //   air that left at t - tau lies at r(t - tau) - b(t - tau) w tau      b body z, w the speed of the wake
 //
-// A puff is as opaque as its rotors thrust; it turns from blue to orange by the push that is recorded on the
-// vehicles in this air, full orange at the strongest push of the page. The puffs' own motion along the air is slowed down: the air itself passes in a tenth
-// of a second.
+// Without a speed it acts at once, straight below. A puff is as opaque as its rotors thrust; it turns from blue
+// to orange by the push that is recorded on the vehicles in this air, full orange at the strongest push of the
+// page. A recorded push comes from the air that passes nearest, and from any other within BESIDE. The puffs' own
+// motion along the air is slowed down: the air itself passes in a tenth of a second.
 
 import { ArrowHelper, BufferGeometry, Color, DynamicDrawUsage, Float32BufferAttribute } from "three";
 import { Points, Quaternion, ShaderMaterial, Vector3 } from "three";
@@ -18,6 +19,7 @@ const WIDEST_GAP = 1.3; // radius of a puff over the distance to the next, at le
 const FADE = 0.55; // length over which the air fades to 1/e [m]
 const OPACITY = 13; // of all puffs of a vehicle together
 const BESIDE = 0.2; // distance from the air within which a vehicle is in it [m]
+const NEAREST = 0.6; // distance within which the nearest air pushes a vehicle: air that lags and bends is drawn beside it [m]
 const ARROW = 0.3; // length of an arrow for 1 m/s^2 [m]
 const ARROW_SHOWN = 0.1; // smallest push with an arrow [m/s^2]
 
@@ -68,8 +70,9 @@ export class Air {
   /** Move the air to time t [s]. */
   update(t) {
     const pushes = this.run.names.map((_, vehicle) => this.run.push(vehicle, t));
+    const strongest = this.#strongestIn(t, pushes);
     for (let vehicle = 0; vehicle < this.run.names.length; vehicle++) {
-      this.#blow(vehicle, t, Math.min(this.#pushFrom(vehicle, t, pushes) / this.fullPush, 1));
+      this.#blow(vehicle, t, Math.min(strongest[vehicle] / this.fullPush, 1));
       this.#point(vehicle, t, pushes[vehicle]);
     }
     for (const name of ["position", "radius", "tint"]) this.puffs.geometry.attributes[name].needsUpdate = true;
@@ -77,8 +80,9 @@ export class Air {
 
   /** Return position and fading of the air of a vehicle, `along` metres from its rotors. */
   #parcel(vehicle, t, along) {
-    const left = t - along / this.run.facts.wakeSpeed;
-    const down = downOf(this.run.orientation(vehicle, left));
+    const { wakeSpeed } = this.run.facts;
+    const left = wakeSpeed === null ? t : t - along / wakeSpeed;
+    const down = wakeSpeed === null ? [0, 0, -1] : downOf(this.run.orientation(vehicle, left));
     return this.run.position(vehicle, left).map((value, axis) => value + along * down[axis]);
   }
 
@@ -99,17 +103,28 @@ export class Air {
     }
   }
 
-  /** Return the largest push on a vehicle in the air of another [m/s^2]. */
-  #pushFrom(source, t, pushes) {
-    const above = this.run.position(source, t)[2];
-    return Math.max(0, ...pushes.map((push, other) => (this.#isIn(other, source, above, t) ? push : 0)));
+  /** Return the largest push on a vehicle in the air of each [m/s^2]. */
+  #strongestIn(t, pushes) {
+    const strongest = pushes.map(() => 0);
+    pushes.forEach((push, pushed) => {
+      if (!(push > 0)) return;
+      const offsets = pushes.map((_, source) => this.#offset(pushed, source, t));
+      const reach = Math.max(Math.min(...offsets, NEAREST), BESIDE);
+      offsets.forEach((offset, source) => {
+        if (offset <= reach) strongest[source] = Math.max(strongest[source], push);
+      });
+    });
+    return strongest;
   }
 
-  #isIn(other, source, above, t) {
-    const [x, y, z] = this.run.position(other, t);
-    if (other === source || !(above - z > 0.03 && above - z < 1.5)) return false;
-    const [u, v] = this.#parcel(source, t, above - z);
-    return Math.hypot(x - u, y - v) < BESIDE;
+  /** Return the horizontal distance of a vehicle from the air of another [m]; infinite if that is not above. */
+  #offset(pushed, source, t) {
+    const [x, y, z] = this.run.position(pushed, t);
+    const above = this.run.position(source, t)[2] - z;
+    if (pushed === source || !(above > 0.03 && above < 1.5)) return Infinity;
+    const [u, v] = this.#parcel(source, t, above);
+    const offset = Math.hypot(x - u, y - v);
+    return Number.isNaN(offset) ? Infinity : offset;
   }
 
   #point(vehicle, t, push) {

@@ -14,7 +14,7 @@ from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import FlightRun
 from q2q_sim.processes.interruption import Interruption
-from q2q_sim.replay_page import replay_element, replay_run
+from q2q_sim.replay_page import in_air, replay_element, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.report.html_page import Heading, KeyNumber, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import picture_file, save
@@ -84,12 +84,12 @@ def write_demo_page(runs: Sequence[FlightRun], out: Path) -> None:
 
 def replay_of(ignoring: FlightRun, aware: FlightRun) -> Markup:
     """Return the replay of the passage in two flights side by side."""
-    vehicle = load_scenario(ignoring.request).vehicle
+    flown = load_scenario(ignoring.request)
     start, end = passage_times(ignoring.flight)
-    runs = [
-        replay_run(part_of_flight(run.flight, start, end), vehicle, MODE_WORDS[run.request.mode], since=start)
-        for run in (ignoring, aware)
-    ]
+    runs = []
+    for run in (ignoring, aware):
+        part, name = part_of_flight(run.flight, start, end), MODE_WORDS[run.request.mode]
+        runs.append(in_air(replay_run(part, flown.vehicle, name, since=start), flown.air or flown.wake))
     return Markup(replay_element(runs))
 
 
