@@ -3,16 +3,14 @@
 Graphics are drawn in software, so nothing here depends on a graphics card, nor on how fast pictures follow.
 """
 
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.image import imread
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
+from replay_browser import IN_REPLAY, STATE, OpenPage, needs_chromium, opened_browser
 
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
@@ -22,19 +20,11 @@ from q2q_sim.replay_page import ReplayRun, replay_html, replay_run
 from q2q_sim.replay_page.script_archive import FOLDER
 from q2q_sim.scenarios import library
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
-FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-         "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-         "--disable-sync")  # fmt: skip
-PATIENCE_MS = 600_000
-"""A busy machine draws the first picture within this [ms]."""
+pytestmark = needs_chromium
 DURATION = 24.0
 """Of the flight [s]: cf2 is above cf1 from 18 s."""
 UNDER = 21.0
 """Time at which cf1 is pushed down [s]."""
-STATE = "document.querySelector('q2q-replay').state"
-IN_REPLAY = "document.querySelector('q2q-replay').shadowRoot"
 
 
 @pytest.fixture(scope="module")
@@ -56,48 +46,7 @@ def address(runs: list[ReplayRun], tmp_path_factory: pytest.TempPathFactory) -> 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
-        yield opened
-        opened.close()
-
-
-class OpenPage:
-    """Page of the replay once it has drawn, and what its console said."""
-
-    def __init__(self, browser: Browser, address: str, init: str = "", **context: object) -> None:
-        self.said: list[str] = []
-        self.page = browser.new_context(offline=True, **context).new_page()
-        self.page.set_default_timeout(PATIENCE_MS)
-        self.page.add_init_script(init)
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.goto(address)
-        self.wait(f"{STATE}?.pictures > 0")
-
-    def wait(self, condition: str) -> None:
-        """Wait until a condition in JavaScript holds."""
-        self.page.wait_for_function(f"document.querySelector('q2q-replay') && {condition}")
-
-    def state(self) -> dict[str, float]:
-        """Return the element's state."""
-        return self.page.evaluate(STATE)
-
-    def draw_at(self, t: float) -> None:
-        """Pause at time t [s], and wait until that is drawn."""
-        seek = f"it => {{ it.pause(); it.seek({t}); return it.state.pictures; }}"
-        before = self.page.evaluate(f"({seek})(document.querySelector('q2q-replay'))")
-        self.wait(f"{STATE}.pictures > {before}")
-
-    def picture(self) -> Array:
-        """Return the first room without the vehicles' names: red, green, blue, (rows, columns, 3)."""
-        room = self.page.locator("q2q-replay canvas.room").first
-        png = room.screenshot(style=".label { display: none }")
-        return np.asarray(imread(BytesIO(png))[..., :3], dtype=np.float64)
-
-    def texts(self, selector: str) -> list[str]:
-        """Return the texts of elements inside the replay."""
-        return self.page.evaluate(f"[...{IN_REPLAY}.querySelectorAll('{selector}')].map(e => e.textContent)")
+    yield from opened_browser()
 
 
 @pytest.fixture(scope="module")

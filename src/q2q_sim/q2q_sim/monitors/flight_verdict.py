@@ -1,7 +1,10 @@
-"""One-line verdict on a flight: ok, or the failures with their places and times."""
+"""One-line verdict on a flight: ok, or its first failures with their times and how many more there are."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+MOST_TOLD = 6
+"""Failures, or quantities that were not judged, that a line tells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,13 +34,24 @@ class FlightVerdict:
         """Return whether nothing went wrong."""
         return not self.findings
 
+    @property
+    def full_text(self) -> str:
+        """Return all that was found, in one line."""
+        return "; ".join(self._parts())
+
     def __str__(self) -> str:
-        """Return one line."""
+        """Return what was found first, and how much more there is, in one line."""
+        parts = self._parts()
+        kept = MOST_TOLD + self.ok  # "ok" comes before what was not judged
+        rest = [f"and {len(parts) - kept} more"] if len(parts) > kept else []
+        return "; ".join([*parts[:kept], *rest])
+
+    def _parts(self) -> list[str]:
         if self.findings:
-            return "; ".join(one.words for one in self.findings)
+            return [one.words for one in self.findings]
         how = "judged, a part of the flight" if self.is_part else "flown to the end"
         known = f"ok: {self.duration:.1f} s {how}"
-        return "; ".join([known, *(f"not judged: {one}" for one in self.unjudged)])
+        return [known, *(f"not judged: {one}" for one in self.unjudged)]
 
 
 def with_finding(verdict: FlightVerdict, finding: Finding) -> FlightVerdict:

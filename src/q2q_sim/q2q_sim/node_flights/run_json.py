@@ -24,7 +24,7 @@ def _run(run: FlightRun) -> Json:
         "zone_time_s": finite(run.metrics.zone_time_s),
         "real_time_factor": run.timing.real_time_factor,
         "missed_ticks": run.timing.missed_ticks,
-        "verdict": str(run.verdict),
+        "verdict": run.verdict.full_text,
         "ok": run.verdict.ok,
         "latency_ms": {"p50": run.timing.latency_p50_ms, "p99": run.timing.latency_p99_ms},
     }

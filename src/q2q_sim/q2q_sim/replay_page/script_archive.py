@@ -34,6 +34,7 @@ PLAYER = (
     "painter",
     "run_view",
     "controls",
+    "moments",
     "height_curves",
     "readout",
     "replay_element",

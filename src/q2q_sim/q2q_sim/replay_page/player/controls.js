@@ -61,11 +61,6 @@ export function layerButtons(names, shown, onShow) {
   });
 }
 
-/** Return buttons that go to the marked moments of a run. */
-export function eventButtons(events, playback) {
-  return events.map(({ t, words }) => button(`${playback.words(t)} s: ${words}`, () => playback.seek(t), "event"));
-}
-
 /** Play, pause and step by keys while the element is in sight. */
 export function listenToKeys(element, playback) {
   const keys = {
@@ -100,7 +95,7 @@ export function group(className, children) {
   return made("div", { className }, children);
 }
 
-function button(text, onClick, className = "") {
+export function button(text, onClick, className = "") {
   const element = made("button", { type: "button", className, textContent: text });
   element.addEventListener("click", onClick);
   return element;

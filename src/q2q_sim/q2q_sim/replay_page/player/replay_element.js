@@ -1,8 +1,9 @@
 // The element <q2q-replay>: runs side by side, in step, with one camera and one time bar.
 
 import { themeOf } from "./colours.js";
-import { cameraChoice, eventButtons, group, isInSight, layerButtons, listenToKeys, made, timeBar } from "./controls.js";
+import { cameraChoice, group, isInSight, layerButtons, listenToKeys, made, timeBar } from "./controls.js";
 import { HeightCurves, heightsOf } from "./height_curves.js";
+import { momentButtons } from "./moments.js";
 import { Painter } from "./painter.js";
 import { Playback } from "./playback.js";
 import { Readout } from "./readout.js";
@@ -89,7 +90,7 @@ class Replay {
     const curves = made("canvas", { className: "curves" });
     curves.setAttribute("aria-label", `${run.facts.name}: heights over time`);
     const readout = new Readout(run);
-    const events = group("events", eventButtons(run.facts.events, this.playback));
+    const events = momentButtons(run.facts.events, this.playback);
     const figure = made("figure", {}, [caption, group("stage", [room]), readout.element, curves, events]);
     return { run, figure, room, curves, drawings: [readout] };
   }
