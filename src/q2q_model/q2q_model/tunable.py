@@ -12,6 +12,9 @@ from typing import Any, ClassVar, Protocol, TypeVar
 
 from q2q_model.nearest_name import name_hint
 
+LARGEST_INTEGER = 2**63 - 1
+"""Largest integer of a ROS parameter (rcl_interfaces/ParameterValue: int64)."""
+
 ParameterValue = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
 

@@ -1,5 +1,6 @@
 """A wrong word is answered with the nearest right one, and help shows an example."""
 
+import argparse
 import os
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import pytest
 
 from q2q_model.commands import identify
 from q2q_model.commands.argument_paths import require_apart
-from q2q_model.commands.argument_types import output_file, output_folder
+from q2q_model.commands.argument_types import output_file, output_folder, whole_number
 from q2q_model.commands.command_line import CommandLine, UsageError, nearest_word, run_command
 from q2q_model.commands.ros_arguments import outside_ros
 
@@ -45,6 +46,16 @@ def test_a_wrong_number_gets_no_hint(capsys: pytest.CaptureFixture[str]):
     output = capsys.readouterr().err
     assert "invalid int value" in output
     assert "did you mean" not in output
+
+
+@pytest.mark.parametrize(
+    ("given", "allowed"),
+    [("-1", "0 or more"), ("x", "0 or more"), (f"{2**63}", "0 to 9223372036854775807")],
+)
+def test_a_whole_number_out_of_bounds_is_answered_with_the_bound_that_it_breaks(given: str, allowed: str):
+    assert whole_number(0)(f"{2**63 - 1}") == 2**63 - 1
+    with pytest.raises(argparse.ArgumentTypeError, match=f"^{given}: a whole number is expected, {allowed}$"):
+        whole_number(0)(given)
 
 
 @pytest.mark.parametrize(

@@ -5,24 +5,23 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+from q2q_model.tunable import LARGEST_INTEGER
 from q2q_model.writable_places import writable_file, writable_folder
 
-LARGEST = 2**63 - 1
-"""Largest whole number of a ROS parameter."""
 
-
-def whole_number(low: int, high: int = LARGEST) -> Callable[[str], int]:
+def whole_number(low: int, high: int = LARGEST_INTEGER) -> Callable[[str], int]:
     """Return a type of arguments: whole numbers from `low` to `high`."""
-    allowed = f"{low} or more" if high == LARGEST else f"{low} to {high}"
 
     def number(given: str) -> int:
         try:
             found = int(given)
         except ValueError:
             found = low - 1
-        if not low <= found <= high:
-            raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
-        return found
+        if low <= found <= high:
+            return found
+        open_above = high == LARGEST_INTEGER and found < low
+        allowed = f"{low} or more" if open_above else f"{low} to {high}"
+        raise argparse.ArgumentTypeError(f"{given}: a whole number is expected, {allowed}")
 
     return number
 

@@ -13,10 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from q2q_model.ros.node.node_parameters import UNBOUNDED
-from q2q_model.tunable import ParameterValue
-
-ENDLESS = 2**62
-"""Represents an unbounded integer (q2q_model.ros.node.node_parameters)."""
+from q2q_model.tunable import LARGEST_INTEGER, ParameterValue
 
 Receive = Callable[..., None]
 
@@ -191,7 +188,7 @@ def allowed_values_text(descriptor: ParameterDescriptor) -> str:
         return str(descriptor.additional_constraints)
     for bounds in (*descriptor.floating_point_range, *descriptor.integer_range):
         low, high = bounds.from_value, bounds.to_value
-        if high >= UNBOUNDED or high >= ENDLESS:
+        if high >= UNBOUNDED or high >= LARGEST_INTEGER:
             return f"{low:g} or more"
         return f"up to {high:g}" if low <= -UNBOUNDED else f"{low:g} to {high:g}"
     return ""

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from q2q_model.nearest_name import name_hint
-from q2q_model.tunable import ParamsClass, Tunable, tunable_of, with_overrides
+from q2q_model.tunable import LARGEST_INTEGER, ParamsClass, Tunable, tunable_of, with_overrides
 
 P = TypeVar("P", bound=ParamsClass)
 
@@ -113,7 +113,7 @@ def _descriptor(spec: Tunable, default: Any) -> ParameterDescriptor:  # noqa: AN
         high = UNBOUNDED if spec.high is None else float(spec.high)
         made.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
     elif isinstance(default, int) and not isinstance(default, bool) and spec.low is not None:
-        high_int = 2**62 if spec.high is None else int(spec.high)
+        high_int = LARGEST_INTEGER if spec.high is None else int(spec.high)
         made.integer_range = [IntegerRange(from_value=int(spec.low), to_value=high_int)]
     made.additional_constraints = ", ".join(spec.choices)
     return made
