@@ -22,6 +22,7 @@ from q2q_sim.view.scene import (
     SceneBuilder,
     SceneParams,
     SceneSignals,
+    scene_signals,
 )
 from q2q_sim.view.shapes import arrow_quat
 
@@ -158,6 +159,41 @@ def test_a_jump_back_in_time_starts_the_trails_anew():
 def test_a_vehicle_that_is_not_tracked_looks_so(status: TrackStatus, colour: tuple[float, ...]):
     scene = SceneBuilder(SceneParams()).update(SceneSignals(state(0.0, apart(), status=status)))
     assert scene.group("vehicle")[0].colour == colour
+
+
+@pytest.mark.parametrize(("late", "is_drawn"), [(0.49, True), (0.51, False), (-0.51, False)])
+def test_forces_and_setpoints_are_drawn_while_their_source_lives(late: float, is_drawn: bool):
+    last = {
+        "interference": Interference(1.0, NAMES, np.ones((2, 3)), np.zeros((2, 3)), np.zeros(2, np.uint8))
+    }
+    for topic in ("reference", "reference_safe"):
+        last[topic] = synthetic_signal(SwarmSetpoint, 1.0, NAMES)
+    seen = scene_signals(state(1.0 + late, apart()), last)
+    assert [one is not None for one in (seen.interference, seen.reference, seen.reference_safe)] == (
+        [is_drawn] * 3
+    )
+
+
+def test_the_path_of_a_replanner_that_has_ended_fades():
+    builder = SceneBuilder(SceneParams(trail_s=1.0, trail_hz=10.0))
+    for tick in range(250):
+        t = 0.01 * tick
+        safe = synthetic_signal(SwarmSetpoint, t, NAMES) if t < 1.0 else None
+        scene = builder.update(SceneSignals(state(t, apart()), reference_safe=safe))
+        assert bool(scene.group("replanned")) == (0.095 < t < 1.805)  # two points at least
+
+
+def test_what_is_not_a_number_is_not_in_the_scene():
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    quat[0] = np.nan
+    builder = SceneBuilder(SceneParams())
+    for t in (0.0, 0.1):
+        safe = synthetic_signal(SwarmSetpoint, t, NAMES)
+        safe.pos[:] = np.nan
+        scene = builder.update(SceneSignals(state(t, apart(), quat), reference_safe=safe))
+    assert scene.group("vehicle")[0].quat == (0.0, 0.0, 0.0, 1.0)
+    numbers = [[*shape.quat, *np.ravel(shape.points)] for shape in scene.shapes]
+    assert all(np.isfinite(one).all() for one in numbers)
 
 
 def test_a_vehicle_that_is_nowhere_is_not_drawn():

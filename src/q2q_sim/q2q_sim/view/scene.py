@@ -10,10 +10,12 @@
 | plan | line | planned path; the recent reference without a plan |
 | replanned | line | output of the replanner in the last `trail_s` |
 | flown | line | path of the vehicle in the last `trail_s` |
+
+A force or setpoint is drawn up to STALE_S after its stamp; a vehicle of unknown attitude is drawn level.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -35,7 +37,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.air.wake_laws import MEASURED_SPEED
 from q2q_sim.view.shapes import Colour, Point, Scene, Shape, ShapeKind
-from q2q_sim.view.trails import AirTrail, Span, Trail, point_of
+from q2q_sim.view.trails import AirTrail, Trail, point_of
 
 COLOURS: tuple[Colour, ...] = tuple(palette.rgba(colour) for colour in palette.VEHICLES)
 """One for each vehicle, repeated."""
@@ -56,6 +58,9 @@ TEXT_ABOVE = 0.12
 """Height of the name above the vehicle [m]."""
 FORCE_SHOWN = 0.01
 """Smallest downwash that is drawn [m/s^2]: a thousandth of g."""
+STALE_S = 0.5
+"""Difference from the stamp of the state beyond which a signal is not drawn [s]: fifty ticks."""
+LEVEL = (0.0, 0.0, 0.0, 1.0)
 PLAN_STEP = 0.1
 """Time between points of a planned path [s], if that is no more than MOST_STEPS."""
 ROUNDING = 1e-6
@@ -94,8 +99,9 @@ class SceneSignals:
 
 
 def scene_signals(state: SwarmState, last: Mapping[str, Signal]) -> SceneSignals:
-    """Return the last signal of each kind with a state."""
-    downwash, planned, safe = (last.get(topic) for topic in ("interference", "reference", "reference_safe"))
+    """Return the last signal of each kind with a state, unless their stamps differ by more than STALE_S."""
+    recent = {topic: one for topic, one in last.items() if abs(state.t - one.t) <= STALE_S}
+    downwash, planned, safe = map(recent.get, ("interference", "reference", "reference_safe"))
     return SceneSignals(
         state,
         downwash if isinstance(downwash, Interference) else None,
@@ -130,7 +136,8 @@ class SceneBuilder:
 
     def update(self, seen: SceneSignals) -> Scene:
         """Return the scene at the time of `seen.state`; call in order of time."""
-        state = seen.state
+        state = _level_where_unknown(seen.state)
+        seen = replace(seen, state=state)
         known = [row for row in range(len(state.names)) if np.isfinite(state.pos[row]).all()]
         shapes = [
             *(shape for row in known for shape in self._vehicle(state, row)),
@@ -194,8 +201,9 @@ class SceneBuilder:
 
     def _trail(self, group: str, name: str, t: float, pos: Array | None) -> tuple[Point, ...]:
         trail = self._trails.setdefault((group, name), Trail())
-        if pos is not None:
-            trail.add(t, point_of(pos), Span(self._params.trail_s, self._params.trail_hz))
+        trail.forget(t, self._params.trail_s)
+        if pos is not None and np.isfinite(pos).all():
+            trail.add(t, point_of(pos), self._params.trail_hz)
         return trail.as_points()
 
 
@@ -204,6 +212,11 @@ def zones_breached(pos: Array, zone: Cylinder) -> NDArray[np.bool_]:
     inside = zone.signed_distance(pos[None, :] - pos[:, None]) < 0.0  # (n, n)
     np.fill_diagonal(inside, val=False)
     return np.asarray(inside.any(axis=1))
+
+
+def _level_where_unknown(state: SwarmState) -> SwarmState:
+    known = np.isfinite(state.quat).all(axis=1, keepdims=True)
+    return replace(state, quat=np.where(known, state.quat, LEVEL))
 
 
 def _of(signal: Interference | None, name: str) -> Array | None:

@@ -7,27 +7,22 @@ from q2q_model.signals.values import Array
 from q2q_sim.view.shapes import Point
 
 
-@dataclass(frozen=True, slots=True)
-class Span:
-    """Length and resolution of a trail."""
-
-    seconds: float
-    rate_hz: float
-
-
 @dataclass(slots=True)
 class Trail:
     """Recent positions of one vehicle, each with its time [s]."""
 
     points: deque[tuple[float, Point]] = field(default_factory=deque)
 
-    def add(self, t: float, point: Point, span: Span) -> None:
-        """Add a point if the last is old enough; drop old points, or all if time jumps back."""
+    def add(self, t: float, point: Point, rate_hz: float) -> None:
+        """Add a point if the last is old enough."""
+        if not self.points or t - self.points[-1][0] >= (1.0 - 1e-6) / rate_hz:
+            self.points.append((t, point))
+
+    def forget(self, t: float, seconds: float) -> None:
+        """Drop points older than `seconds` [s] at time t [s], or all if time jumps back."""
         if self.points and t < self.points[-1][0]:
             self.points.clear()
-        if not self.points or t - self.points[-1][0] >= (1.0 - 1e-6) / span.rate_hz:
-            self.points.append((t, point))
-        while self.points and t - self.points[0][0] > span.seconds:
+        while self.points and t - self.points[0][0] > seconds:
             self.points.popleft()
 
     def as_points(self) -> tuple[Point, ...]:
