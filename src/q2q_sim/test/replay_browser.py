@@ -1,4 +1,4 @@
-"""Headless Chromium that opens replay pages, for tests.
+"""Headless Chromium that opens replay pages, and a run that is made for one, for tests.
 
 Graphics are drawn in software, so nothing depends on a graphics card, nor on how fast pictures follow.
 """
@@ -13,6 +13,8 @@ from matplotlib.image import imread
 from playwright.sync_api import Browser, sync_playwright
 
 from q2q_model.signals.values import Array
+from q2q_sim.replay_page import ReplayRun
+from q2q_sim.replay_page.replay_run import ReplayEvent
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 needs_chromium = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium: apt-get install chromium")
@@ -21,8 +23,32 @@ FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshad
          "--disable-sync")  # fmt: skip
 PATIENCE_MS = 600_000
 """A busy machine draws the first picture within this [ms]."""
+T: Array = 0.02 * np.arange(1001)
+"""Ticks of a run that is made [s]."""
 STATE = "document.querySelector('q2q-replay').state"
 IN_REPLAY = "document.querySelector('q2q-replay').shadowRoot"
+
+
+def hovering(names: tuple[str, ...], events: tuple[ReplayEvent, ...] = ()) -> ReplayRun:
+    """Return vehicles that hover 0.5 m apart in a row along x, each 5 cm above the last."""
+    unknown = np.full((len(T), len(names), 3), np.nan)
+    pos = np.zeros_like(unknown)
+    pos[..., 0] = 0.5 * np.arange(len(names))
+    pos[..., 2] = 1.0 + 0.05 * np.arange(len(names))
+    return ReplayRun(
+        name="made",
+        names=names,
+        t=T,
+        pos=pos,
+        quat=np.full((*pos.shape[:2], 4), np.nan),
+        ref_pos=pos,
+        mocap_pos=unknown,
+        rejected=np.zeros(pos.shape[:2], dtype=np.bool_),
+        downwash=unknown,
+        thrust=np.ones(pos.shape[:2]),
+        arm=0.046,
+        events=events,
+    )
 
 
 def opened_browser() -> Iterator[Browser]:

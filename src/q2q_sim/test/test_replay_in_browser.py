@@ -107,21 +107,6 @@ def test_captions_tell_what_happened(wide: OpenPage):
     assert aware.startswith("aware ")
 
 
-@pytest.mark.parametrize(("key", "step"), [("ArrowRight", 0.1), ("Shift+ArrowLeft", -1.0)])
-def test_arrows_step_through_the_flight(wide: OpenPage, key: str, step: float):
-    wide.draw_at(10.0)
-    wide.page.keyboard.press(key)
-    assert wide.state()["t"] == pytest.approx(10.0 + step)
-
-
-def test_space_pauses_and_plays(wide: OpenPage):
-    wide.draw_at(5.0)
-    wide.page.keyboard.press(" ")
-    assert wide.state()["isPlaying"]
-    wide.page.keyboard.press(" ")
-    assert not wide.state()["isPlaying"]
-
-
 def test_the_time_bar_and_the_curves_seek(wide: OpenPage):
     wide.draw_at(1.0)
     wide.page.locator("q2q-replay input[type=range]").fill("12.5")

@@ -34,6 +34,7 @@ PLAYER = (
     "painter",
     "run_view",
     "controls",
+    "keys",
     "moments",
     "height_curves",
     "readout",

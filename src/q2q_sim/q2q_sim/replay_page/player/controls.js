@@ -1,12 +1,10 @@
-// Buttons, time bar and keys of a replay.
+// Buttons, lists and time bar of a replay.
 
 import { viewNames } from "./room.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 const PLAY = "M7 4l13 8-13 8z";
 const PAUSE = "M6 4h4v16H6zM14 4h4v16h-4z";
-const STEP = 0.1; // of the arrow keys [s]
-const LONG_STEP = 1; // with Shift [s]
 
 /** Return the bar with play button, time bar, time and speed. */
 export function timeBar(playback) {
@@ -58,23 +56,6 @@ export function layerButtons(names, shown, onShow) {
     });
     toggle.setAttribute("aria-pressed", shown.has(name));
     return toggle;
-  });
-}
-
-/** Play, pause and step by keys while the element is in sight. */
-export function listenToKeys(element, playback) {
-  const keys = {
-    " ": () => playback.toggle(),
-    ArrowLeft: (step) => playback.seek(playback.t - step),
-    ArrowRight: (step) => playback.seek(playback.t + step),
-    Home: () => playback.seek(0),
-    End: () => playback.seek(playback.duration),
-  };
-  document.addEventListener("keydown", (event) => {
-    const isTaken = event.composedPath()[0].matches?.("input, select, button, textarea");
-    if (!(event.key in keys) || isTaken || event.ctrlKey || event.metaKey || !isInSight(element)) return;
-    event.preventDefault();
-    keys[event.key](event.shiftKey ? LONG_STEP : STEP);
   });
 }
 

@@ -1,8 +1,9 @@
 // The element <q2q-replay>: runs side by side, in step, with one camera and one time bar.
 
 import { themeOf } from "./colours.js";
-import { cameraChoice, group, isInSight, layerButtons, listenToKeys, made, timeBar } from "./controls.js";
+import { cameraChoice, group, isInSight, layerButtons, made, timeBar } from "./controls.js";
 import { HeightCurves, heightsOf } from "./height_curves.js";
+import { listenToKeys } from "./keys.js";
 import { momentButtons } from "./moments.js";
 import { Painter } from "./painter.js";
 import { Playback } from "./playback.js";
