@@ -107,6 +107,23 @@ def test_captions_tell_what_happened(wide: OpenPage):
     assert aware.startswith("aware ")
 
 
+def test_every_time_below_the_curves_is_whole(browser: Browser, runs: list[ReplayRun], tmp_path: Path):
+    count = int((runs[0].t[-1] - runs[0].t[0]) * 50.0 + 1e-6)  # steps of the page's own rate, 50 Hz
+    file = tmp_path / "page.html"
+    file.write_text(replay_html([replace(runs[0], since=25.0 - count / 50.0)], "To 25 s"), encoding="utf-8")
+    noted = """window.labels = [];
+    const { fillText } = CanvasRenderingContext2D.prototype;
+    CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+      labels.push([text, x + this.measureText(text).width / 2 - this.canvas.width / devicePixelRatio]);
+      fillText.call(this, text, x, y);
+    };"""
+    opened = OpenPage(browser, file.as_uri(), init=noted)
+    beyond = dict(opened.page.evaluate("labels"))
+    assert "25 s" in beyond
+    assert max(beyond[text] for text in beyond if text.endswith(" s")) <= 0.0
+    opened.page.context.close()
+
+
 def test_the_time_bar_and_the_curves_seek(wide: OpenPage):
     wide.draw_at(1.0)
     wide.page.locator("q2q-replay input[type=range]").fill("12.5")

@@ -98,7 +98,9 @@ export class HeightCurves {
     pen.textAlign = "center";
     const { since } = this.run.facts;
     for (const t of ticksOf([since, since + this.duration], this.width / 90)) {
-      pen.fillText(`${t} s`, Math.max(this.#x(t - since), PAD.left + 8), this.height - 6);
+      const half = pen.measureText(`${t} s`).width / 2;
+      const x = Math.min(Math.max(this.#x(t - since), PAD.left + 8), this.width - half);
+      pen.fillText(`${t} s`, x, this.height - 6);
     }
   }
 
