@@ -3,6 +3,7 @@
 import { PUSHING_AIR } from "./colours.js";
 
 const PAD = { left: 60, right: 10, top: 8, bottom: 22 }; // [px], wide enough for "-0.05 m"
+const REACH = 10; // distance from the pointer within which a curve is pointed at [px]
 const SPAN_MARGIN = 0.06; // above and below the curves, of their span
 
 /** Return lowest and highest height over all runs [m], so that all have one scale. */
@@ -37,6 +38,14 @@ export class HeightCurves {
     pen.drawImage(this.backdrop, 0, 0);
     pen.scale(this.pixels, this.pixels);
     this.#drawCursor(pen, t);
+  }
+
+  /** Return the vehicle whose curve is nearest to a point of the canvas [px]; null if none is near. */
+  vehicleAt({ x, y }) {
+    const t = this.#timeAt(x);
+    const distances = this.run.names.map((_, vehicle) => Math.abs(this.#y(this.run.at("pos", vehicle, 2, t)) - y));
+    const nearest = Math.min(...distances.filter((distance) => distance < REACH));
+    return nearest < REACH ? distances.indexOf(nearest) : null;
   }
 
   #drawCursor(pen, t) {

@@ -4,6 +4,7 @@ import { tinted } from "./colours.js";
 
 const MISSING = 65535;
 const LEVEL = [0, 0, 0, 1];
+const MOST_LABELLED = 8; // vehicles whose names are shown all the time
 
 /** Return the run of its JSON, with every quantity decoded (packed_run.py says how they are packed). */
 export async function decodedRun(packed) {
@@ -46,6 +47,7 @@ export class RecordedRun {
     this.facts = facts;
     this.names = facts.names;
     this.duration = (facts.count - 1) / facts.rate;
+    this.labelled = labelledVehicles(facts);
   }
 
   colourOf(vehicle) {
@@ -135,4 +137,13 @@ export class RecordedRun {
     }
     return [low, high];
   }
+}
+
+/** Return the vehicles whose names are shown all the time: all, or of many those that marked moments name first. */
+function labelledVehicles({ names, events = [] }) {
+  const rows = names.map((_, vehicle) => vehicle);
+  if (rows.length <= MOST_LABELLED) return rows;
+  const words = events.flatMap((event) => event.words.match(/[\w/-]+/g));
+  const named = new Set(words.map((word) => names.indexOf(word)).filter((vehicle) => vehicle >= 0));
+  return [...named].slice(0, MOST_LABELLED);
 }

@@ -7,6 +7,7 @@ import { listenToKeys } from "./keys.js";
 import { momentButtons } from "./moments.js";
 import { Painter } from "./painter.js";
 import { Playback } from "./playback.js";
+import { tellPointed } from "./pointing.js";
 import { Readout } from "./readout.js";
 import { decodedRun } from "./recorded_run.js";
 import { SharedCamera, roomOf } from "./room.js";
@@ -93,7 +94,7 @@ class Replay {
     const readout = new Readout(run);
     const events = momentButtons(run.facts.events, this.playback);
     const figure = made("figure", {}, [caption, group("stage", [room]), readout.element, curves, events]);
-    return { run, figure, room, curves, drawings: [readout] };
+    return { run, figure, room, curves, drawings: [readout], pointed: null };
   }
 
   /** Add rooms and curves, in the colours of the page. */
@@ -104,7 +105,9 @@ class Replay {
     const shared = { heights: heightsOf(this.runs), fullPush, duration: this.playback.duration, theme };
     for (const panel of this.panels) {
       const onSeek = (t) => this.playback.seek(t);
-      panel.drawings.push(new HeightCurves(panel.run, panel.curves, { ...shared, onSeek }));
+      const curves = new HeightCurves(panel.run, panel.curves, { ...shared, onSeek });
+      panel.drawings.push(curves);
+      this.#tellPointed(panel, panel.curves, (point) => curves.vehicleAt(point));
       this.#addRoom(panel, theme);
     }
   }
@@ -116,7 +119,17 @@ class Replay {
     }
     panel.view = new RunView(panel.run, panel.room, { painter: this.painter, room: this.sight.room, theme });
     this.sight.attach(panel.room, () => (this.#isStale = true));
+    const now = () => Math.min(this.playback.t, panel.run.duration);
+    this.#tellPointed(panel, panel.room, (point) => panel.view.labels.vehicleAt(point, now(), this.sight.camera));
     for (const name of LAYERS.map((layer) => layer.name)) panel.view.show(name, this.#shown().has(name));
+  }
+
+  #tellPointed(panel, canvas, vehicleAt) {
+    tellPointed(canvas, vehicleAt, (vehicle) => {
+      if (panel.pointed === vehicle) return;
+      panel.pointed = vehicle;
+      this.#isStale = true;
+    });
   }
 
   #shown() {
@@ -179,13 +192,13 @@ class Replay {
   #draw() {
     this.#isStale = false;
     const { t } = this.playback;
-    for (const { run, view, drawings, room } of this.panels) {
+    for (const { run, view, drawings, room, pointed } of this.panels) {
       const shown = Math.min(t, run.duration);
-      for (const drawing of drawings) drawing.draw(shown);
+      for (const drawing of drawings) drawing.draw(shown, pointed);
       if (!view) continue;
       this.sight.fit(room.clientWidth / room.clientHeight);
       this.#follow(run, shown);
-      view.draw(shown, this.sight.camera, this.playback.isPlaying);
+      view.draw(shown, this.sight.camera, { isMoving: this.playback.isPlaying, pointed });
     }
     this.pictures += 1;
   }
