@@ -156,6 +156,18 @@ def test_a_target_outside_the_room_is_reported_when_it_is_asked_for():
     assert (found[0].rule, found[0].t) == ("room", 3.0)
 
 
+@pytest.mark.parametrize(
+    ("low", "high"), [((0.0, 0.0, -0.7), (0.0, 0.0, 0.5)), ((0.0,) * 3, (0.0, 3.1, 1.0))]
+)
+def test_a_plan_that_leads_out_of_the_room_is_reported_though_nobody_flies_it_to_its_end(
+    low: tuple[float, ...], high: tuple[float, ...]
+) -> None:
+    out = command(3.0, CommandKind.PLAN, "spiral", extent=(low, high))
+    back = command(3.5, CommandKind.PLAN, "go_to", pos=(0.0, 0.0, 1.0))
+    (found,) = broken_rules(replace(hover(), commands=(out, back)), LIMITS)
+    assert (found.rule, found.t, found.why) == ("room", 3.0, "spiral, line 7")
+
+
 @pytest.mark.parametrize(("height", "rules"), [(-0.7, ["room"]), (-0.1, [])])
 def test_a_target_below_the_floor_is_reported_unless_it_only_presses_a_landing(
     height: float, rules: list[str]

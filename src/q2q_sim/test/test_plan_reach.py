@@ -11,6 +11,7 @@ from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.ports import memory
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command
+from q2q_sim.experiments.licence.client_commands.plan_extent import plan_extent
 from q2q_sim.experiments.licence.client_commands.plan_reach import beyond_reach, reach_violation
 from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.firmware.commander.piecewise import Piecewise
@@ -227,3 +228,30 @@ def test_an_upload_changes_no_trajectory_that_was_left_for_setpoints():
     impossible(pilot, server_packets.position((0.2, 0.0, 1.0), 0.0))
     pilot.fly(0.1)
     assert impossible(pilot, second) == ""
+
+
+def test_the_extent_of_a_plan_is_that_of_all_its_goals_shifted_and_turned():
+    dip = (rest_to_rest(1.0, 0.0, -0.5, 3.0), piece_between(
+        goal_at_rest(np.array([1.0, 0.0, -0.5]), 0.0), goal_at_rest(np.zeros(3), 0.0), 3.0
+    ))  # fmt: skip
+    low, high = plan_extent(Piecewise(dip, 7.0, timescale=2.0, shift=(0.0, 0.0, 0.4), turn=0.5 * math.pi))
+    np.testing.assert_allclose([low, high], [[0.0, 0.0, -0.1], [0.0, 1.0, 0.4]], atol=1e-9)
+
+
+def test_the_extent_of_a_bow_is_found_to_within_5_mm():
+    bow = np.zeros((4, 8))
+    bow[0, :3] = 0.0, 4.0, -4.0  # x = 4 t (1 - t): 1 m between its ends, at 0.5 of the piece
+    bow[1, 1] = 1.0
+    low, high = plan_extent(Piecewise((Piece(0.97, bow),), 0.0))
+    assert low == pytest.approx((0.0, 0.0, 0.0))
+    assert high == pytest.approx((1.0, 0.97, 0.0), abs=5e-3)
+
+
+def test_a_relative_go_to_asks_for_the_places_that_it_leads_through():
+    pilot = hovering(0.5)  # at x = 0.2
+    down = server_packets.go_to((0.0, 1.0, -0.9), 0.0, 2.0, relative=True, mask=0)
+    answers = pilot.fleet.vehicles[0].handle(datagram_of(down))
+    asked = client_command(down, [packet_of(one) for one in answers], pilot.firmware())
+    assert asked is not None
+    assert asked.extent is not None
+    np.testing.assert_allclose(asked.extent, [[0.2, 0.0, -0.4], [0.2, 1.0, 0.5]], atol=0.02)

@@ -36,6 +36,8 @@ class Asked:
     words: str
     pos: Three | None = None
     """Position asked for [m], world; NaN on axes that are not."""
+    extent: tuple[Three, Three] | None = None
+    """Lowest and highest x, y, z that a plan which the vehicle follows leads through [m], world."""
     yaw_rad: float = 0.0
     """Yaw that the high-level commander is asked for [rad]."""
     refused: str = ""

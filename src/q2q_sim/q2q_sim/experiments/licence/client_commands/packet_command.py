@@ -19,11 +19,12 @@ from q2q_sim.crtp.ports import (
 )
 from q2q_sim.experiments.licence.client_commands.client_command import Asked, CommandKind
 from q2q_sim.experiments.licence.client_commands.plan_command import PLAN_NAMES, grounded, planned_command
+from q2q_sim.experiments.licence.client_commands.plan_extent import plan_extent
 from q2q_sim.experiments.licence.client_commands.plan_reach import reach_violation
 from q2q_sim.experiments.licence.client_commands.setpoint_text import asked_position, setpoint_text
 from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import overwritten_trajectory
 from q2q_sim.firmware.commander.planner import PlanState
-from q2q_sim.firmware.commander.setpoint import STOP, Mode
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Three
 from q2q_sim.firmware.firmware import Firmware
 
 _STOPS = (
@@ -64,7 +65,8 @@ def client_command(packet: Packet, answers: list[Packet], firmware: Firmware) ->
             asked = _supervised(packet)
     if asked is None or asked.impossible or not _needs_position(asked, firmware):
         return asked
-    return replace(asked, impossible=_without_position(firmware) or _out_of_reach(asked, firmware))
+    impossible = _without_position(firmware) or _out_of_reach(asked, firmware)
+    return replace(asked, impossible=impossible, extent=_extent(asked, firmware))
 
 
 def _needs_position(asked: Asked, firmware: Firmware) -> bool:
@@ -92,6 +94,12 @@ def _out_of_reach(asked: Asked, firmware: Firmware) -> str:
         return ""
     lightest = CRAZYFLIE_2_1  # of the brushed ones: the program may be meant for it
     return reach_violation(plan, planner.here.pos, lightest)
+
+
+def _extent(asked: Asked, firmware: Firmware) -> tuple[Three, Three] | None:
+    """Return the extent of the plan that a command has begun; None if it has begun none."""
+    plan = firmware.planner.trajectory
+    return None if asked.kind != CommandKind.PLAN or asked.refused or plan is None else plan_extent(plan)
 
 
 def malformed_command(packet: Packet) -> Asked | None:

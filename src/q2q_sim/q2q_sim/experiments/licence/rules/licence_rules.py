@@ -4,7 +4,7 @@
 |---|---|
 | motors | the motors stop for 0.05 s more than 0.25 m above the floor |
 | landing | a vehicle reaches the floor faster than 2.25 m/s, as after a fall from 0.25 m |
-| room | it leaves the room, or is asked to, as to go more than 0.15 m below the floor |
+| room | it leaves the room, or a command or part of a plan leads out, as 0.15 m below the floor |
 | collision | two vehicles touch, within 0.14 m of each other; only a remark if one has lost its link |
 | downwash | two fly within an ellipsoid of 0.24 and 0.6 m (vertical) for 0.3 s; nominal flight only |
 | tumble | the supervisor finds a vehicle tumbled |

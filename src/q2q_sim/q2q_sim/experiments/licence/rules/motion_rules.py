@@ -6,6 +6,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
+from q2q_sim.experiments.licence.client_commands.client_command import Asked
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.rules.broken_rule import (
     BrokenRule,
@@ -49,14 +50,19 @@ def landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | No
 
 def room(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where a vehicle leaves the room, or is asked to."""
-    goals = (one for one in log.of(row) if one.asked.pos is not None)
-    asked = next((one for one in goals if _outside(np.array(one.asked.pos), limits).item()), None)
+    asked = next((one for one in log.of(row) if _leads_out(one.asked, limits)), None)
     tick = first_tick(_outside(log.pos[:, row], limits))
     left = float(log.t[tick]) if tick >= 0 else math.inf
     if asked is not None and asked.t <= left:
         what = f"{log.name(row)} is asked to leave the room"
         return BrokenRule("room", asked.t, what, asked.words_without_time)
     return broken_at(log, row, "room", tick, lambda _: f"{log.name(row)} leaves the room")
+
+
+def _leads_out(asked: Asked, limits: LicenceLimits) -> bool:
+    """Return whether a command asks for a place outside the room, or for a plan that leads there."""
+    places = (*([] if asked.pos is None else [asked.pos]), *(asked.extent or ()))
+    return bool(places) and bool(_outside(np.array(places), limits).any())
 
 
 def _outside(pos: Array, limits: LicenceLimits) -> Mask:
