@@ -130,6 +130,18 @@ def test_of_two_commands_that_end_a_flight_the_first_is_the_cause():
     assert broken_rules(log, LIMITS)[0].why == "stop setpoint at 5.00 s, line 7"
 
 
+def test_a_setpoint_that_the_firmware_does_not_follow_is_the_cause_with_its_reason():
+    locked = "no setpoint of thrust 0 has unlocked the thrust"
+    before = command(3.0, CommandKind.SETPOINT, "setpoint of thrust 1", refused="the vehicle is not armed")
+    rise = command(3.5, CommandKind.PLAN, "takeoff")
+    last = command(4.5, CommandKind.SETPOINT, "setpoint of thrust 40000", refused=locked)
+    log = fallen(hover())
+    found = broken_rules(replace(log, commands=(before, rise, last)), LIMITS)[0]
+    assert found.why == f"setpoint of thrust 40000 at 4.50 s, line 7, was not followed: {locked}"
+    found = broken_rules(replace(log, commands=(before, rise)), LIMITS)[0]
+    assert found.why == "the last command was takeoff at 3.50 s, line 7"
+
+
 def test_a_command_that_the_vehicle_flew_on_after_is_not_the_cause():
     stop = command(2.0, CommandKind.OFF, "setpoint of thrust 0")
     last = command(4.5, CommandKind.SETPOINT, "setpoint thrust 30000")

@@ -80,8 +80,8 @@ def _silence(log: LicenceLog, row: int, t: float) -> str:
 
 
 def _ignored(log: LicenceLog, row: int, t: float) -> str:
-    """Return the last command of the high-level commander if the vehicle did not follow it."""
-    last = log.last(row, t, lambda one: one.asked.kind == CommandKind.PLAN)
-    if last is None or not last.asked.refused:
-        return ""
-    return f"{last.words}, was not followed: {last.asked.refused}"
+    """Return the last command that asks for flight, or else the last plan, that a vehicle did not follow."""
+    last = log.last(row, t, lambda one: one.asked.kind in FLIGHT)
+    plan = log.last(row, t, lambda one: one.asked.kind == CommandKind.PLAN)
+    refused = (one for one in (last, plan) if one is not None and one.asked.refused)
+    return next((f"{one.words}, was not followed: {one.asked.refused}" for one in refused), "")
