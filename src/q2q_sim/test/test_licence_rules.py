@@ -276,6 +276,20 @@ def test_a_vehicle_that_stays_down_is_reported_with_the_reason():
     assert [one.why for one in silent] == ["it was never asked to fly"]
 
 
+@pytest.mark.parametrize(
+    ("t", "refused", "rules"),
+    [(1.45, "", ["program"]), (8.0, "", ["program", "idle"]), (1.45, "not armed", ["program", "idle"])],
+)
+def test_a_vehicle_that_the_time_limit_leaves_no_time_to_rise_is_not_idle(
+    t: float, refused: str, rules: list[str]
+) -> None:
+    log = hover(2)
+    log.pos[:, :, 2] = 0.0
+    asked = command(1.0, CommandKind.PLAN, "takeoff", refused=refused)
+    found = broken_rules(replace(log, commands=(asked,), end=ProgramEnd(t, overdue=True)), LIMITS)
+    assert {one.rule for one in found} == set(rules)
+
+
 def test_errors_count_except_on_the_floor_after_a_fault():
     failed = replace(hover(), end=ProgramEnd(9.9, 1, "KeyError: 'y'", 12))
     assert broken_rules(failed, LIMITS)[0].why == "KeyError: 'y', line 12"

@@ -60,17 +60,22 @@ def end(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     return BrokenRule("end", t, what, f"the last command was {last.words}" if last else "")
 
 
-def idle(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
-    """Return the vehicle that never flew though it was asked to, or was connected while others flew."""
+def idle(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+    """Return the vehicle that never flew though it was asked to, or was connected while others flew.
+
+    A flight that was ended at the time limit has no rest in which a vehicle could rise or be asked to.
+    """
     if log.trial.kind != TrialKind.NOMINAL or log.flew[row]:
         return None
     asked = [one for one in log.of(row) if one.asked.kind in FLIGHT and one.asked.lifts]
     if asked:
         what = f"{log.name(row)} is asked to fly and stays on the floor"
         first = asked[0]
+        if log.end.overdue and not first.asked.refused and log.end.t - first.t < limits.rise_s:
+            return None
         why = f"{first.asked.refused}, {first.words}" if first.asked.refused else first.words
         return BrokenRule("idle", first.t, what, why)
-    if row in log.opened and log.flew.any():
+    if row in log.opened and log.flew.any() and not log.end.overdue:
         t = float(log.t[first_tick(np.asarray(log.airborne.any(axis=1)))])
         return BrokenRule("idle", t, f"{log.name(row)} stays on the floor", "it was never asked to fly")
     return None

@@ -32,5 +32,7 @@ class LicenceLimits:
     """[rad/s]"""
     spun_s: float = 0.2
     """Shortest spin [s]: an asked step of 360 deg/s overshoots to 500 for less."""
+    rise_s: float = 5.0
+    """Time in which a vehicle that is asked to fly has left the floor [s]: a take-off to 1 m in 20 s."""
     yaw_step: float = math.radians(185.0)
     """Largest step of an asked yaw beyond one turn [rad]: a program may count half turns in radians."""
