@@ -104,6 +104,35 @@ def test_starts_that_are_not_as_many_as_the_vehicles_are_refused(
     assert capsys.readouterr().err == message
 
 
+@pytest.mark.parametrize(
+    ("places", "why"),
+    [
+        ("5 0 0", "--start 1 is at 5, 0 m: the room is 6 by 6 m around the origin; move it, or set --room"),
+        ("0 0 0 --start 0 -3.1 0", "--start 2 is at 0, -3.1 m: the room is 6 by 6 m around the origin; move"),
+        ("0 0 0 --start 0.05 0 0", "--start 1 and --start 2 are 0.05 m apart: 0.14 m is the minimum\n"),
+    ],
+)
+def test_starts_at_which_no_vehicle_can_stand_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], places: str, why: str
+) -> None:
+    """The program failed: its vehicles left the room, or collided, at 0.01 s."""
+    file = tmp_path / "opened.py"
+    file.write_text(OPENED.format(count=1))
+    assert main(["--start", *places.split(), str(file)]) == 2
+    assert capsys.readouterr().err.startswith(f"licence: {why}")
+
+
+def test_a_start_of_a_crazyflies_file_outside_the_room_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, vehicles = tmp_path / "opened.py", tmp_path / "crazyflies.yaml"
+    file.write_text(OPENED.format(count=1))
+    robot = '{enabled: true, uri: "radio://0/80/2M/E7E7E7E700", type: cf21, initial_position: [0, 3.5, 0]}'
+    vehicles.write_text(f"robots: {{cf7: {robot}}}\nrobot_types: {{cf21: {{}}}}\n")
+    assert main(["--crazyflies", str(vehicles), str(file)]) == 2
+    assert capsys.readouterr().err.startswith("licence: cf7 is at 0, 3.5 m: the room is 6 by 6 m")
+
+
 def test_a_vehicle_that_is_opened_only_after_a_fault_fails_the_flight(tmp_path: Path):
     """Also where nothing is asked of the vehicle with the fault."""
     file = tmp_path / "two.py"

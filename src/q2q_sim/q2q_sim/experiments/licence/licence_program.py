@@ -17,6 +17,7 @@ from q2q_sim.experiments.licence.licence_reports import (
 from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
+from q2q_sim.experiments.licence.starting_places import check_starts
 from q2q_sim.node_flights.run_json import Json
 
 
@@ -34,6 +35,8 @@ def judge_program(args: Namespace) -> int:
         limit=args.limit,
         jobs=args.jobs,
     )
+    named = {f"--start {k + 1}": one for k, one in enumerate(options.starts)}
+    check_starts(named or {one.name: one.start for one in options.served}, options.limits)
     found = licence(Program(args.script.resolve(), tuple(args.arguments), Path.cwd()), options)
     print(report_text(found))
     if args.json:
