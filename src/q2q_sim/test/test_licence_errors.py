@@ -151,3 +151,20 @@ def test_a_score_counts_a_program_that_could_not_be_judged_as_neither_right_nor_
     assert (one.right, one.word) == (False, "ERROR")
     counts = licence_score_json([one])
     assert (counts["seeded_bugs"], counts["seeded_found"], counts["not_judged"]) == (1, 0, 1)
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_a_program_that_starts_a_process_is_told_that_it_cannot(tmp_path: Path, method: str) -> None:
+    """Python's own words were that daemonic processes have no children."""
+    text = f"""
+import multiprocessing
+if __name__ == "__main__":
+    multiprocessing.get_context("{method}").Process(target=print).start()
+"""
+    order = FlightOrder(
+        program(tmp_path, "two.py", text), LicenceParams(((0.0, 0.0, 0.0),)), LicenceTrial(), (), (), 30.0
+    )
+    (flight,) = fly_trials([order], LicenceOptions(), until=inf)
+    why = "RuntimeError: a licence cannot start processes (multiprocessing): "
+    why += "the emulated vehicles are in this one; use threads, line 4"
+    assert [one.why for one in flight.failures] == [why]
