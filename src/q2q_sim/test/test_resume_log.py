@@ -1,5 +1,6 @@
 """Finished work belongs to one run at a time."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
 from q2q_sim.experiments.falsification import attack_record
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
+from q2q_sim.experiments.resume_log import read_entries
 from q2q_sim.experiments.robustness import fill_robustness
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
 
@@ -53,6 +55,31 @@ def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
     assert campaign.main(asked) == 0
     assert statuses == [2]
     assert "attacks.jsonl is written by another run: wait for it" in capsys.readouterr().err
+
+
+def number_of(document: Mapping[str, object]) -> int:
+    if not isinstance(document["n"], int):
+        raise ValueError("no n")  # noqa: TRY004  a bad document
+    return document["n"]
+
+
+def test_a_last_line_without_its_end_is_removed_and_flown_again(tmp_path: Path) -> None:
+    log = tmp_path / "log.jsonl"
+    for cut in ('{"n": 2', '{"n": 2}'):
+        log.write_text('{"n": 1}\n' + cut)
+        assert read_entries(log, number_of) == [1]
+        assert log.read_text() == '{"n": 1}\n'
+    assert read_entries(tmp_path / "none.jsonl", number_of) == []
+
+
+@pytest.mark.parametrize("line", ['{"n": "x"}', "{", ""])
+def test_a_wrong_line_with_its_end_is_refused_wherever_it_is(tmp_path: Path, line: str) -> None:
+    log = tmp_path / "log.jsonl"
+    for text in (f'{{"n": 1}}\n{line}\n', f'{{"n": 1}}\n{line}\n{{"n": 3}}\n'):
+        log.write_text(text)
+        with pytest.raises(ValueError, match=r"log.jsonl, line 2: .*; remove the line, or the file"):
+            read_entries(log, number_of)
+        assert log.read_text() == text
 
 
 def test_a_second_ablation_into_a_file_is_refused_until_the_first_ends(

@@ -47,26 +47,23 @@ def _in_use(file: Path) -> ValueError:
 
 
 def read_entries(log: Path, entry_from: Callable[[Mapping[str, object]], Entry]) -> list[Entry]:
-    """Return the entries of a file, without an incomplete last line.
+    """Return the entries of a file; remove its last line if that has no end, as after a kill.
 
     `entry_from` returns an entry from its document, or raises ValueError.
 
     Raises:
-        ValueError: the file has other content.
+        ValueError: the file has other content; it is left as it is.
     """
-    lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+    text = log.read_text(encoding="utf-8") if log.exists() else ""
+    *lines, incomplete = text.split("\n")
     found = []
     for number, line in enumerate(lines, start=1):
         try:
             found.append(entry_from(json.loads(line)))
         except ValueError as wrong:
-            if number < len(lines):
-                raise ValueError(f"{log}, line {number}: {wrong}; delete the file to start again") from wrong
+            raise ValueError(
+                f"{log}, line {number}: {wrong}; remove the line, or the file to start again"
+            ) from wrong
+    if incomplete:
+        log.write_text(text.removesuffix(incomplete), encoding="utf-8")
     return found
-
-
-def drop_incomplete_line(log: Path) -> None:
-    """Remove an incomplete last line."""
-    text = log.read_text(encoding="utf-8") if log.exists() else ""
-    if text and not text.endswith("\n"):
-        log.write_text(text[: text.rfind("\n") + 1], encoding="utf-8")

@@ -15,7 +15,7 @@ from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome, as_document, from_document, summary
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights
-from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
+from q2q_sim.experiments.resume_log import exclusive_log, read_entries
 
 LEFT_BY_DEATH = "died"
 """Description of runs that earlier campaigns kept as crashes where any process died: they are flown again."""
@@ -45,7 +45,6 @@ def _fly(args: Namespace) -> tuple[list[RunOutcome], float]:
         done = _finished(log, args.air, by_nodes, seeds)
         pure = [seed for seed in seeds if seed not in done and seed not in by_nodes]
         nodes = [seed for seed in seeds if seed not in done and seed in by_nodes]
-        drop_incomplete_line(log)
         task = bar.add_task("campaign", total=len(seeds), completed=len(done), violations=0)
         for one in _all(args, pure, nodes, kept):
             file.write(json.dumps(as_document(one)) + "\n")

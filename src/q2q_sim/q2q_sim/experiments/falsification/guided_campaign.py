@@ -29,7 +29,7 @@ from q2q_sim.experiments.falsification.attack_record import (
 from q2q_sim.experiments.falsification.attacked_flight import fly_attacked
 from q2q_sim.experiments.falsification.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
-from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
+from q2q_sim.experiments.resume_log import exclusive_log, read_entries
 
 Entry = TypeVar("Entry", AttackRecord, BugScore)
 ATTACKS = "attacks.jsonl"
@@ -130,7 +130,6 @@ def _attacks(args: Namespace) -> Iterator[AttackRecord]:
     yield from done.values()
     work = partial(_attack, lengths=lengths, kept=args.out / "cases", air=args.air)
     left = [seed for seed in lengths if seed not in done]
-    drop_incomplete_line(log)
     for one in spread_work(ParallelRuns(args.engine, args.jobs), work, left, record_of_dead_process):
         _append(log, one)
         yield one
@@ -149,7 +148,6 @@ def _scores(args: Namespace) -> Iterator[BugScore]:
     done = {one.bug: one for one in found if (one.runs, one.seed, one.air, one.search) == wanted}
     left = [number for number, bug in enumerate(SEEDED_BUGS) if bug.name not in done]
     work = partial(score_bugs, runs=args.bug_runs, seed=args.seed, air=args.air)
-    drop_incomplete_line(log)
     for one in spread_work(ParallelRuns(args.engine, args.jobs), work, left, unscored):
         _append(log, one)
         done[one.bug] = one

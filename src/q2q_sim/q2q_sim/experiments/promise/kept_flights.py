@@ -7,7 +7,7 @@ from pathlib import Path
 
 from q2q_model.documents.plain_values import from_plain, to_plain
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord, PromiseCase
-from q2q_sim.experiments.resume_log import drop_incomplete_line, exclusive_log, read_entries
+from q2q_sim.experiments.resume_log import exclusive_log, read_entries
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,6 @@ def resume_flights(
         kept = {one.record.seed: one for one in read_entries(file, _from_document)}
         if any(one.case != case for one in kept.values()):
             raise ValueError(f"{file} holds flights of another tube, controller or air: name another --keep")
-        drop_incomplete_line(file)
         yield from (kept[seed].record for seed in seeds if seed in kept)
         for record in fly([seed for seed in seeds if seed not in kept]):
             log.write(json.dumps(to_plain(KeptFlight(case, record))) + "\n")
