@@ -86,6 +86,10 @@ class Explanation:
     """Loss without any of them [m]."""
     without_first: float
     """Loss without the first cause alone [m]; the whole loss if there is no cause."""
+    all_orders: bool
+    """Whether the shares are means over all orders of the causes, not over random ones."""
+    seeds: int
+    """Seeds that were flown."""
 
 
 def ignore_progress(_: float) -> None:
@@ -104,7 +108,8 @@ def explain(
     orders = orders_of(causes, params.orders, stream(case.seed, "explanation orders"))
     values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.seeds)]
     found = _all_shares(causes, orders, values, follow)
-    split = _split(causes, found, exact=all_orders_fit(causes, params.orders))
+    exact = all_orders_fit(causes, params.orders)
+    split = _split(causes, found, exact=exact)
     own = values[0]
     first = first_cause(short, loss, {one.cause: one.share for one in split}, lambda out: own(frozenset(out)))
     return Explanation(
@@ -112,6 +117,8 @@ def explain(
         shares=tuple(sorted(split, key=lambda one: one.cause != first)),
         rest=own(frozenset(causes)),
         without_first=own(frozenset() if first is None else frozenset({first})),
+        all_orders=exact,
+        seeds=params.seeds,
     )
 
 

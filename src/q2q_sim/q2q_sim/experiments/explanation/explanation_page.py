@@ -21,9 +21,8 @@ HEAD = ("cause", "share\n[cm]", "from\n[cm]", "to\n[cm]")
 NOTES = (
     "The flight is flown again with its causes taken out one after the other, in several orders. The share "
     "of a cause is the mean of what taking it out changes (Shapley value); shares and rest, which is left "
-    "without any of them, add up to the loss. The 95 % interval is that of other orders and other draws of "
-    "noise, losses and gusts. A share below 0 kept the vehicle on its path. The loss is the largest one of "
-    f"the flight, at most {LOST:g} m."
+    "without any of them, add up to the loss. A share below 0 kept the vehicle on its path. The loss is the "
+    f"largest one of the flight, at most {LOST:g} m."
 )
 
 
@@ -38,7 +37,7 @@ def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path)
         *_replay(found, recorded),
         Heading("Shares"),
         Grid(HEAD, [*rows, ("rest", _centimetres(found.rest), "-", "-")]),
-        NOTES,
+        f"{NOTES} {_interval_note(found)}",
         f"Flown again, the vehicles are within {recorded.difference:.1g} m of their recorded positions.",
     ]
     file = out / "index.html"
@@ -47,8 +46,18 @@ def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path)
     return file
 
 
+def _interval_note(found: Explanation) -> str:
+    """Return what the intervals are of."""
+    sources = [] if found.all_orders else ["other orders"]
+    if found.seeds > 1:
+        sources.append("other draws of noise, losses and gusts")
+    if not sources:
+        return "All orders were flown with one seed, so the shares have no interval."
+    return f"The 95 % interval is that of {' and '.join(sources)}."
+
+
 def _centimetres(metres: float) -> str:
-    return f"{CENTIMETRE * metres:.1f}"
+    return f"{CENTIMETRE * metres:z.1f}"
 
 
 def _bars(found: Explanation) -> Figure:
