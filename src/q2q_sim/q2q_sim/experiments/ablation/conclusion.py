@@ -1,8 +1,8 @@
 """Conclusion of the ablation in three sentences, made from its numbers.
 
 The first names the best controllers and what they reach; the second what each part is worth; the third how
-often the targets are met, and what is worse than ignoring. All ratios are of the same draw, and ranges are
-those of the medians in the airs that are not of the models' family.
+often the targets are met, and what is worse than ignoring, on all paths. All ratios are of the same draw, and
+ranges are those of the medians in the airs that are not of the models' family.
 """
 
 from collections import Counter
@@ -10,8 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from q2q_model.counted import counted
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case
+from q2q_sim.experiments.ablation.ablation_cases import JUDGED, PATHS, SHOWN, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.contender_flight import COLUMNS
 from q2q_sim.experiments.ablation.contenders import NAMES, TWINS
@@ -117,9 +118,10 @@ def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
             ignored = _span([MM * _median(numbers, one, "ignoring", "worst") for one in own])
             parts.append(f"{worst} mm in `{name}` (ignoring {ignored} mm)")
     others = f" (in the others {', '.join(name for name, _ in best[1:])})" if best[1:] else ""
+    rule = "fewest targets missed, of those the least worst error"
     return (
-        f"**{best[0][0]}** is best in {best[0][1]} of {len(cases)} pairs of paths and air{others}; the best "
-        f"of each has a worst height error under another vehicle of {'; '.join(parts)}."
+        f"**{best[0][0]}** is best ({rule}) in {best[0][1]} of {len(cases)} pairs of paths and air{others}; "
+        f"the best of each has a worst height error under another vehicle of {'; '.join(parts)}."
     )
 
 
@@ -142,17 +144,24 @@ def _missed(numbers: Numbers, cases: Sequence[Case]) -> str:
         f"error {GAIN:g} times smaller than ignoring's, {UNDER_MM:g} mm rms, {WORST_MM:g} mm worst) in "
         f"{met} of {len(cases)}"
     )
-    worse = [
-        f"{', '.join(names)} in {case.title}"
-        for case in cases
-        if (names := worse_than_ignoring(numbers, case))
-    ]
-    end = (
-        f"worse than ignoring under another vehicle are {'; '.join(worse)}"
-        if worse
-        else ("no controller is worse than ignoring under another vehicle")
-    )
-    return f"{said}; {end}."
+    return f"{said}; {_worse(numbers)}."
+
+
+def _worse(numbers: Numbers) -> str:
+    """Return which controllers are worse than ignoring, on all paths that are flown whole."""
+    cases = [case for name in PATHS for plant in JUDGED if is_whole(numbers, case := Case(name, plant))]
+    worse = [(name, case) for case in cases for name in worse_than_ignoring(numbers, case)]
+    where = f"on all paths, in {counted(len(cases), 'pair')},"
+    if not worse:
+        return f"{where} no controller is worse than ignoring under another vehicle"
+    found = "; ".join(f"{name} in {case.title} ({_times(numbers, case, name)})" for name, case in worse)
+    return f"{where} worse than ignoring in rms error under another vehicle are {found}"
+
+
+def _times(numbers: Numbers, case: Case, name: str) -> str:
+    """Return a contender's rms error over ignoring's, as text."""
+    found = median_ratio(numbers, case, (name, "ignoring"), "under")
+    return f"{found.middle:.2f} times, {found.low:.2f} to {found.high:.2f}"
 
 
 def _span(values: Sequence[float]) -> str:
