@@ -160,6 +160,19 @@ def test_flights_of_seeds_that_gave_the_tube_are_named() -> None:
     assert reused_seeds(tube, 300, 100) is None
 
 
+def test_the_command_warns_of_flights_that_gave_the_tube(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(promise_flights, "_flown", lambda *_: [BLANK])
+    flown = TubeFlights(first=0, count=200, horizontal=0.12, vertical=0.12)
+    file = tmp_path / "tube.json"
+    file.write_text(json.dumps(to_plain(learn_tube(np.full((200, 2), 0.1), 0.05, CONDITIONS, flown))))
+    assert main(["--count", "1", "--tube", str(file)]) == 0
+    assert capsys.readouterr().err.startswith("promise: seeds 0 to 199 gave the tube, and do not test it")
+    assert main(["--count", "1", "--first", "200", "--tube", str(file)]) == 0
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize(
     ("flown", "said"),
     [(0.11, "flights with that one stay within it with probability 0.95"), (0.09, "--tube counts")],
