@@ -3,28 +3,31 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
-from q2q_sim.commands import policies, report
+from q2q_sim.commands import policies, replay_page, report
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
 from q2q_sim.scenarios import library
+from q2q_sim.scenarios.scenario import Scenario
 
 SCENARIO = replace(library.load("table6"), duration=3.0)
+REFUSAL = "times the weight of crazyflie_2_0; allowed is 0.5 to 2 times: name the vehicle with --vehicle"
 
 
-def recorded(folder: Path, facts: FlightFacts | None) -> Path:
-    """Return the bag of the first seconds of table6."""
+def recorded(folder: Path, facts: FlightFacts | None, scenario: Scenario = SCENARIO) -> Path:
+    """Return the bag of a flight, by default of the first seconds of table6."""
     with BagWriter(folder, facts=facts) as bag:
 
         def hear(topic: str, stamp_ns: int, signal: Signal) -> None:
             bag.write_signal(f"/{topic}", stamp_ns, signal)
 
-        fly(SCENARIO, FlightOptions(model=find_model(SCENARIO.model).interaction, on_signal=hear))
+        fly(scenario, FlightOptions(model=find_model(scenario.model).interaction, on_signal=hear))
     return folder
 
 
@@ -61,9 +64,20 @@ def test_a_report_needs_no_vehicle_where_the_bag_names_it(
     capsys.readouterr()
     assert numbers(bag_with_facts, tmp_path, monkeypatch) == by_name
     assert not capsys.readouterr().err
-    assert numbers(silent, tmp_path, monkeypatch) != by_name
+    light = replace(library.load("table2_1"), duration=3.0)
+    numbers(recorded(tmp_path / "light", None, light), tmp_path, monkeypatch)
     assert "does not name its vehicle: crazyflie_2_0 is assumed" in capsys.readouterr().err
     assert "crazyflie_2_0 is assumed" in (tmp_path / "page" / "index.html").read_text()
+
+
+@pytest.mark.parametrize(("command", "status"), [(report, 1), (replay_page, 1), (policies, 2)])
+def test_a_vehicle_that_the_commands_do_not_carry_is_refused(
+    command: ModuleType, status: int, silent: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = [] if command is policies else ["--out", str(tmp_path / "page.html")]
+    assert command.main([str(silent), *out]) == status
+    assert REFUSAL in capsys.readouterr().err
+    assert command.main([str(silent), *out, "--vehicle", "textbook_065"]) == 0
 
 
 def test_policies_judge_a_bag_by_the_vehicle_it_names(
@@ -71,11 +85,10 @@ def test_policies_judge_a_bag_by_the_vehicle_it_names(
 ) -> None:
     assert policies.main([str(bag_with_facts)]) == 0
     assert not capsys.readouterr().err
-    assert policies.main([str(silent)]) == 1  # 6.4 N are more than a Crazyflie has
-    assert "policies: " in (lines := capsys.readouterr()).err
-    assert "crazyflie_2_0 is assumed" in lines.err
-    assert "thrust: cf1" in lines.out
-    assert policies.main([str(bag_with_facts), "--vehicle", "crazyflie_2_0"]) == 1
+    assert policies.main([str(silent)]) == 2
+    assert "crazyflie_2_0 is assumed" in capsys.readouterr().err
+    assert policies.main([str(bag_with_facts), "--vehicle", "crazyflie_2_0"]) == 2
+    assert REFUSAL in capsys.readouterr().err
 
 
 def test_a_scenario_is_for_its_faults_and_its_vehicle_is_taken_for_a_bag_that_names_none_only(
@@ -86,7 +99,7 @@ def test_a_scenario_is_for_its_faults_and_its_vehicle_is_taken_for_a_bag_that_na
     assert policies.main([str(silent), "--scenario", "table6"]) == 0
     expected = f"policies: {silent} does not name its vehicle: textbook_065 of the scenario is assumed; "
     assert capsys.readouterr().err == f"{expected}name it with --vehicle\n"
-    assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyflie_2_0"]) == 1
-    assert "thrust: cf1" in capsys.readouterr().out
+    assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyflie_2_0"]) == 2
+    assert REFUSAL in capsys.readouterr().err
     assert policies.main([str(silent), "--scenario", "table6", "--vehicle", "crazyfly"]) == 2
     assert "unknown vehicle 'crazyfly'" in capsys.readouterr().err

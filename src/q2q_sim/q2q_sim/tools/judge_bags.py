@@ -12,6 +12,7 @@ import numpy as np
 
 from q2q_model.bag import BagReader, BagRepairWarning
 from q2q_model.bag.flight_in_bag import topics_by_name
+from q2q_model.identification.push.recorded_push import CommandedThrust, check_thrust
 from q2q_model.signals.stamps import time_from_stamp
 from q2q_model.signals.values import TrackStatus
 from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
@@ -55,10 +56,12 @@ class JudgedBag:
 
 def run(args: Namespace) -> int:
     """Check the named bags; return 1 if a policy is violated, else 2 if a bag has nothing to judge."""
-    found = {
-        str(bag): judge_bag(trace_in(bag), circumstances_of_bag(bag, args.scenario, args.vehicle))
-        for bag in args.bags
-    }
+    found = {}
+    for bag in args.bags:
+        trace, around = trace_in(bag), circumstances_of_bag(bag, args.scenario, args.vehicle)
+        height = np.where(np.isfinite(trace.true_pos), trace.true_pos, trace.state_pos)[..., 2]
+        check_thrust(CommandedThrust(str(bag), trace.names, height, trace.thrust), around.vehicle)
+        found[str(bag)] = judge_bag(trace, around)
     if args.json:
         print(json.dumps({bag: as_json(one.violations) for bag, one in found.items()}, indent=1))
     else:

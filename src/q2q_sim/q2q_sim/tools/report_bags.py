@@ -11,6 +11,7 @@ import numpy as np
 from q2q_model.bag import TopicMap, read_facts
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
+from q2q_model.identification.push.recorded_push import check_weight
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.recording_reader import flight_of_bag
 from q2q_model.recordings.recordings_of_bags import topic_map
@@ -91,9 +92,14 @@ def run(args: Namespace) -> int:
 
 
 def report_bag(bag: Path, flown: FlownVehicle, topics: TopicMap | None = None, name: str = "") -> Reported:
-    """Return a bag's flight with its metrics, under a `name`; `topics` maps the topics of a foreign bag."""
+    """Return a bag's flight with its metrics, under a `name`; `topics` maps the topics of a foreign bag.
+
+    Raises:
+        ValueError: the commanded thrust does not carry the vehicle.
+    """
     read = with_filtered_states(flight_of_bag(bag, topics))
     flight = replace(read, name=name or read.name)
+    check_weight(flight, flown.vehicle)
     verdict = bag_verdict(bag, flight, flown.vehicle)
     metrics, quality = measure(flight, flown.vehicle), mocap_quality(flight)
     lives, air = recorded_lives(bag), read_facts(bag).flown_air

@@ -11,7 +11,7 @@ from q2q_model.bag import BagReader, FlightFacts, TopicMap, read_facts
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
-from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.identification.push.recorded_push import check_weight, push_record
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag, recording_of_table
 from q2q_model.recordings.recordings_of_bags import topic_map
@@ -49,6 +49,7 @@ def _run_of(path: Path, name: str, args: Namespace, topics: TopicMap | None) -> 
     if flown.note:
         print(f"replay_page: {flown.note}", file=sys.stderr)
     whole = recording.flight
+    check_weight(whole, flown.vehicle)
     part, begin = part_of_flight(whole, args.start, args.end), float(whole.t[0])
     around = Circumstances(vehicle=flown.vehicle, faults=flown_faults(path))
     is_part = len(part.t) < len(whole.t)

@@ -16,6 +16,7 @@ at 100 Hz, 4 % at 50 Hz, 10 % at 20 Hz.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from q2q_model.identification.gains.altitude_from_flight import UP, check_uprigh
 from q2q_model.identification.push.along_flight import Motion
 from q2q_model.identification.push.push_samples import FEWEST_FREE, FLOOR, PushRecord
 from q2q_model.recordings.flight_recording import Recording
-from q2q_model.signals.values import Array, CommandStatus, Mask
+from q2q_model.signals.values import Array, CommandStatus, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
 LOG_MASS = 0.032
@@ -67,17 +68,35 @@ def _push_log(one: Recording) -> FlightLog | None:
     return one.log if one.log is not None and has_push_columns(one.log) else None
 
 
+class CommandedThrust(NamedTuple):
+    """Commanded thrust of the vehicles of a flight, and where they are."""
+
+    flight: str
+    """Name of the flight."""
+    names: Names
+    height: Array
+    """[m], (T, n)."""
+    thrust: Array
+    """U1 [N], (T, n)."""
+
+
 def check_weight(flight: Flight, vehicle: Vehicle) -> None:
     """Raise ValueError if a vehicle's commanded thrust in the air does not carry the weight of `vehicle`."""
-    for i, name in enumerate(flight.names):
-        thrust = flight.thrust[flight.pos[:, i, 2] > FLOOR, i]
+    check_thrust(CommandedThrust(flight.name, flight.names, flight.pos[..., 2], flight.thrust), vehicle)
+
+
+def check_thrust(commanded: CommandedThrust, vehicle: Vehicle) -> None:
+    """Raise ValueError if a vehicle's median thrust in the air does not carry the weight of `vehicle`."""
+    for i, name in enumerate(commanded.names):
+        thrust = commanded.thrust[commanded.height[:, i] > FLOOR, i]
         thrust = thrust[np.isfinite(thrust)]
         share = float(np.median(thrust)) / vehicle.hover_thrust if thrust.size >= FEWEST_FREE else 1.0
         if not LIGHTEST <= share <= HEAVIEST:
             raise ValueError(
-                f"flight {flight.name}: the median thrust of {name} in the air is {np.median(thrust):.4g} N, "
-                f"{share:.3g} times the weight of {vehicle.name}; allowed is {LIGHTEST:g} to {HEAVIEST:g} "
-                "times: name the vehicle with --vehicle, and record commands in newtons"
+                f"flight {commanded.flight}: the median thrust of {name} in the air is "
+                f"{np.median(thrust):.4g} N, {share:.3g} times the weight of {vehicle.name}; allowed is "
+                f"{LIGHTEST:g} to {HEAVIEST:g} times: name the vehicle with --vehicle, and record commands "
+                "in newtons"
             )
 
 
