@@ -110,6 +110,7 @@ def test_a_lone_vehicle_has_plain_columns_and_nothing_where_nothing_is_logged():
         ({"t": None}, "has no column t"),
         ({"t": np.zeros(40)}, "must begin at 0 or later and increase; row 1 of 40"),
         ({"t": np.arange(40) - 5.0}, "row 0 of 40"),
+        ({name: values[:1] for name, values in _columns().items()}, "has 1 row; a flight has 2 or more"),
         ({"t": 10.0 * np.arange(40)}, r"t steps by 10, 0\.5 s is the maximum: is it in seconds\?"),
         ({"cf50_z": np.full(40, 1000.0)}, "x, y, z of cf50 reach 1000 in the median, 50 m is the maximum"),
         ({"cf50_x": None, "cf51_x": None}, "neither x, y, z nor <vehicle>_x, _y, _z"),
@@ -149,6 +150,18 @@ def test_an_imported_bag_names_its_vehicle(tmp_path: Path, capsys: pytest.Captur
     with pytest.raises(SystemExit):
         main([*given, str(tmp_path / "wrong"), "--vehicle", "crazyflie_2_2"])
     assert "did you mean crazyflie_2_" in capsys.readouterr().err
+
+
+def test_rows_without_a_position_are_counted_as_gaps(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    columns = {name: values.copy() for name, values in _columns().items()}
+    columns["cf50_y"][3:10] = np.nan
+    _write_csv(columns, tmp_path / "flight.csv")
+    assert main([str(tmp_path / "flight.csv"), "--out", str(tmp_path / "bag")]) == 0
+    unseen = np.isnan(read_flight(tmp_path / "bag").mocap_pos).any(axis=-1).sum()
+    assert f"{unseen} samples in gaps of the source: not in /mocap" in capsys.readouterr().out
+    assert unseen == 7 + 5
 
 
 def test_another_vector_of_a_lone_vehicle_is_no_vehicle(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -5,6 +5,8 @@ from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from q2q_model.bag import LOG_TOPIC, BagWriter, FlightFacts, write_log_row
 from q2q_model.counted import counted
 from q2q_model.flights.tables.column_map import FIRMWARE, ColumnMap, load_column_map, mapped_table
@@ -42,7 +44,8 @@ def run(args: Namespace) -> int:
         print(f"  in /log, for lack of other columns: {', '.join(lone)}; {NEEDS}")
     if set(ANGLES) <= set(lone):
         print(f"  {UNITLESS}")
-    print(f"  {counted(int(table.gap.sum()), 'sample')} in gaps of the source: not in /mocap")
+    unseen = table.gap | ~np.isfinite(table.vectors(POS)).all(axis=-1)
+    print(f"  {counted(int(unseen.sum()), 'sample')} in gaps of the source: not in /mocap")
     for note in filter(None, [*notes, y_up_reason(table.vectors(POS))]):
         print(f"  {note}")
     if not args.vehicle:

@@ -57,9 +57,9 @@ class FlightTable:
 def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     """Return a table's columns sorted by vehicle.
 
-    Raises ValueError for a table without t or positions, one whose columns can be read as those of one
-    vehicle or of several, a time that is negative, not a number or not increasing, or times, positions and
-    angles that are not in s, m and rad.
+    Raises ValueError for a table without t or positions or with fewer than two rows, one whose columns can be
+    read as those of one vehicle or of several, a time that is negative, not a number or not increasing, or
+    times, positions and angles that are not in s, m and rad.
     """
     if "t" not in columns:
         raise ValueError(f"the table has no column t [s]; it has {', '.join(columns)}")
@@ -68,6 +68,8 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
     if not len(t) or not t[0] >= 0.0 or len(late):
         row = int(late[0]) + 1 if len(late) else 0
         raise ValueError(f"t must begin at 0 or later and increase; row {row} of {len(t)} does not")
+    if len(t) < 2:
+        raise ValueError("the table has 1 row; a flight has 2 or more")
     prefixes = vehicle_prefixes(tuple(columns), CARRIED)
     names = tuple(prefixes)
     found: dict[str, Array] = {}
@@ -83,7 +85,7 @@ def flight_table(columns: Mapping[str, Array]) -> FlightTable:
 
 def _check_units(table: FlightTable) -> None:
     """Raise ValueError for times, positions or angles that are not in s, m or rad."""
-    step = float(np.median(np.diff(table.t))) if len(table.t) > 1 else 0.0
+    step = float(np.median(np.diff(table.t)))
     if step > LONGEST_STEP:
         raise ValueError(f"t steps by {step:g}, {LONGEST_STEP:g} s is the maximum: is it in seconds?")
     check_metres(table.names, table.vectors(POS))
