@@ -91,3 +91,19 @@ def test_labels_of_vehicles_in_one_place_do_not_cover_each_other(browser: Browse
     assert len(tops) == 3
     assert np.diff(tops) == pytest.approx(-boxes[0]["height"], abs=0.5)  # in whole pixels
     opened.page.context.close()
+
+
+def test_long_names_fit_a_phone_and_labels_show_where_they_differ(browser: Browser, tmp_path: Path) -> None:
+    names = tuple(f"crazyflie_number_{each}_of_the_great_western_laboratory_swarm" for each in (9, 10, 11))
+    said = "; ".join(f"{name} hit the floor" for name in names)
+    run = replace(hovering(names, (ReplayEvent(1.0, said),)), name=names[0], verdict=said)
+    file = tmp_path / "page.html"
+    file.write_text(replay_html([run], names[0]), encoding="utf-8")
+    phone = OpenPage(browser, file.as_uri(), viewport={"width": 390, "height": 844}, is_mobile=True)
+    phone.draw_at(1.0)
+    assert phone.page.evaluate("document.documentElement.scrollWidth") <= 390
+    parts = f"[...{IN_REPLAY}.querySelectorAll('button, select, figcaption, .readout span')]"
+    assert max(phone.page.evaluate(f"{parts}.map(e => e.getBoundingClientRect().right)")) <= 390
+    assert phone.texts(".label") == ["…9…", "…10…", "…11…"]
+    assert [text.split()[0] for text in phone.texts(".readout span:not(.pointed)")] == list(names)
+    phone.page.context.close()

@@ -19,7 +19,7 @@ PAGE_STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; margin: 0 auto; padding: 1rem; max-width: 1600px; }
 body { background: #ffffff; color: #1c2127; }
 @media (prefers-color-scheme: dark) { body { background: #14171c; color: #e4e7eb; } }
-h1 { font-size: 1.35rem; margin: 0 0 .75rem; font-weight: 650; }
+h1 { font-size: 1.35rem; margin: 0 0 .75rem; font-weight: 650; overflow-wrap: anywhere; }
 """
 
 

@@ -33,6 +33,7 @@ PLAYER = (
     "mocap_samples",
     "painter",
     "controls",
+    "short_names",
     "labels",
     "run_view",
     "pointing",

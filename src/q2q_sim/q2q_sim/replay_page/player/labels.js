@@ -2,6 +2,7 @@
 
 import { Vector3 } from "three";
 import { made } from "./controls.js";
+import { shortNames } from "./short_names.js";
 
 const ABOVE = 0.07; // [m]
 const REACH = 30; // distance from the pointer within which a vehicle is pointed at [px]
@@ -11,7 +12,7 @@ export class Labels {
   constructor(run, canvas) {
     this.run = run;
     this.canvas = canvas;
-    this.labels = run.names.map((textContent, vehicle) => {
+    this.labels = shortNames(run.names).map((textContent, vehicle) => {
       const label = made("span", { className: "label", textContent, hidden: true });
       label.style.setProperty("--colour", run.colourOf(vehicle));
       return label;
