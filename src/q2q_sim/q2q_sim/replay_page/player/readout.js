@@ -8,8 +8,9 @@ export class Readout {
   constructor(run) {
     this.run = run;
     this.values = run.labelled.map((vehicle) => this.#coloured(made("span"), vehicle));
-    this.pointed = made("span", { className: "pointed", hidden: run.labelled.length === run.names.length });
-    this.element = made("p", { className: "readout" }, [this.pointed, ...this.values]);
+    this.pointed = made("span", { className: "pointed" });
+    const others = run.labelled.length < run.names.length ? [this.pointed] : [];
+    this.element = made("p", { className: "readout" }, [...others, ...this.values]);
   }
 
   /** Show time t [s], and the vehicle that is pointed at, if any. */
