@@ -154,6 +154,26 @@ def test_a_layer_is_hidden_by_its_button(wide: OpenPage):
     assert coloured[1] < 0.8 * coloured[0]
 
 
+def test_a_change_of_colour_scheme_draws_the_same_moment_in_other_colours(browser: Browser, address: str):
+    opened = OpenPage(browser, address, viewport={"width": 1400, "height": 900})
+    opened.page.locator("q2q-replay button", has_text="Air").click()
+    opened.page.locator("q2q-replay select[aria-label=camera]").select_option("Side")
+    opened.draw_at(UNDER)
+    light = opened.picture()
+    for scheme in ("dark", "light"):
+        before = opened.state()["pictures"]
+        opened.page.emulate_media(color_scheme=scheme)
+        opened.wait(f"{STATE}.pictures > {before}")
+        after = opened.state()
+        assert (after["t"], after["isPlaying"]) == (UNDER, False)
+        shown = opened.picture()
+        assert (np.median(shown) < 0.2) == (scheme == "dark")
+    assert np.mean(shown != light) < 1e-4  # what is equally deep is drawn in another order
+    assert opened.texts(".label") == ["cf1", "cf2", "cf1", "cf2"]
+    assert opened.said == []
+    opened.page.context.close()
+
+
 def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browser, address: str):
     opened = OpenPage(browser, address, viewport={"width": 1400, "height": 900})
     opened.page.locator("q2q-replay select[aria-label=camera]").select_option(label="follow cf2")

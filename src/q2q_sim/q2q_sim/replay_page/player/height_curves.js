@@ -28,6 +28,12 @@ export class HeightCurves {
     canvas.addEventListener("pointermove", seek);
   }
 
+  /** Draw in the colours of a page from now on. */
+  colour(theme) {
+    this.theme = theme;
+    this.width = null; // drawn anew
+  }
+
   /** Draw the curves with the cursor at time t [s]. */
   draw(t) {
     this.#fit();

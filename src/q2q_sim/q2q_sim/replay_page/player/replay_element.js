@@ -79,7 +79,7 @@ class Replay {
     this.playback.onChange(() => (this.#isStale = true));
     listenToKeys(this.element, this.playback);
     new ResizeObserver(() => (this.#isStale = true)).observe(this.element);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => location.reload());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#colour());
     requestAnimationFrame((now) => this.#frame(now));
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.playback.play();
   }
@@ -94,7 +94,7 @@ class Replay {
     const readout = new Readout(run);
     const events = momentButtons(run.facts.events, this.playback);
     const figure = made("figure", {}, [caption, group("stage", [room]), readout.element, curves, events]);
-    return { run, figure, room, curves, drawings: [readout], pointed: null };
+    return { run, figure, room, curves, readout, pointed: null };
   }
 
   /** Add rooms and curves, in the colours of the page. */
@@ -105,11 +105,20 @@ class Replay {
     const shared = { heights: heightsOf(this.runs), fullPush, duration: this.playback.duration, theme };
     for (const panel of this.panels) {
       const onSeek = (t) => this.playback.seek(t);
-      const curves = new HeightCurves(panel.run, panel.curves, { ...shared, onSeek });
-      panel.drawings.push(curves);
-      this.#tellPointed(panel, panel.curves, (point) => curves.vehicleAt(point));
+      panel.heights = new HeightCurves(panel.run, panel.curves, { ...shared, onSeek });
+      this.#tellPointed(panel, panel.curves, (point) => panel.heights.vehicleAt(point));
       this.#addRoom(panel, theme);
     }
+  }
+
+  /** Draw in the colours that the page has now. */
+  #colour() {
+    const theme = themeOf(this.element);
+    for (const { view, heights } of this.panels) {
+      view?.colour(theme);
+      heights.colour(theme);
+    }
+    this.#isStale = true;
   }
 
   #addRoom(panel, theme) {
@@ -192,9 +201,10 @@ class Replay {
   #draw() {
     this.#isStale = false;
     const { t } = this.playback;
-    for (const { run, view, drawings, room, pointed } of this.panels) {
+    for (const { run, view, heights, readout, room, pointed } of this.panels) {
       const shown = Math.min(t, run.duration);
-      for (const drawing of drawings) drawing.draw(shown, pointed);
+      heights.draw(shown);
+      readout.draw(shown, pointed);
       if (!view) continue;
       this.sight.fit(room.clientWidth / room.clientHeight);
       this.#follow(run, shown);

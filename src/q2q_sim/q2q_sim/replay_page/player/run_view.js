@@ -22,20 +22,26 @@ export const LAYERS = [
 /** View of a run in a canvas. */
 export class RunView {
   constructor(run, canvas, { painter, room, theme }) {
-    this.run = run;
-    this.canvas = canvas;
-    this.painter = painter;
-    this.scene = new Scene();
+    Object.assign(this, { run, canvas, painter, room });
     this.vehicles = new Vehicles(run, room);
+    this.labels = new Labels(run, canvas);
     this.layers = new Map();
-    for (const { name, make, needs } of LAYERS) {
-      if (run.has(needs)) this.layers.set(name, new make(run, room, theme));
-    }
+    this.colour(theme);
+  }
+
+  /** Build the scene in the colours of a page; layers that were shown are. */
+  colour(theme) {
+    const wasShown = new Map([...this.layers].map(([name, layer]) => [name, layer.isShown]));
     const sun = new DirectionalLight("#ffffff", 1.6);
     sun.position.set(1, -2, 4);
-    this.scene.add(floorOf(room, theme), sun, new AmbientLight("#ffffff", 1.6), ...this.vehicles.objects);
-    for (const layer of this.layers.values()) this.scene.add(...layer.objects);
-    this.labels = new Labels(run, canvas);
+    this.scene = new Scene();
+    this.scene.add(floorOf(this.room, theme), sun, new AmbientLight("#ffffff", 1.6), ...this.vehicles.objects);
+    for (const { name, make } of LAYERS.filter(({ needs }) => this.run.has(needs))) {
+      const layer = new make(this.run, this.room, theme);
+      this.layers.set(name, layer);
+      this.scene.add(...layer.objects);
+      this.show(name, wasShown.get(name) ?? true);
+    }
   }
 
   /** Show or hide a layer. */
