@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console, JustifyMethod
 from rich.markup import escape
 from rich.table import Table
 
@@ -30,21 +31,50 @@ HEAD = (
     "separation\n[m]",
 )
 
+UNBOUNDED = 10_000
+"""Width of a terminal that no table reaches."""
+LEAST_NAME = 12
+"""Letters of a vehicle's name in one line of a row, at least."""
+
 
 def run_grid(runs: Sequence[FlightRun]) -> Grid:
     """Return the cells of the table."""
     return Grid(HEAD, [row for run in runs for row in _rows(run)])
 
 
-def run_table(runs: Sequence[FlightRun]) -> Table:
-    """Return the table for a terminal of 80 columns."""
-    title = f"{runs[0].request.scenario}, {runs[0].request.controller}"
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for position, column in enumerate(HEAD):
-        table.add_column(escape(column), justify="left" if position < 2 else "right")
-    for run in runs:
-        for row in _rows(run):
-            table.add_row(*row)
+def run_table(runs: Sequence[FlightRun], width: int) -> Table:
+    """Return the table for a terminal of some width: a row for each vehicle, or one for each number.
+
+    Long names of vehicles are broken; numbers never are.
+    """
+    grid, flown = run_grid(runs), runs[0].request
+    named = [(mode, name[:LEAST_NAME], *numbers) for mode, name, *numbers in grid.rows]
+    least = Console(width=UNBOUNDED).measure(_row_table(Grid(grid.head, named))).maximum
+    table = _row_table(grid) if least <= width else _column_table(grid)
+    table.title, table.title_justify = escape(f"{flown.scenario}, {flown.controller}"), "left"
+    return table
+
+
+def _row_table(grid: Grid) -> Table:
+    """Return a row for each vehicle."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for position, column in enumerate(grid.head):
+        justify: JustifyMethod = "left" if position < 2 else "right"
+        table.add_column(escape(column), justify=justify, no_wrap=column != "vehicle", overflow="fold")
+    for row in grid.rows:
+        table.add_row(*map(escape, row))
+    return table
+
+
+def _column_table(grid: Grid) -> Table:
+    """Return a row for each number, after its name."""
+    table = Table(box=None, show_header=False, padding=(0, 1, 0, 0))
+    for _ in range(2):
+        table.add_column(overflow="fold")
+    for row in grid.rows:
+        for column, cell in zip(grid.head, row, strict=True):
+            table.add_row(escape(column.replace("\n", " ")), escape(cell))
+        table.add_row()
     return table
 
 

@@ -51,7 +51,7 @@ def print_verdict(runs: Sequence[FlightRun]) -> int:
 def print_flights(runs: Sequence[FlightRun]) -> None:
     """Print the table of some flights, and their timing."""
     console = Console()
-    console.print(run_table(runs))
+    console.print(run_table(runs, console.width))
     for note in run_notes(runs):
         console.print(note, highlight=False)
 

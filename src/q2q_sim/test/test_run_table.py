@@ -1,0 +1,55 @@
+"""The table of flights in a terminal of any width has every number and every name whole."""
+
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.loop.recording import FlightRecording
+from q2q_sim.monitors.flight_verdict import FlightVerdict
+from q2q_sim.monitors.metrics import FlightMetrics, VehicleMetrics
+from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun
+from q2q_sim.report.run_table import run_table
+
+SHORT = ("cf1", "cf2")
+LONG = tuple(f"crazyflie_number_{each}_of_the_great_western_laboratory" for each in (1, 2))
+NUMBERS = ("0.0226", "0.0471", "0.564", "-0.0286", "0.358", "0.0176")
+
+
+def words(names: tuple[str, ...], width: int) -> list[str]:
+    """Return the words of a table that is printed in a terminal of some width."""
+    one = VehicleMetrics(0.0226, 0.0471, 0.564, -0.0286, 0.358, 0.0, 0.0, 0.0)
+    run = FlightRun(
+        FlightRequest("table6"),
+        FlightRecording(names, 1).flight("made"),
+        FlightMetrics(dict.fromkeys(names, one), 0.0176, 0.0),
+        FlightTiming(0, 0, None, None, None),
+        Path("bag"),
+        FlightVerdict(10.0),
+    )
+    console = Console(width=width)
+    with console.capture() as printed:
+        console.print(run_table([run], width))
+    lines = printed.get().splitlines()
+    assert max(map(len, lines)) <= width
+    return " ".join(lines).split()
+
+
+@pytest.mark.parametrize("width", [20, 40, 60, 74, 80, 120])
+@pytest.mark.parametrize("names", [SHORT, LONG])
+def test_numbers_are_whole_at_any_width(names: tuple[str, ...], width: int) -> None:
+    found = words(names, width)
+    assert [found.count(number) for number in NUMBERS] == [2] * len(NUMBERS)
+
+
+@pytest.mark.parametrize("width", [30, 40, 80])
+def test_a_long_name_is_broken_and_not_cut(width: int) -> None:
+    """Its parts are the words that are not in a table with short names."""
+    others = set(words(SHORT, width))
+    parts = [word for word in words(LONG, width) if word not in others and set(word) != {"─"}]
+    assert "".join(parts) == "".join(LONG)
+
+
+def test_a_row_for_each_vehicle_where_it_fits() -> None:
+    assert words(SHORT, 80)[-16:-8] == ["aware", "cf1", *NUMBERS]
