@@ -20,7 +20,7 @@ MUTATED = (
         tuple(
             f"q2q_control.failsafe.{name}"
             for name in (
-                "ladder",
+                "fallback_phases",
                 "fallback_params",
                 "stamp_delay",
                 "stalled_stamps",
@@ -42,7 +42,7 @@ MUTATED = (
                 "guard_without_ticks",
                 "tick_watch",
                 "stamp_delay",
-                "ladder",
+                "fallback_phases",
                 "elapsed_time",
                 "dead_reckoned_braking",
                 "dead_reckoning",

@@ -26,7 +26,10 @@ def test_help_explains_the_inner_loop_in_five_lines_and_does_no_work(checkout: C
             "src/q2q_planner/q2q_planner/offline/minimum_snap/minimum_snap.py",
             "src/q2q_planner/test/test_minimum_snap.py",
         ),
-        ("src/q2q_control/q2q_control/failsafe/ladder.py", "src/q2q_control/test/test_ladder.py"),
+        (
+            "src/q2q_control/q2q_control/failsafe/fallback_phases.py",
+            "src/q2q_control/test/test_fallback_phases.py",
+        ),
         ("src/q2q_sim/test/test_room.py", "src/q2q_sim/test/test_room.py"),
     ],
 )

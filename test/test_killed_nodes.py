@@ -88,7 +88,7 @@ def test_live_a_controller_that_loses_its_reference_and_then_its_states_acts_by_
     trace = trace_in(tmp_path / "bag")
     no_reference, no_state = (end_of(tmp_path / "bag", topic) for topic in ("/reference_safe", "/state"))
     assert violations(trace, LOW, "return", "floor") == []  # they come down
-    # states come: it hovers where it was last sent; the ladder answers where a busy machine gave no state
+    # states come: it hovers where it was last sent; the fallback answers where a busy machine gave no state
     alone = {one for both in statuses(tmp_path / "bag", no_reference, no_state) for one in both}
     assert CommandStatus.DEGRADED in alone
     assert alone <= {

@@ -61,7 +61,7 @@ QUESTIONS = (
     ("where is the PID?", "q2q_control/pid/pid.py", "Pid"),
     ("where is a command clipped?", "q2q_control/attitude/thrust_vector.py", "write_command"),
     ("where is the Riccati recursion?", "q2q_control/mpc/solver/riccati.py", "solve"),
-    ("where is the failsafe ladder?", "q2q_control/failsafe/ladder.py", "fallback_command"),
+    ("where are the fallback phases?", "q2q_control/failsafe/fallback_phases.py", "fallback_command"),
     ("where is a real vehicle's radio link?", "q2q_control/radio/cflib_link.py", "CflibLink"),
     (
         "where is the firmware's supervisor emulated?",

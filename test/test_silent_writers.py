@@ -115,16 +115,16 @@ def scene(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
 
 @pytest.mark.parametrize("scene", [pid_node.build], ids=["pid"], indirect=True)
 @pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGSTOP])
-def test_the_death_of_a_writer_leads_down_the_ladder(scene: Scene, blow: signal.Signals) -> None:
+def test_the_death_of_a_writer_leads_through_the_fallback_phases(scene: Scene, blow: signal.Signals) -> None:
     scene.until_flying()
     os.kill(scene.writer.pid, blow)
     params = FallbackParams()
-    ladder = {
+    phases = {
         CommandStatus.HOLD: params.hold_s,
         CommandStatus.LEVEL: params.level_s,
         CommandStatus.LAND: params.land_s,
     }
-    for status, age in ladder.items():
+    for status, age in phases.items():
         scene.until_answered(status, age)
     stamps = [command.t for command in scene.received]
     assert stamps == sorted(stamps)

@@ -1,4 +1,4 @@
-"""The guard of a controller: by age down the failsafe ladder and up again, and an emergency."""
+"""The guard of a controller: by age through the fallback phases and back, and an emergency."""
 
 from dataclasses import replace
 
@@ -72,7 +72,7 @@ def test_a_controller_of_some_vehicles_is_passed_through_while_those_are_measure
 
 
 @pytest.mark.parametrize("make", [pid, mpc], ids=["pid", "mpc"])
-def test_an_unseen_vehicle_goes_down_the_ladder_by_age_and_its_neighbour_flies_on(make: type) -> None:
+def test_an_unseen_vehicle_goes_through_the_phases_by_age_and_its_neighbour_flies_on(make: type) -> None:
     commands = fly(guarded(make()), 0, 620, unseen_since=0.1)
     statuses = np.array([command.status for command in commands])
     assert (statuses[:, 1] <= SATURATED).all()

@@ -1,4 +1,4 @@
-"""Phases of the failsafe ladder are reported when vehicles enter them, once for each set of vehicles."""
+"""Fallback phases are reported when vehicles enter them, once for each set of vehicles."""
 
 import numpy as np
 import pytest

@@ -49,7 +49,7 @@ def test_without_commands_and_without_a_state_a_vehicle_sinks_level_and_is_cut()
     bench.fly()
     bench.rpyt_setpoints()
     bench.silent_until(1.02, seen=False)
-    sink = RpytSetpoint(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.failsafe.ladder
+    sink = RpytSetpoint(0.0, 0.0, 0.0, 28200)  # 0.94 of hover: q2q_control.failsafe.fallback_phases
     assert set(bench.silent_until(3.9, seen=False)) == {sink}
     assert bench.silent_until(0.2, seen=False)[-1] == "cut"
     assert bench.pilot.phases["cf1"] is Phase.READY

@@ -1,1 +1,1 @@
-"""Failsafe: guard, ladder of fallbacks, blind flight, evasion."""
+"""Failsafe: guard, fallback phases, blind flight, evasion."""

@@ -1,4 +1,4 @@
-"""Ages at which the fallback phases change (q2q_control.failsafe.ladder)."""
+"""Ages at which the fallback phases change (q2q_control.failsafe.fallback_phases)."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
 """Guard a controller: pass its commands on while measurements are fresh, fall back as they grow old.
 
 The same guard wraps the PID and the MPC, in closed_loop and in the nodes. The fallback phases are those of
-q2q_control.failsafe.ladder, by the age of vehicle i's measurement at tick t:
+q2q_control.failsafe.fallback_phases, by the age of vehicle i's measurement at tick t:
 
     a_i = t - b_i        b_i = t - max(t - t_state + l, 0) - age_i   if the controller used the state,
                          b_i unchanged                               if it answered HOLD or LEVEL
@@ -48,9 +48,9 @@ from q2q_control.failsafe.blind_flight.dead_reckoned_braking import LOST, DeadRe
 from q2q_control.failsafe.evasion.climb_back import InFallback
 from q2q_control.failsafe.evasion.descent_evasion import DescentEvasion
 from q2q_control.failsafe.fallback_params import FallbackParams
-from q2q_control.failsafe.ladder import (
+from q2q_control.failsafe.fallback_phases import (
+    apply_land_and_cut,
     fallback_command,
-    landed_or_cut,
     level_where_not_finite,
     repeated_command,
 )
@@ -190,7 +190,7 @@ class Guard:
         self._is_cut = self._is_cut | ~(ages < self._params.cut_s) | self._emergency
         held = fallback_command(last, age, self._params, self._hover_thrust)
         self._was_nominal = False
-        descending = landed_or_cut(held, ages, self._is_cut, self._params, self._hover_thrust)
+        descending = apply_land_and_cut(held, ages, self._is_cut, self._params, self._hover_thrust)
         self._braking.advance(None, None, held.t)
         self._missing = self._braking.update(None, descending)
         return self._missing
@@ -265,7 +265,7 @@ class Guard:
         predicted = sound & ~(ages < self._params.degraded_s)
         status = np.where(predicted, CommandStatus.DEGRADED, command.status).astype(np.uint8)
         flagged = replace(command, status=status)
-        return landed_or_cut(flagged, ages, self._is_cut, self._params, self._hover_thrust)
+        return apply_land_and_cut(flagged, ages, self._is_cut, self._params, self._hover_thrust)
 
     def _match_names(self, command: SwarmCommand) -> None:
         """Match stored rows to the command's names; a new vehicle counts as measured now."""

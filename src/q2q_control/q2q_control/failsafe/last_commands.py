@@ -6,7 +6,7 @@
 | older, or none | level attitude, hover thrust, no yaw rate | LEVEL |
 
 Ages are differences of stamps, so a replayed flight gives the same commands. This covers single vehicles
-missing from a tick; q2q_control.failsafe.ladder covers missing ticks.
+missing from a tick; q2q_control.failsafe.fallback_phases covers missing ticks.
 """
 
 from dataclasses import dataclass
@@ -74,11 +74,11 @@ def complete_commands(
     """Complete the commands of a tick, and store the computed ones in `last`.
 
     Args:
-        tick: Time [s], and which vehicles are usable, (n,).
-        computed: Thrust, roll, pitch, yaw rate, (n, 4), and which are saturated, (n,).
-        last: Last computed commands.
-        rule: Hold time [s], and hover thrust [N].
-        out: Written: commands, (4, n), and status, (n,).
+        tick: time [s], and which vehicles are usable, (n,).
+        computed: thrust, roll, pitch, yaw rate, (n, 4), and which are saturated, (n,).
+        last: last computed commands.
+        rule: hold time [s], and hover thrust [N].
+        out: written: commands, (4, n), and status, (n,).
     """
     (t, usable), (values, saturated), (commands, status) = tick, computed, out
     (last_values, stamps), (hold_time, hover_thrust) = last, rule

@@ -1,4 +1,4 @@
-"""Changes of the phases of the failsafe ladder (q2q_control.failsafe.ladder), for a log.
+"""Changes of the fallback phases (q2q_control.failsafe.fallback_phases), for a log.
 
 A vehicle's phase is the status of its command: HOLD, LEVEL, LAND or CUT; else the controller flies it. The
 same change of the same vehicles is reported once, and again after SETTLED_S without any phase or in a new

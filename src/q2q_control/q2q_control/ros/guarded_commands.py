@@ -137,7 +137,7 @@ class GuardedCommands:
         return response
 
     def _log_changes(self, command: SwarmCommand) -> None:
-        """Log the phases of the failsafe ladder that begin with a command; keep the present ones."""
+        """Log the fallback phases that begin with a command; keep the present ones."""
         log, health = self._node.get_logger(), self._wiring.health
         for change in self._changes.take(command):
             if change.phase is CommandStatus.CUT:

@@ -15,7 +15,7 @@ SET_BACK_S = 1.0
 AHEAD_S = 1.0
 """Step ahead beyond which a stamp may be wrong [s]. One such stamp by less ages states by the step until old
 stamps have risen and tracks are found again, for 0.3 s at most: by 0.8 s or more vehicles land meanwhile
-(land_s of q2q_control.failsafe.ladder)."""
+(land_s of q2q_control.failsafe.fallback_phases)."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
 PATIENCE_S = 0.1

@@ -1,9 +1,9 @@
 """Move vehicles aside that fly below one without measurements, or little above it.
 
-A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.ladder), drifts with the
-wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first. Its
-position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its setpoint is
-within d_j of it horizontally, and less than RISE above it, the setpoint is shifted along u
+A vehicle that is lost, and soon flies level or lands blind (q2q_control.failsafe.fallback_phases), drifts
+with the wind and sinks to the floor; one lifted against a downwash that is no longer there rises at first.
+Its position p_j is dead-reckoned (q2q_control.failsafe.blind_flight). Where a measured vehicle or its
+setpoint is within d_j of it horizontally, and less than RISE above it, the setpoint is shifted along u
 (evasion_shift, evasion_direction): away from j if it is at rest, across its path if it moves or climbs back:
 
     d_j = REACH + DRIFT max(0, a_j - DRIFT_FROM_S)       at most FARTHEST

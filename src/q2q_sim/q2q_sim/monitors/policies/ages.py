@@ -1,7 +1,7 @@
 """Policies on time: age of the states behind commands, time to the fallback, gaps between commands.
 
 A command counts as computed from a fresh state if its status is OK or SATURATED; every other status, and a
-missing command, counts as a fallback (q2q_control.failsafe.ladder).
+missing command, counts as a fallback (q2q_control.failsafe.fallback_phases).
 """
 
 import numpy as np

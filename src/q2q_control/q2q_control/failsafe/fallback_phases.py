@@ -79,7 +79,7 @@ def level_where_not_finite(command: SwarmCommand, hover_thrust: float) -> SwarmC
     return SwarmCommand(command.t, command.names, thrust, roll, pitch, yaw_rate, status)
 
 
-def landed_or_cut(
+def apply_land_and_cut(
     command: SwarmCommand, ages: Array, is_cut: NDArray[np.bool_], params: FallbackParams, hover_thrust: float
 ) -> SwarmCommand:
     """Return the command with vehicles landing or cut whose measurement is too old.

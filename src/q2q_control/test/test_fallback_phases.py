@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from q2q_control.failsafe.fallback_params import FallbackParams
-from q2q_control.failsafe.ladder import fallback_command, landed_or_cut
+from q2q_control.failsafe.fallback_phases import apply_land_and_cut, fallback_command
 from q2q_control.radio.rpyt_scale import RpytScale, rpyt_rows
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 
@@ -39,7 +39,7 @@ def test_then_the_vehicles_level_out_at_hover_thrust() -> None:
 
 
 def test_each_vehicle_lands_by_its_own_age_level_and_sinking() -> None:
-    output = landed_or_cut(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
+    output = apply_land_and_cut(LAST, np.array([0.999, 1.0]), UP, PARAMS, 0.33)
     assert output.status.tolist() == [CommandStatus.OK, CommandStatus.LAND]
     assert output.thrust.tolist() == [0.3, pytest.approx(0.94 * 0.33)]
     assert output.roll.tolist() == [0.1, 0.0]
@@ -49,7 +49,7 @@ def test_each_vehicle_lands_by_its_own_age_level_and_sinking() -> None:
 
 
 def test_a_vehicle_that_is_down_gets_nothing_at_all() -> None:
-    output = landed_or_cut(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
+    output = apply_land_and_cut(LAST, np.array([0.0, 0.0]), np.array([True, False]), PARAMS, 0.33)
     assert output.status.tolist() == [CommandStatus.CUT, CommandStatus.OK]
     assert output.thrust.tolist() == [0.0, 0.4]
     assert output.roll.tolist() == [0.0, -0.1]
@@ -57,12 +57,12 @@ def test_a_vehicle_that_is_down_gets_nothing_at_all() -> None:
 
 
 def test_an_age_that_is_no_number_lands() -> None:
-    output = landed_or_cut(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
+    output = apply_land_and_cut(LAST, np.array([np.nan, 0.0]), UP, PARAMS, 0.33)
     assert output.status.tolist() == [CommandStatus.LAND, CommandStatus.OK]
 
 
 def test_young_knowledge_changes_nothing() -> None:
-    assert landed_or_cut(LAST, np.array([0.5, 0.0]), UP, PARAMS, 0.33) is LAST
+    assert apply_land_and_cut(LAST, np.array([0.5, 0.0]), UP, PARAMS, 0.33) is LAST
 
 
 @pytest.mark.parametrize(
