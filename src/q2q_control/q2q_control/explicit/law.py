@@ -65,13 +65,21 @@ class LawWeights(NamedTuple):
 
     gains: AxisGains
     low: float
+    """[m/s^2]"""
     high: float
+    """[m/s^2]"""
     mean: Array
+    """(x,)"""
     inverse_scale: Array
+    """(x,)"""
     linear: Array
+    """(x + 1,)"""
     first: Array
+    """(h1, x + 1)"""
     second: Array
+    """(h2, h1 + 1)"""
     last: Array
+    """(h2,)"""
 
 
 class LawWorkspace(NamedTuple):

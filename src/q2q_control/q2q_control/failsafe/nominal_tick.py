@@ -47,9 +47,9 @@ def note_nominal(
     """Return whether a tick is nominal; if it is, write when each vehicle was measured.
 
     Args:
-        times: Of the tick, of its state, and of a measurement.
-        given: State and command of the tick.
-        memory: Motors cut, (n,), and `b` of q2q_control.failsafe.guard [s], (n,).
+        times: of the tick, of its state, and of a measurement.
+        given: state and command of the tick.
+        memory: motors cut, (n,), and `b` of q2q_control.failsafe.guard [s], (n,).
     """
     (t, state_delay, age_max), (age, track, values, status) = times, given
     down, measured_at = memory

@@ -61,6 +61,7 @@ class CommandRule(NamedTuple):
     bandwidth_xy: float
     """Of the PD law [rad/s]."""
     bandwidth_z: float
+    """Of the PD law [rad/s]."""
     altitude_only: bool
     """Command x and y by the PD law."""
 

@@ -88,11 +88,11 @@ def pid_commands(
     """Write the commands of a tick: the law's, or the last ones where a vehicle is not usable.
 
     Args:
-        tick: Inputs.
-        law: Gains and limits, as plain tuples: numba takes named ones in three times the time.
-        memory: Integrals, (n, 3), and last computed commands; both advance.
-        rule: As that of q2q_control.failsafe.last_commands.complete_commands.
-        out: As there.
+        tick: inputs.
+        law: gains and limits, as plain tuples: numba takes named ones in three times the time.
+        memory: integrals, (n, 3), and last computed commands; both advance.
+        rule: as that of q2q_control.failsafe.last_commands.complete_commands.
+        out: as there.
     """
     t, dt, table, usable = tick
     computed = pid_rows(table, memory[0], PidGains(*law[0]), ThrustLimits(*law[1]), dt)

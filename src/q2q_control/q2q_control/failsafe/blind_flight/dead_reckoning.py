@@ -108,11 +108,11 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, dt: float, state:
     A vehicle whose state is not finite counts as not measured.
 
     Args:
-        track: Of the last tick.
-        applied: In effect since then.
-        push: Predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
-        dt: Time since the last tick [s].
-        state: At the tick.
+        track: of the last tick.
+        applied: in effect since then.
+        push: predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
+        dt: time since the last tick [s].
+        state: at the tick.
     """
     unmeasured = 0
     share, roll, pitch = applied

@@ -20,10 +20,10 @@ def stacked_pairs(pos: Array, below: Rows, reach: float, gap: float) -> Stacked:
     """Return who is above some vehicles, in the order of these.
 
     Args:
-        pos: Of all vehicles [m], world, (n, 3); nobody is above or below an unknown one (NaN).
-        below: Rows of those that may be below another, (m,).
-        reach: Horizontal distance within which one is above another [m].
-        gap: Least height difference [m].
+        pos: of all vehicles [m], world, (n, 3); nobody is above or below an unknown one (NaN).
+        below: rows of those that may be below another, (m,).
+        reach: horizontal distance within which one is above another [m].
+        gap: least height difference [m].
     """
     lower, above = np.nonzero(is_above(np.ascontiguousarray(pos), below, reach, gap))
     return Stacked(below[lower], above)

@@ -25,13 +25,19 @@ class GroupShape(NamedTuple):
     """Structure shared by problems of equal vehicle count and axes."""
 
     axes: Rows
-    """(a,), of 0 1 2: x y z."""
+    """Of each vehicle, (a,), of 0 1 2: x y z."""
     transition: Array
+    """(n, 3, 3); n = vehicles times a. This and the following are fields of LqProblem."""
     push_gain: Array
+    """(n, 3)."""
     input_gain: Array
+    """(n, 3)."""
     state_weight: Array
+    """(n, 3)."""
     terminal: Array
+    """(n, 3, 3)."""
     input_weight: Array
+    """(n, 2)."""
 
 
 def group_shape(size: int, axes: tuple[int, ...], models: AxisModels, terminal: float = 1.0) -> GroupShape:

@@ -58,7 +58,9 @@ class BarrierLaw(NamedTuple):
     own: int
     """Rows of the swarm."""
     eps: float
+    """Radius of the zone [m]."""
     d: float
+    """Half height of the zone [m]."""
     k_1: float
     """[1/s]."""
     k_0: float

@@ -51,7 +51,7 @@ class SweepLimits(NamedTuple):
     eps: float
     """Radius of the zone [m]."""
     d: float
-    """Its half height [m]."""
+    """Half height of the zone [m]."""
     pole: float
     """Pole p of the approach [1/s]."""
     correction: float

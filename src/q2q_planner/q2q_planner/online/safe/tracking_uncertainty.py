@@ -22,17 +22,17 @@ class _Tube(NamedTuple):
     """Tube and drift; fields of SafeReplannerParams."""
 
     tracking: float
-    """[m]"""
+    """Radius of the tube; without a height, of a sphere [m]."""
     tracking_z: float
-    """[m]"""
+    """Half height of the tube [m]; 0: none."""
     drift: float
-    """[m/s]"""
+    """Speed of an unmeasured vehicle relative to its trajectory [m/s]."""
     grace: float
-    """[s]"""
+    """Age of a measurement that the tube covers [s]."""
     forget: float
-    """[s]"""
+    """Largest age that counts [s]."""
     acc: float
-    """[m/s^2]"""
+    """Largest acceleration of a vehicle [m/s^2]."""
 
 
 def own_uncertainty(

@@ -86,17 +86,17 @@ class TrafficLimits(NamedTuple):
     jerk_limited: bool
     """Jerk is bounded."""
     hold: float
-    """[s]"""
+    """Time for which a motion is held [s]."""
     ramps: float
-    """See _longest_ramps."""
+    """Longest delay of a stop by ramps of the acceleration [s]."""
     acc: float
-    """[m/s^2]"""
+    """Largest acceleration of a vehicle [m/s^2]."""
     eps: float
     """Radius of the zone [m]."""
     d: float
-    """Its half height [m]."""
+    """Half height of the zone [m]."""
     pole: float
-    """Pole p of the approach [1/s]."""
+    """Of the approach [1/s]."""
 
 
 def limits_of(params: SafeReplannerParams, dt: float = 0.0) -> TrafficLimits:

@@ -49,9 +49,13 @@ class _WantedLaw(NamedTuple):
     """Law of the wanted motion; fields of SafeReplannerParams."""
 
     k_p: float
+    """[1/s^2]."""
     k_d: float
+    """[1/s]."""
     acc: float
+    """Largest acceleration [m/s^2]."""
     jerk: float
+    """Largest jerk of an axis [m/s^3]; 0 does not bound it."""
     lag: float
     """Of the approach to the wanted acceleration [s]."""
     keep: float

@@ -37,7 +37,9 @@ class ApproachLaw(NamedTuple):
     """Pole and deceleration of an approach."""
 
     pole: float
+    """[1/s]."""
     brake: float
+    """[m/s^2]."""
 
 
 def followed_pole(pole: float, lag: float, reversal: float) -> float:

@@ -58,9 +58,9 @@ class BrakingLaw(NamedTuple):
     eps: float
     """Radius of the zone [m]."""
     d: float
-    """Its half height [m]."""
+    """Half height of the zone [m]."""
     brake: float
-    """Deceleration to rest [m/s^2]."""
+    """Deceleration; where jerk is bounded, the largest acceleration of an axis [m/s^2]."""
     jerk: float = 0.0
     """Largest jerk of an axis [m/s^3]; 0 does not bound it."""
 
