@@ -60,7 +60,9 @@ def _vertical(number: int, fields: bytes, refused: str) -> Asked:
     else:
         _, height, yaw, keep, duration = _VERTICAL.unpack_from(fields)
     words = f"{PLAN_NAMES[number]} to {height:.2f} m in {duration:.1f} s"
-    return Asked(CommandKind.PLAN, words, (math.nan, math.nan, height), 0.0 if keep else yaw, refused=refused)
+    return Asked(
+        CommandKind.PLAN, words, (math.nan, math.nan, height), yaw_rad=0.0 if keep else yaw, refused=refused
+    )
 
 
 def _go_to(number: int, fields: bytes, refused: str) -> Asked:
@@ -71,7 +73,7 @@ def _go_to(number: int, fields: bytes, refused: str) -> Asked:
     relative, (x, y, z, yaw, duration) = bool(values[1]), values[-5:]
     by = "by" if relative else "to"
     words = f"{PLAN_NAMES[number]} {by} ({x:.2f}, {y:.2f}, {z:.2f}) m in {duration:.1f} s"
-    return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw, refused=refused)
+    return Asked(CommandKind.PLAN, words, None if relative else (x, y, z), yaw_rad=yaw, refused=refused)
 
 
 def _refusal(answers: list[Packet], firmware: Firmware) -> str:
