@@ -65,6 +65,7 @@ def test_the_fit_finds_the_process_that_residuals_were_made_with() -> None:
     found = fit_residual(LAW, [one for seed in range(6) for one in flown(seed)])
     assert found is not None
     for name, span in found.intervals:
+        assert span is not None
         truth = getattr(PROCESS, name)
         deviation = (span.high - span.value) / 2.5706  # t of five, 97.5 %
         assert abs(span.value - truth) < 4.0 * deviation, name
@@ -120,7 +121,20 @@ def test_few_flights_give_the_wider_intervals_of_students_t() -> None:
         values = np.array([getattr(one.process, name) for one in left if one is not None])
         spread = np.sqrt(3.0 * values.var())
         assert values.size == 4
+        assert span is not None
         assert span.high - span.value == pytest.approx(3.1824 * spread, rel=1e-4)  # t of 3, 97.5 %
+
+
+def test_a_slope_at_its_bound_has_no_interval() -> None:
+    """It stays there whichever flight is left out: the jackknife has no spread."""
+    even = replace(PROCESS, slope=0.0)
+    found = fit_residual(LAW, [one for seed in range(4) for one in flown(seed, process=even)])
+    assert found is not None
+    assert found.process.slope < 1e-6
+    spans = dict(found.intervals)
+    assert spans["slope"] is None
+    assert spans["floor"] is not None
+    assert spans["floor"].low <= PROCESS.floor <= spans["floor"].high
 
 
 def test_without_rows_under_another_vehicle_there_is_no_process() -> None:

@@ -53,7 +53,7 @@ def report(found: Identification, seconds: dict[str, float]) -> dict[str, object
             "interval": found.loading.as_list() if found.loading else None,
             "used": usable_loading(found.loading),
         },
-        "residual": {name: one.as_list() for name, one in found.residual.intervals}
+        "residual": {name: one.as_list() if one else None for name, one in found.residual.intervals}
         if found.residual
         else None,
         "candidates": [_candidate(trial) for trial in found.trials],

@@ -11,7 +11,8 @@ the noise is as large as the process, floor and slope of the second fit are up t
 end, those of the third 3 %. Noise in the deviation would add to floor and take from slope.
 
 Intervals are those of a jackknife over vehicles of flights, or over pieces if there are fewer than three,
-with the quantile of Student's t of one degree of freedom less than there are parts.
+with the quantile of Student's t of one degree of freedom less than there are parts. A value at its bound, as
+a slope of 0 or an uncorrelated residual, has none: it stays there whatever part is left out.
 """
 
 import math
@@ -42,6 +43,8 @@ FEWEST_PARTS = 3
 """Fewest parts of a jackknife."""
 LEAST_NOISE = 1e-3
 """[m/s^2]"""
+NEGLIGIBLE = 1e-6
+"""Floor [m/s^2] and slope [-] below which the search for their logarithm has gone to minus infinity."""
 FIRST, LOW, HIGH = (0.8, 0.08), (0.0, 0.01), (1.0, 5.0)
 """Share of z^2 that is correlated and time T [s] to begin with, and their bounds."""
 NAMES = ("floor", "slope", "time_s", "noise")
@@ -52,7 +55,8 @@ class ResidualFit:
     """Fitted process with the interval of each value."""
 
     process: ResidualProcess
-    intervals: tuple[tuple[str, Interval], ...]
+    intervals: tuple[tuple[str, Interval | None], ...]
+    """None for a value at its bound."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +101,8 @@ def fit_residual(model: InteractionModel, samples: Sequence[PushSamples]) -> Res
     spread = np.sqrt((len(values) - 1.0) * values.var(axis=0))
     wide = stdtrit(len(values) - 1.0, 0.5 + 0.5 * LEVEL) * spread
     spans = [
-        Interval(value, max(value - half, 0.0), value + half)
-        for value, half in zip(_values(whole), wide.tolist(), strict=True)
+        None if bound else Interval(value, max(value - half, 0.0), value + half)
+        for value, half, bound in zip(_values(whole), wide.tolist(), _at_bounds(whole), strict=True)
     ]
     return ResidualFit(whole, tuple(zip(NAMES, spans, strict=True)))
 
@@ -171,3 +175,13 @@ def _products(part: _Part, floor: float, slope: float) -> _LagSums:
 
 def _values(process: ResidualProcess) -> list[float]:
     return [process.floor, process.slope, process.time_s, process.noise]
+
+
+def _at_bounds(process: ResidualProcess) -> list[bool]:
+    """Return whether each value is at a bound of its search."""
+    return [
+        process.floor < NEGLIGIBLE,
+        process.slope < NEGLIGIBLE,
+        not 1.001 * LOW[1] < process.time_s < 0.999 * HIGH[1],
+        process.noise <= LEAST_NOISE,
+    ]
