@@ -32,7 +32,7 @@ def moving() -> CommittedMotion:
         pushed=np.array([True]),
         jerk=np.array([[0.0, 6.0, 0.0]]),
     )
-    return replace(one, rows=rows)
+    return one.with_rows(rows)
 
 
 def test_a_new_vehicle_starts_on_its_reference_and_the_others_go_on() -> None:

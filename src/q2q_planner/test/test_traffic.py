@@ -77,7 +77,7 @@ def test_external_vehicles_are_those_of_no_swarm_until_they_are_forgotten_for_go
 def test_a_motion_is_carried_on_by_its_acceleration_and_then_brakes() -> None:
     pos, vel, acc = np.array([[1.0, 2.0, 3.0]] * 2), np.array([[0.0, 1.0, 0.0]] * 2), np.eye(3)[:2] * 2.0
     motion = held(pos, vel, 0.5, acc)
-    motion = replace(motion, rows=motion.rows._replace(on_reference=ON, pushed=ON))
+    motion = motion.with_rows(motion.rows._replace(on_reference=ON, pushed=ON))
     there = setpoint(1.25, ("a", "b"), np.zeros((2, 3)))
     strong = replace(PARAMS, acc_max=4.0)
     moved = propagate(motion, there, strong)
@@ -115,7 +115,7 @@ def test_who_is_silent_for_too_long_starts_on_the_reference(passed: float, *, ca
 
 def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references() -> None:
     motion = held(np.array([[1.0] * 3, [2.0] * 3]), np.zeros((2, 3)), 0.5, np.eye(3)[:2] * 2.0)
-    motion = replace(motion, rows=motion.rows._replace(pushed=np.array([False, True])))
+    motion = motion.with_rows(motion.rows._replace(pushed=np.array([False, True])))
     moved = propagate(motion, setpoint(1.25, ("b", "new"), np.zeros((2, 3)), np.ones((2, 3))), PARAMS)
     after = moved.rows
     assert moved.names == ("b", "new")
@@ -125,7 +125,7 @@ def test_motions_follow_vehicles_by_name_and_new_ones_start_on_their_references(
     assert after.hold.tolist() == [0.25, 0.0]
     assert after.on_reference.tolist() == [False, True]
     assert after.pushed.tolist() == [True, False]
-    mixed = replace(motion, rows=motion.rows._replace(on_reference=np.array([True, False])))
+    mixed = motion.with_rows(motion.rows._replace(on_reference=np.array([True, False])))
     more = setpoint(1.25, ("b", "a", "new"), np.zeros((3, 3)))
     assert propagate(mixed, more, PARAMS).rows.on_reference.tolist() == [False, True, True]
 

@@ -69,7 +69,7 @@ def placed(reference: Array, apart: float, *, on: bool, pushed: bool = False) ->
     motion = held(pos, np.zeros((2, 3)))
     rows = motion.rows._replace(on_reference=np.full(2, on), pushed=np.full(2, pushed))
     there = setpoint(1.0, ("a", "b"), pos + reference, np.full((2, 3), SNAP_VEL / 2.0))
-    begun = replace(motion, rows=rows)
+    begun = motion.with_rows(rows)
     return traffic_at(begun, reference_rows(there), np.zeros((2, 2)), NOBODY, PARAMS)[0].rows
 
 

@@ -39,6 +39,10 @@ class CommittedMotion:
     dt: float = 0.0
     """Time since the tick before [s]."""
 
+    def with_rows(self, rows: MotionRows) -> "CommittedMotion":
+        """Return the motion with other arrays."""
+        return CommittedMotion(self.t, self.names, rows, self.dt)
+
 
 def still_flown(committed: CommittedMotion | None, t: float) -> CommittedMotion | None:
     """Return the motion of the last tick; None where there is none, of no vehicle, or a gap since."""

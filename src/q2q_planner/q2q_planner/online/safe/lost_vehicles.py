@@ -14,8 +14,6 @@ gap (LONGEST_GAP), every tracked vehicle that is off its reference starts where 
 around another, whom its reference leads through.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from q2q_model.compiled import compiled
@@ -107,7 +105,7 @@ def restart_motion(
         pushed=rows.pushed & ~found,
         jerk=np.where(col, still, rows.jerk),
     )
-    return replace(committed, rows=restarted)
+    return committed.with_rows(restarted)
 
 
 def _bounded(known: KnownStates, params: SafeReplannerParams) -> Array:

@@ -1,7 +1,5 @@
 """Committed motion propagated from tick to tick; a new vehicle's motion starts on its reference."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from q2q_model.compiled import compiled
@@ -80,7 +78,7 @@ def starting(setpoint: SwarmSetpoint, params: SafeReplannerParams) -> CommittedM
     rows = start.rows
     on = followed_rows(rows, reference_rows(setpoint), follow_bounds(params, 0.0))
     vel, acc = up_to(rows.vel, params.speed_max), np.where(on[:, None], rows.acc, 0.0)
-    return replace(start, rows=rows._replace(vel=vel, acc=acc, on_reference=on))
+    return start.with_rows(rows._replace(vel=vel, acc=acc, on_reference=on))
 
 
 def up_to(vel: Array, speed: float) -> Array:

@@ -70,8 +70,8 @@ def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> Co
     if committed is None:
         return None
     bad = rows_by_name(nonfinite_rows(given), given.names, committed.names)
-    rows = committed.rows._replace(on_reference=committed.rows.on_reference & ~bad)
-    return replace(committed, rows=rows)
+    rows = committed.rows
+    return committed.with_rows(rows._replace(on_reference=rows.on_reference & ~bad))
 
 
 def answer_for_all(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:

@@ -8,7 +8,7 @@ that times A + hold; neither changes by more than `speed_max` allows; and it may
 brakes from `hold` after its message on, since any other choice was proven against us.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -122,7 +122,7 @@ def traffic_at(
     limits = limits_of(params, committed.dt)
     put, pos, vel, grown, i, j = _placed(committed.rows, reference, swarm, external.rows, limits)
     rows = committed.rows._replace(pos=pos[:own], vel=vel[:own], on_reference=put)
-    return replace(committed, rows=rows), TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
+    return committed.with_rows(rows), TrafficTable(own, pos, vel, grown, external.certain, Pairs(i, j))
 
 
 @compiled

@@ -146,7 +146,7 @@ def _hold_forgotten(
     moved = propagate(committed, setpoint, params)
     if committed is None or len(committed.names) != len(moved.names):
         return moved
-    return replace(moved, rows=moved.rows._replace(hold=committed.rows.hold))
+    return moved.with_rows(moved.rows._replace(hold=committed.rows.hold))
 
 
 def _half_zone(eps: float, d: float, brake: float, jerk: float) -> BrakingLaw:

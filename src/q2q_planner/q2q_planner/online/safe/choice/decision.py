@@ -1,6 +1,5 @@
 """Motion that a swarm commits to after its choice, and what of it is outside the conditions."""
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +45,7 @@ def decide(
     """Return the motion that the swarm commits to, and what else is decided."""
     bounds = _Bounds(params.hold, params.acc_max, params.speed_max, params.jerk_max > 0.0)
     rows, (acc, outside) = _decided(committed.rows, wanted, choice, pairs, bounds)
-    return replace(committed, rows=rows), Decision(acc, outside)
+    return committed.with_rows(rows), Decision(acc, outside)
 
 
 @compiled
