@@ -17,7 +17,7 @@ A vehicle that lands is kept from rising and from sinking fast: V_z counts where
 | v_max | SINK_MAX | velocity of sinking from which it is braked [m/s] |
 | b_max | TRIM_MAX | largest change of the lift [m/s^2] (dead_reckoning) |
 | b | TRIM | trim acceleration, plus eta [m/s^2] (dead_reckoning) |
-| eta | push | predicted downwash [m/s^2] |
+| eta | eta | predicted downwash [m/s^2] |
 """
 
 from typing import NamedTuple
@@ -54,7 +54,7 @@ class ReckonedMotions(NamedTuple):
 
     track: Array
     """(n, TRACK_WIDTH) (dead_reckoning)."""
-    push: Array
+    eta: Array
     """Predicted downwash [m/s^2], world, (n, 3)."""
 
 
@@ -96,7 +96,7 @@ def resting_places(motions: ReckonedMotions) -> Array:
 
 def _trim(motions: ReckonedMotions) -> Array:
     """Return the commanded accelerations that keep the velocities constant [m/s^2], world, (n, 3)."""
-    return np.asarray(motions.track[:, TRIM : TRIM + 3] - motions.push)
+    return np.asarray(motions.track[:, TRIM : TRIM + 3] - motions.eta)
 
 
 def _coming(motions: ReckonedMotions) -> Array:

@@ -75,7 +75,8 @@ class DeadReckonedBraking:
         self._names: Names = ()
         self._track = np.zeros((0, len(UNKNOWN)))
         self._applied = AppliedCommand(np.zeros(0), np.zeros(0), np.zeros(0))
-        self._eta = self._push = np.zeros((0, 3))
+        self._eta = np.zeros((0, 3))  # as predicted
+        self._assumed_eta = np.zeros((0, 3))  # with it fading where vehicles are not measured
         self._fading = FadingDownwash()
         self._others = Places((), np.zeros((0, 3)))  # of vehicles that are not commanded
         self._has_prediction = self._any_blind = False
@@ -105,10 +106,10 @@ class DeadReckonedBraking:
         dt = self._elapsed.update(step, by_frame=state is not None)
         if step > GAP_S:
             self._track[:, UNSETTLED] = 2.0 * LAG_S + dt
-        unmeasured = reckon(self._track, self._applied, self._push, dt, measured)
+        unmeasured = reckon(self._track, self._applied, self._assumed_eta, dt, measured)
         if state is not None:
             self._eta, self._has_prediction = predicted_eta(interference, names), interference is not None
-        self._push = self._eta
+        self._assumed_eta = self._eta
         if self._any_blind or unmeasured:
             self._fade(state, measured.status)
 
@@ -159,7 +160,7 @@ class DeadReckonedBraking:
 
     @property
     def _motions(self) -> ReckonedMotions:
-        return ReckonedMotions(self._track, self._push)
+        return ReckonedMotions(self._track, self._assumed_eta)
 
     def _record(self, command: SwarmCommand) -> None:
         self._applied = AppliedCommand(command.thrust / self._hover_thrust, command.roll, command.pitch)
@@ -171,26 +172,28 @@ class DeadReckonedBraking:
             return
         rows = index_of(names, self._names)
         self._track = np.vstack((self._track, UNKNOWN))[rows]
-        self._push, self._eta = (np.vstack((one, np.zeros(3)))[rows] for one in (self._push, self._eta))
+        self._eta = np.vstack((self._eta, np.zeros(3)))[rows]
+        self._assumed_eta = np.vstack((self._assumed_eta, np.zeros(3)))[rows]
         self._names = names
         new = np.flatnonzero(rows < 0)
         hover = AppliedCommand(np.ones(new.size), np.zeros(new.size), np.zeros(new.size))
         begun, seen = self._track[new], _measured(state, tuple(names[row] for row in new))
-        reckon(begun, hover, self._push[new], 0.0, seen)
+        reckon(begun, hover, self._assumed_eta[new], 0.0, seen)
         self._track[new] = begun
 
     def _fade(self, state: SwarmState | None, status: Status) -> None:
         """Let the downwash of unmeasured vehicles fade; `status` is the TrackStatus, (n,)."""
         blind = np.flatnonzero(self._track[:, SEEN] == 0.0)
-        self._push, self._any_blind = np.where(np.isfinite(self._eta), self._eta, 0.0), bool(blind.size)
+        self._any_blind = bool(blind.size)
+        self._assumed_eta = np.where(np.isfinite(self._eta), self._eta, 0.0)
         if state is not None:
             self._others = _measured_others(state, self._names)
         names, pos = self._names + self._others.names, self._track[:, POS : POS + 3]
         places = Places(names, np.vstack((pos, self._others.pos)))
         followed = (status[blind] != LOST) & self._has_prediction
         left = self._fading.shares(blind, followed, places, self._t)
-        self._push[blind] *= left[:, None]
-        self._push[blind, 2] += (1.0 - left) * self._track[blind, TRIM + 2]
+        self._assumed_eta[blind] *= left[:, None]
+        self._assumed_eta[blind, 2] += (1.0 - left) * self._track[blind, TRIM + 2]
 
 
 def is_blind(status: Status) -> NDArray[np.bool_]:

@@ -102,7 +102,7 @@ class MeasuredState(NamedTuple):
 
 
 @compiled
-def reckon(track: Array, applied: AppliedCommand, push: Array, dt: float, state: MeasuredState) -> int:
+def reckon(track: Array, applied: AppliedCommand, eta: Array, dt: float, state: MeasuredState) -> int:
     """Advance tracks (n, TRACK_WIDTH) in place to a tick; return how many vehicles are not measured.
 
     A vehicle whose state is not finite counts as not measured.
@@ -110,7 +110,7 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, dt: float, state:
     Args:
         track: of the last tick.
         applied: in effect since then.
-        push: predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
+        eta: predicted downwash [m/s^2], world, (n, 3); what is not finite counts as none.
         dt: time since the last tick [s].
         state: at the tick.
     """
@@ -119,7 +119,7 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, dt: float, state:
     pos, vel, quat, status = state
     for i in range(track.shape[0]):
         one, command = track[i], (share[i], roll[i], pitch[i])
-        _propagate(one, command, push[i], dt)
+        _propagate(one, command, eta[i], dt)
         measured = status[i] == TRACKED and abs(pos[i].sum() + vel[i].sum() + quat[i].sum()) < math.inf
         if measured:
             _correct(one, pos[i], vel[i], dt)
@@ -130,7 +130,7 @@ def reckon(track: Array, applied: AppliedCommand, push: Array, dt: float, state:
 
 
 @compiled
-def _propagate(one: Array, command: tuple[float, float, float], push: Array, dt: float) -> None:
+def _propagate(one: Array, command: tuple[float, float, float], eta: Array, dt: float) -> None:
     """Propagate a track (TRACK_WIDTH,) by `dt` [s] under a share of the hover thrust, roll and pitch."""
     share, roll, pitch = command
     one[UNSETTLED] = max(one[UNSETTLED] - dt, 0.0)
@@ -145,8 +145,8 @@ def _propagate(one: Array, command: tuple[float, float, float], push: Array, dt:
         else:
             left = lacking * math.exp(-dt / THRUST_LAG_S)
             made = THRUST_LAG_S * (lacking - left)
-        pushed = push[k] if abs(push[k]) < math.inf else 0.0
-        gained = (aimed + pushed - one[TRIM + k]) * dt + made
+        felt = eta[k] if abs(eta[k]) < math.inf else 0.0
+        gained = (aimed + felt - one[TRIM + k]) * dt + made
         one[VEL + k] += gained
         one[OBSERVED + k] += gained
         one[ACC + k] = aimed + left
