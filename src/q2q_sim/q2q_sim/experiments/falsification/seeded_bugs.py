@@ -184,7 +184,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("clock_never_reset", ClockResetDetector, "rise", _clock_never_reset),
     SeededBug("age_always_zero", PositionTracks, "age", _age_always_zero),
     SeededBug("degraded_unreported", Guard, "_with_fallback", _degraded_unreported),
-    SeededBug("held_unreported", guard, "_again", _held_unreported),
+    SeededBug("held_unreported", guard, "repeated_command", _held_unreported),
     SeededBug("ages_unshifted", Guard, "_set_back", _ages_unshifted),
     SeededBug("no_braking", DeadReckonedBraking, "update", _no_braking),
     SeededBug("braking_reversed", dead_reckoned_braking, "braking_tilt", _braking_reversed),
