@@ -17,7 +17,7 @@ from q2q_sim.experiments.licence.licence_reports import (
 from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
-from q2q_sim.experiments.licence.starting_places import check_starts
+from q2q_sim.experiments.licence.rules.starting_places import check_starts
 from q2q_sim.node_flights.run_json import Json
 
 
