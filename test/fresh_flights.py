@@ -14,12 +14,12 @@ from itertools import product
 import numpy as np
 from fresh_checkout import ROOT
 
-from q2q_control.explicit.distillation import DistillationParams, control_policy, distil
-from q2q_control.explicit.encounter_flight import fly as fly_encounters
-from q2q_control.explicit.encounter_flight import teacher_policy
-from q2q_control.explicit.explicit_solver import explicit_solver
-from q2q_control.explicit.situations import random_encounters
-from q2q_control.explicit.teacher import Teacher
+from q2q_control.experiments.explicit.distillation import DistillationParams, control_policy, distil
+from q2q_control.experiments.explicit.encounter_flight import fly as fly_encounters
+from q2q_control.experiments.explicit.encounter_flight import teacher_policy
+from q2q_control.experiments.explicit.explicit_solver import explicit_solver
+from q2q_control.experiments.explicit.situations import random_encounters
+from q2q_control.experiments.explicit.teacher import Teacher
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams

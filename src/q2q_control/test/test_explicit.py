@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from q2q_control.explicit.c_export import c_source
-from q2q_control.explicit.distillation import DistillationParams, control_policy, distil
-from q2q_control.explicit.encounter_flight import fly, teacher_policy
-from q2q_control.explicit.explicit_solver import ExplicitSolver, explicit_solver
-from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features
-from q2q_control.explicit.law import (
+from q2q_control.experiments.explicit.c_export import c_source
+from q2q_control.experiments.explicit.distillation import DistillationParams, control_policy, distil
+from q2q_control.experiments.explicit.encounter_flight import fly, teacher_policy
+from q2q_control.experiments.explicit.explicit_solver import ExplicitSolver, explicit_solver
+from q2q_control.experiments.explicit.features import STAGES, WIDTH, PairHorizon, features
+from q2q_control.experiments.explicit.law import (
     ExplicitLaw,
     evaluate,
     evaluate_one,
@@ -23,8 +23,8 @@ from q2q_control.explicit.law import (
     weights_of,
     workspace_of,
 )
-from q2q_control.explicit.situations import random_encounters, random_situations
-from q2q_control.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
+from q2q_control.experiments.explicit.situations import random_encounters, random_situations
+from q2q_control.experiments.explicit.teacher import Teacher, downwash_between, pair_horizon, solve_situations
 from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams

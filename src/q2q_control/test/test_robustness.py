@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from q2q_control.disturbance.tracker import TrackerParams
-from q2q_control.explicit.distillation import DistillationParams, distil
-from q2q_control.explicit.explicit_solver import explicit_solver
-from q2q_control.explicit.law import ExplicitLaw
-from q2q_control.explicit.teacher import Teacher
+from q2q_control.experiments.explicit.distillation import DistillationParams, distil
+from q2q_control.experiments.explicit.explicit_solver import explicit_solver
+from q2q_control.experiments.explicit.law import ExplicitLaw
+from q2q_control.experiments.explicit.teacher import Teacher
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams

@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_control.explicit.distillation import DistillationParams, distil
-from q2q_control.explicit.explicit_solver import explicit_solver
-from q2q_control.explicit.situations import random_situations
-from q2q_control.explicit.teacher import Teacher, solve_situations
+from q2q_control.experiments.explicit.distillation import DistillationParams, distil
+from q2q_control.experiments.explicit.explicit_solver import explicit_solver
+from q2q_control.experiments.explicit.situations import random_situations
+from q2q_control.experiments.explicit.teacher import Teacher, solve_situations
 from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup

@@ -2,7 +2,7 @@
 
 Each situation is solved with the downwash linearised again along its solution, so solutions do not depend on
 the past; after two rounds they have converged to 1e-4 m/s^2. Heights are errors from the references
-(q2q_control.explicit.features). A source's position is that of a delay ago, by its speed at that stage.
+(`features`). A source's position is that of a delay ago, by its speed at that stage.
 """
 
 from dataclasses import dataclass, replace
@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.explicit.features import STAGES, PairHorizon
-from q2q_control.explicit.situations import Situations
+from q2q_control.experiments.explicit.features import STAGES, PairHorizon
+from q2q_control.experiments.explicit.situations import Situations
 from q2q_control.mpc.axis_cost import AxisWeights
 from q2q_control.mpc.axis_model import AxisModel, axis_model
 from q2q_control.mpc.mpc_params import MpcParams

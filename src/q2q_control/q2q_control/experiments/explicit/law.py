@@ -2,8 +2,8 @@
 
     u = clip(base + gate (w0 . z + b0 + W3 tanh(W2 tanh(W1 z + b1) + b2)), low, high),  z = (x - mean) / scale
 
-base, gate and x are those of q2q_control.explicit.features; u is the first vehicle's vertical acceleration
-command, its reference's included. Where no bound is met the gate is 0 and u the MPC's own answer.
+base, gate and x are those of `features`; u is the first vehicle's vertical acceleration command, its
+reference's included. Where no bound is met the gate is 0 and u the MPC's own answer.
 """
 
 import json
@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.explicit.features import STAGES, WIDTH, PairHorizon, features, write_features
+from q2q_control.experiments.explicit.features import STAGES, WIDTH, PairHorizon, features, write_features
 from q2q_control.mpc.solver.axis_sweep import AxisGains, gains_of_table
 from q2q_model.compiled import FAST, compiled
 from q2q_model.signals.values import Array

@@ -3,13 +3,13 @@
     float q2q_explicit(const float states[2][3], const float push[2][N], const float slope[2][N]);
 
 Returns the vertical acceleration command, the reference's included [m/s^2]. Inputs are those of
-q2q_control.explicit.features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4
-has no other. The firmware app (q2q_control.onboard) does not use it.
+features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4 has no other.
+ The firmware app (q2q_control.onboard) does not use it.
 """
 
 import numpy as np
 
-from q2q_control.explicit.features import (
+from q2q_control.experiments.explicit.features import (
     EDGES,
     OWN,
     SLOPE_EDGES,
@@ -19,7 +19,7 @@ from q2q_control.explicit.features import (
     WIDTH,
     WINDOWS,
 )
-from q2q_control.explicit.law import ExplicitLaw
+from q2q_control.experiments.explicit.law import ExplicitLaw
 from q2q_model.signals.values import Array
 
 _BODY = """
