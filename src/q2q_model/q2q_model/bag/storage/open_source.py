@@ -5,7 +5,8 @@ An MCAP bag that was not closed (truncated by a kill, without metadata.yaml), or
 channels, is salvaged; `repairs` lists what that took.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from rosbags.interfaces import Connection
@@ -40,38 +41,45 @@ def open_source(path: Path | str) -> Source:
         kinds = ", ".join(FILES)
         raise BagError(f"{bag} is no bag: give a rosbag2 folder or a file ({kinds})")
     try:
-        return _regular(bag, bag)
+        return _regular(bag, [bag])
     except Exception as damage:  # noqa: BLE001 - a parser on damaged bytes raises anything
-        return _salvaged(bag, f"{type(damage).__name__}: {damage}")
+        why = f"{type(damage).__name__}: {damage}"
+    if bag.is_dir() and not (bag / "metadata.yaml").read_text(errors="replace").strip():
+        return _of_files(bag, f"the metadata.yaml of bag {bag} is empty (it was not closed)")
+    return _salvaged(bag, why)
 
 
 def _open_bare_folder(bag: Path) -> Source:
-    files = storage_files(bag)
-    if not files:
+    if not storage_files(bag):
         raise BagError(f"{bag} is not a bag: it has neither metadata.yaml nor an .mcap or .db3 file")
-    lost = f"bag {bag} has no metadata.yaml (it was not closed)"
-    if len(files) > 1:
-        return _salvaged(bag, lost)
+    return _of_files(bag, f"bag {bag} has no metadata.yaml (it was not closed)")
+
+
+def _of_files(bag: Path, lost: str) -> Source:
+    """Return the bag in the files of a folder without metadata, salvaged if one of them is not whole."""
+    files = storage_files(bag)
+    whole = (
+        f"{', '.join(file.name for file in files)}, {'which is' if len(files) == 1 else 'which are'} whole"
+    )
     try:
-        return _regular(bag, files[0], (f"{lost}; read from {files[0].name}, which is whole",))
+        return _regular(bag, files, (f"{lost}; read from {whole}",))
     except Exception:  # noqa: BLE001 - a parser on damaged bytes raises anything
         return _salvaged(bag, lost)
 
 
-def _regular(bag: Path, file: Path, repairs: tuple[str, ...] = ()) -> Source:
+def _regular(bag: Path, parts: Sequence[Path], repairs: tuple[str, ...] = ()) -> Source:
+    """Return the bag in whole parts: itself, or its files in the order of recording."""
     try:
-        return _indexed(bag, indexed_files(file), repairs)
+        return _indexed(bag, [file for part in parts for file in indexed_files(part)], repairs)
     except NotIndexedError:
-        return _through_rosbags(bag, file, repairs)
+        return _through_rosbags(bag, parts, repairs)
 
 
 def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> Source:
-    channels: dict[tuple[str, str], Channel] = {}
-    for one in (found for file in files for found in file.channels.values()):
-        key = (one.topic, one.type_name)
-        before = channels.get(key, Channel(*key, one.definition, 0, latched=True))
-        latched = before.latched and one.latched
-        channels[key] = Channel(*key, one.definition, before.count + one.count, latched)
+    found = (one for file in files for one in file.channels.values())
+    channels = _by_topic(
+        Channel(one.topic, one.type_name, one.definition, one.count, one.latched) for one in found
+    )
 
     def read(topics: Collection[str]) -> Iterator[RawMessage]:
         done = 0
@@ -84,28 +92,43 @@ def _indexed(bag: Path, files: list[IndexedFile], repairs: tuple[str, ...]) -> S
         except Exception as damage:
             raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
 
-    return Source(bag, tuple(channels.values()), read, repairs)
+    return Source(bag, channels, read, repairs)
 
 
-def _through_rosbags(bag: Path, file: Path, repairs: tuple[str, ...]) -> Source:
-    ros1 = file.suffix == ROS1_SUFFIX
-    with (Ros1Reader if ros1 else Reader)(file) as reader:
-        channels = tuple(_channel(connection) for connection in reader.connections)
-    if not channels and any(one.suffix == ".mcap" for one in storage_files(file)):
-        raise ValueError("its summary has no channels")
+def _through_rosbags(bag: Path, parts: Sequence[Path], repairs: tuple[str, ...]) -> Source:
+    ros1 = parts[0].suffix == ROS1_SUFFIX
+    kind = Ros1Reader if ros1 else Reader
+    stored: list[Channel] = []
+    for part in parts:
+        with kind(part) as reader:
+            own = [_channel(connection) for connection in reader.connections]
+        if not own and any(one.suffix == ".mcap" for one in storage_files(part)):
+            raise ValueError("its summary has no channels")
+        stored += own
 
     def read(topics: Collection[str]) -> Iterator[RawMessage]:
         done = 0
         try:
-            with (Ros1Reader if ros1 else Reader)(file) as again:
-                chosen = [connection for connection in again.connections if connection.topic in topics]
-                for connection, stamp_ns, data in again.messages(chosen) if chosen else ():
-                    done += 1
-                    yield RawMessage(connection.topic, stamp_ns, bytes(data), connection.msgtype)
+            for part in parts:
+                with kind(part) as again:
+                    chosen = [connection for connection in again.connections if connection.topic in topics]
+                    for connection, stamp_ns, data in again.messages(chosen) if chosen else ():
+                        done += 1
+                        yield RawMessage(connection.topic, stamp_ns, bytes(data), connection.msgtype)
         except Exception as damage:
             raise BagError(f"bag {bag} is damaged after {counted(done, 'message')}: {damage}") from damage
 
-    return Source(bag, channels, read, repairs, ros1)
+    return Source(bag, _by_topic(stored), read, repairs, ros1)
+
+
+def _by_topic(channels: Iterable[Channel]) -> tuple[Channel, ...]:
+    """Return one channel for each topic and type: those of all publishers and files together."""
+    found: dict[tuple[str, str], Channel] = {}
+    for one in channels:
+        key = (one.topic, one.type_name)
+        before = found.get(key, Channel(*key, one.definition, 0, latched=True))
+        found[key] = replace(one, count=before.count + one.count, latched=before.latched and one.latched)
+    return tuple(found.values())
 
 
 def _channel(connection: Connection) -> Channel:
