@@ -137,8 +137,14 @@ def intervals(
     value: Array, rows: EstimatingRows, bounds: tuple[Array, Array] | None = None
 ) -> list[Interval]:
     """Return the 95 % interval of each parameter, clipped to bounds (low, high), (p,)."""
-    low, high = bounds or (np.full_like(value, -np.inf), np.full_like(value, np.inf))
-    error = half_widths(rows)
+    return around(
+        value, half_widths(rows), bounds or (np.full_like(value, -np.inf), np.full_like(value, np.inf))
+    )
+
+
+def around(value: Array, error: Array, bounds: tuple[Array, Array]) -> list[Interval]:
+    """Return intervals by their half widths, clipped to bounds (low, high), (p,)."""
+    low, high = bounds
     ends = np.clip([value - error, value + error], low, high)
     return [Interval(float(v), float(a), float(b)) for v, a, b in zip(value, *ends, strict=True)]
 

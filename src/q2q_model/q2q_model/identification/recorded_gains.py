@@ -8,8 +8,8 @@ import numpy as np
 from q2q_model.identification.gain_notes import gain_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
+from q2q_model.identification.gains.gains_from_poses import gains_from_poses
 from q2q_model.identification.gains.impulse_response import with_added_acc
-from q2q_model.identification.gains.trajectory_gains import OFFSET, gains_from_trajectories, is_better
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import Vehicle
@@ -27,25 +27,9 @@ def recorded_gains(
         fit = gains_from_commands(records)
         return fit, gain_notes(fit, recordings, vehicle)
     except ValueError as missing:
+        fit, unshown = gains_from_poses(records, vehicle)
         notes = [f"gains are from trajectories, downwash and lag included: {missing}"]
-        return _trajectory_fit(records), [*notes, *_feed_forward_note(records)]
-
-
-def _trajectory_fit(records: Sequence[AltitudeRecord]) -> GainFit:
-    """Return the gains from trajectories, with an offset if that is better."""
-    found, shifted = gains_from_trajectories(records), gains_from_trajectories(records, (OFFSET,))
-    if needs_offset := is_better(shifted, found):
-        found = shifted
-    spread = dict(found.intervals)
-    return GainFit(
-        loop=found.loop,
-        k_p=spread["k_p"],
-        k_d=spread["k_d"],
-        needs_offset=needs_offset,
-        needs_integral=False,
-        rms=found.rms,
-        from_commands=False,
-    )
+        return fit, [*notes, *unshown, *_feed_forward_note(records)]
 
 
 def _feed_forward_note(records: Sequence[AltitudeRecord]) -> list[str]:

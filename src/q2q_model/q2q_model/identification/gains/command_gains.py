@@ -73,8 +73,9 @@ class GainFit:
 
     @property
     def holds(self) -> bool:
-        """Return whether the gains lead a vehicle to its reference."""
-        return self.loop.k_p > 0.0 and self.loop.k_d > 0.0
+        """Return whether the gains lead a vehicle to its reference, and trajectories alone show that."""
+        shown = self.from_commands or (self.k_p.is_positive and self.k_d.is_positive)
+        return shown and self.loop.k_p > 0.0 and self.loop.k_d > 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,9 +11,15 @@ lag, and an offset for each vehicle and flight (battery, mass). These are best f
 
 with s the response to a unit offset. `is_better` is an F test between two such fits.
 
-Trajectories identify gains only under excitation: an initial error, a step, or downwash that has passed.
-Without it, the intervals extend over the search range. Only the whole loop is identifiable: a thrust lag T
-lowers the identified K_d by K_p T.
+Trajectories identify gains only under excitation: an initial error, or an offset. A step of the reference or
+downwash is none, as zhat does not have them. Only the whole loop is identifiable: a thrust lag T lowers the
+identified K_d by K_p T.
+
+In flight the residual r is the loop's own response to gusts, noise and what the loop leaves out, as slow as
+the response to the initial error, so it may be proportional to the sensitivity J of zhat. An interval is
+therefore at least as wide as r of twice its root mean square s could move the estimate in each stretch,
+
+    half width >= 2 s sqrt(sum over stretches of (sum over t of |J (J' J)^-1|)^2)
 """
 
 from collections.abc import Sequence
@@ -29,8 +35,9 @@ from q2q_model.identification.gains.impulse_response import free_response, offse
 from q2q_model.identification.intervals import (
     Interval,
     Stretch,
+    around,
     cluster_rows,
-    intervals,
+    half_widths,
     least_squares_rows,
 )
 from q2q_model.signals.values import Array
@@ -45,8 +52,10 @@ FORBIDDEN = 1e12
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}
 HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "lag": 0.5}
 START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "lag": 0.05}
-OFFSET = "offset"
-"""Option of an offset for each vehicle of each flight."""
+SIGMAS = 2.0
+"""Bound of a residual over its root mean square [-]: 95 % of a normal."""
+OFFSET, INTEGRAL = "offset", "k_i"
+"""Options of an offset for each vehicle of each flight, and of an integral."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,18 +74,26 @@ class TrajectoryGains:
     """Effective number of independent residuals."""
     terms: int = 2
     """Number of fitted parameters, offsets included."""
+    explained: float = float("nan")
+    """Share of the mean square deviation from the references that the loop explains [-]."""
 
 
 def gains_from_trajectories(
-    records: Sequence[AltitudeRecord], options: Sequence[str] = ()
+    records: Sequence[AltitudeRecord], options: Sequence[str] = (), lag: float = 0.0
 ) -> TrajectoryGains:
-    """Return the loop fitted to altitudes; `options` among offset, k_i and lag."""
+    """Return the loop fitted to altitudes.
+
+    Args:
+        records: altitudes of the flights.
+        options: what is fitted besides K_p and K_d, among offset, k_i and lag.
+        lag: time constant of the thrust [s], if it is not fitted.
+    """
     names = ["k_p", "k_d", *(name for name in options if name != OFFSET)]
     bounds = (np.array([LOW[name] for name in names]), np.array([HIGH[name] for name in names]))
     start = np.array([START[name] for name in names])
 
     def fitted(x: Array) -> list[tuple[Array, Array]]:
-        loop = _loop(names, x)
+        loop = _loop(names, x, lag)
         return [_fitted(record, loop, shifted=OFFSET in options) for record in records]
 
     found = least_squares(
@@ -92,16 +109,18 @@ def gains_from_trajectories(
         for one in residual.T
     ]
     rows = least_squares_rows(found.jac, found.fun, cluster_rows(stretches, BLOCK))
-    spread = intervals(found.x, rows, (np.minimum(bounds[0], 0.0), bounds[1]))
+    wide = np.maximum(half_widths(rows), _widest(found.jac, found.fun, stretches))
+    spread = around(found.x, wide, (np.minimum(bounds[0], 0.0), bounds[1]))
     rho = _correlation(residuals)
     each = np.concatenate(offsets)
     return TrajectoryGains(
-        loop=replace(_loop(names, found.x), offset=float(each.mean())),
+        loop=replace(_loop(names, found.x, lag), offset=float(each.mean())),
         intervals=tuple(zip(names, spread, strict=True)),
         mse=tuple((residual**2).mean(axis=0) for residual in residuals),
         rms=_rms(residuals),
         rows=found.fun.size * (1.0 - rho) / (1.0 + rho),
         terms=len(names) + (each.size if OFFSET in options else 0),
+        explained=_explained(records, residuals),
     )
 
 
@@ -159,8 +178,24 @@ def _solved(record: AltitudeRecord, gains: Array) -> Array:
     return np.asarray(record.pos[..., 2] - solved.y[:n].T)
 
 
-def _loop(names: Sequence[str], x: Array) -> AltitudeLoop:
-    values = {"k_p": 0.0, "k_d": 0.0} | dict(zip(names, (float(v) for v in x), strict=True))
+def _widest(jacobian: Array, residual: Array, stretches: Sequence[Stretch]) -> Array:
+    """Return how far a bounded residual could move each parameter, (p,); infinite without information."""
+    scale = np.linalg.norm(jacobian, axis=0)
+    if not (scale > 0.0).all():
+        return np.full(scale.size, np.inf)
+    moves = np.abs(np.linalg.pinv(jacobian / scale)) / scale[:, None]  # (p, rows)
+    begins = np.cumsum([0, *(one.t.size for one in stretches[:-1])])
+    apart = np.linalg.norm(np.add.reduceat(moves, begins, axis=1), axis=1)
+    return np.asarray(SIGMAS * _rms([residual]) * apart)
+
+
+def _explained(records: Sequence[AltitudeRecord], residuals: Sequence[Array]) -> float:
+    flown = _rms([record.deviation for record in records])
+    return 1.0 - (_rms(residuals) / flown) ** 2 if flown > 0.0 else 0.0
+
+
+def _loop(names: Sequence[str], x: Array, lag: float = 0.0) -> AltitudeLoop:
+    values = {"k_p": 0.0, "k_d": 0.0, "lag": lag} | dict(zip(names, (float(v) for v in x), strict=True))
     return AltitudeLoop(**values)
 
 

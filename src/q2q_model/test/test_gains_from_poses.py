@@ -1,0 +1,61 @@
+"""Gains from poses alone hold the gains that flew, or are said to be unknown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_flights import Pass, made_flight
+
+from q2q_model.downwash.no_interaction import NoInteraction
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.gains_from_poses import gains_from_poses
+from q2q_model.identification.gains.impulse_response import free_response
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+
+SETTLES = Pass(law=NoInteraction(), start=0.3, noise=1e-4, seconds=12.0)
+
+
+def record_of(made: Pass) -> AltitudeRecord:
+    return altitude_record(made_flight(made), CRAZYFLIE_2_0)
+
+
+@pytest.mark.parametrize("lag", [0.0, CRAZYFLIE_2_0.thrust_lag])
+@pytest.mark.parametrize(("k_p", "k_d"), [(0.81, 0.43), (8.0, 4.0)])
+def test_vehicles_that_settle_show_gains_that_hold_those_that_flew(
+    k_p: float, k_d: float, lag: float
+) -> None:
+    loop = AltitudeLoop(k_p, k_d, lag=lag)
+    flights = [replace(SETTLES, name=f"from {start}", start=start, loop=loop) for start in (0.3, -0.2)]
+    fit, notes = gains_from_poses([record_of(one) for one in flights], CRAZYFLIE_2_0)
+    assert notes == []
+    assert fit.holds
+    assert 0.0 < fit.k_p.low <= k_p <= fit.k_p.high
+    assert 0.0 < fit.k_d.low <= k_d <= fit.k_d.high
+
+
+@pytest.mark.parametrize("gust", [0.0, 0.3])
+@pytest.mark.parametrize(("k_p", "k_d"), [(8.0, 4.0), (2.0, 2.0)])
+def test_vehicles_that_stay_at_their_references_show_no_gains(k_p: float, k_d: float, gust: float) -> None:
+    """The loop that fits gusts and noise best is another one, and does not damp."""
+    loop = AltitudeLoop(k_p, k_d, lag=CRAZYFLIE_2_0.thrust_lag)
+    calm = replace(SETTLES, start=0.0, loop=loop, gust=gust, noise=5e-4)
+    fit, (note,) = gains_from_poses([record_of(replace(calm, name=name)) for name in "ab"], CRAZYFLIE_2_0)
+    assert not fit.holds
+    assert (fit.k_p.low, fit.k_p.high, fit.k_d.low, fit.k_d.high) == (0.0, 200.0, 0.0, 50.0)
+    assert note.startswith("the model file has no gains: ")
+
+
+def test_an_integral_of_the_controller_leaves_intervals_that_hold_its_gains() -> None:
+    loop, ticks = AltitudeLoop(k_p=8.0, k_d=4.0, k_i=1.0), 1000
+    start = np.array([[0.3, -0.2], [0.0, 0.0]])
+    error = free_response(loop, 0.01, start, np.zeros((ticks, 2)))
+    error += 1e-4 * np.random.default_rng(0).standard_normal(error.shape)
+    still = record_of(replace(SETTLES, seconds=0.01 * ticks))
+    pos, vel = still.pos.copy(), np.zeros_like(still.vel)
+    pos[..., 2] = still.ref[..., 0] + error
+    fit, _ = gains_from_poses([replace(still, pos=pos, vel=vel)], CRAZYFLIE_2_0)
+    assert fit.holds
+    assert fit.k_p.low <= 8.0 <= fit.k_p.high
+    assert fit.k_d.low <= 4.0 <= fit.k_d.high
