@@ -24,6 +24,7 @@ from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.compiled import COMPILED, twice_compiled, uncalled_kernels
+from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
@@ -159,6 +160,7 @@ def measured(signals: RecordedSignal) -> None:
     """Measure how near the vehicles came to each other."""
     pos = np.stack([tick["truth"].pos for tick in signals])
     least_distances(pos)
+    smallest_separation(pos[0])
     any_in_zone(pos, Cylinder())
     in_zone_once(pos, Cylinder())
     near_sample(pos, pos, 0.1)

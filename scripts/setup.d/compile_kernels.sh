@@ -2,12 +2,15 @@
 
 export NUMBA_CACHE_DIR=$(sh "$ROOT/scripts/setup.d/numba_cache.sh" "$ROOT")
 
-# What the machine code is made of: every source that makes a kernel. A constant that it reads from elsewhere is not
-# seen here; its kernel is compiled when a node starts.
+# What the machine code is made of: every source that makes a kernel, by its path, and how the store names them. A
+# constant that a kernel reads from elsewhere is not seen here; the kernel is compiled when a node starts.
 kernels_hash() {
   {
     venv_hash
-    cd "$ROOT/src" && grep -rlZ --include='*.py' 'q2q_model.compiled import' . | sort -z | xargs -0 cat
+    cd "$ROOT/src" && {
+      find . -path '*/compilation/*.py' -print0
+      grep -rlZ --include='*.py' 'q2q_model.compil' .
+    } | sort -zu | xargs -0r sha256sum
   } | sha256sum
 }
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from q2q_model.diagnostics.diagnostic_values import diagnostic_values, smallest_separation
+from q2q_model.diagnostics.diagnostic_values import diagnostic_values
+from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.signals.values import (
     CommandStatus,
     Interference,

@@ -13,9 +13,9 @@ from functools import singledispatch
 
 import numpy as np
 
+from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import (
-    Array,
     CommandStatus,
     Interference,
     InterferenceStatus,
@@ -75,26 +75,6 @@ def _(signal: SwarmCommand) -> Mapping[str, str]:
         "saturated": _count(signal.status == CommandStatus.SATURATED),
         "in_fallback": _count(signal.status >= CommandStatus.HOLD),
     }
-
-
-def smallest_separation(pos: Array) -> float:
-    """Return the smallest distance between two vehicles at pos [m], (n, 3); infinite for fewer than two.
-
-    Vehicles in order of their widest axis: once all pairs so many places apart are further apart along it
-    than the nearest pair, all others are too.
-    """
-    seen = pos[np.isfinite(pos).all(axis=1)]
-    if len(seen) < 2:
-        return float("inf")
-    widest = int(np.argmax(np.ptp(seen, axis=0)))
-    row = seen[np.argsort(seen[:, widest])]
-    nearest = np.inf
-    for ahead in range(1, len(row)):
-        gaps = row[ahead:] - row[:-ahead]
-        if gaps[:, widest].min() >= nearest:
-            break
-        nearest = float(min(nearest, np.linalg.norm(gaps, axis=1).min()))
-    return nearest
 
 
 def _count(which: Mask) -> str:

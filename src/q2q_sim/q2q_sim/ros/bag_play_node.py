@@ -28,7 +28,7 @@ from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.answered_ticks import AnsweredTicks, answer_type, check_answer, played_tick_topics
+from q2q_sim.bag_topics.awaited_tick import AwaitedTick, answer_type, check_answer, played_tick_topics
 from q2q_sim.bag_topics.playback import PAUSE_S, Playback
 from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
 from q2q_sim.bag_topics.topics import has_one_writer
@@ -82,7 +82,7 @@ class Player:
         if self._params.clock:  # that of the playback, not the recorded one
             wanted.pop(CLOCK, None)
         check_answer(self._params.answer, wanted)
-        self._ticks = AnsweredTicks(played_tick_topics(wanted, self._params.answer))
+        self._ticks = AwaitedTick(played_tick_topics(wanted, self._params.answer))
         waited = self._ticks.topics if self._params.answer else set(wanted)
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         self._messages = PlayedMessages(self._reader, wanted, self._params.start)

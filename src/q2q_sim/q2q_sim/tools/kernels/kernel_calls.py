@@ -18,6 +18,7 @@ from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at
+from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.predictor import InteractionPredictor
@@ -120,6 +121,7 @@ def _nearness() -> None:
     pair = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
     stacked_pairs(pair, np.arange(2), 0.3, 0.0)
     least_distances(pair[None])
+    smallest_separation(pair)
     any_in_zone(pair[None], Cylinder())
     under_another(pair[None], 0.15, 1.5)
     in_zone_once(pair[None], Cylinder())

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule, first_tick
@@ -15,7 +16,7 @@ LEVEL_SHARE = 0.1
 """Share of a flight in which a vehicle may be levelled out."""
 
 
-def setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+def setpoints_rule(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     """Return where the age of setpoints levels a vehicle out."""
     levelled = (log.state[:, row] == State.LEVEL_OUT) & log.airborne[:, row]
     begins = np.flatnonzero(levelled[1:] & ~levelled[:-1]) + 1
@@ -23,11 +24,11 @@ def setpoints(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     if len(begins) < 2 or share < LEVEL_SHARE:
         return None
     t = float(log.t[begins[0]])
-    why = f"{len(begins)} times no setpoint came for 0.5 s, {share:.0%} of its flight"
+    why = f"{len(begins)} times no setpoint came for {LEVEL_AFTER_S} s, {share:.0%} of its flight"
     return BrokenRule("setpoints", t, f"the firmware levels {log.name(row)} out", why)
 
 
-def yaw(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+def yaw_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return the command that asks for more than a turn."""
     last = 0.0
     for one in log.of(row):
@@ -40,7 +41,7 @@ def yaw(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     return None
 
 
-def command(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+def command_rule(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     """Return the command that no vehicle can follow."""
     for one in log.of(row):
         if one.asked.impossible:
@@ -49,7 +50,7 @@ def command(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     return None
 
 
-def end(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+def end_rule(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     """Return the vehicle that still flies at the end."""
     if not (log.airborne[-1, row] and log.running[-1, row]):
         return None
@@ -60,7 +61,7 @@ def end(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     return BrokenRule("end", t, what, f"the last command was {last.words}" if last else "")
 
 
-def idle(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+def idle_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return the vehicle that never flew though it was asked to, or was connected while others flew.
 
     A flight that was ended at the time limit has no rest in which a vehicle could rise or be asked to.

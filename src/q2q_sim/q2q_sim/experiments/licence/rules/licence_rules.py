@@ -27,15 +27,30 @@ import numpy as np
 
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
-from q2q_sim.experiments.licence.rules.command_rules import command, end, idle, setpoints, yaw
+from q2q_sim.experiments.licence.rules.command_rules import (
+    command_rule,
+    end_rule,
+    idle_rule,
+    setpoints_rule,
+    yaw_rule,
+)
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
-from q2q_sim.experiments.licence.rules.motion_rules import landing, motors, room, spin, tumble
+from q2q_sim.experiments.licence.rules.motion_rules import (
+    landing_rule,
+    motors_rule,
+    room_rule,
+    spin_rule,
+    tumble_rule,
+)
 from q2q_sim.experiments.licence.rules.pair_rules import nearness
 from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
 
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
 
-RULES: tuple[Rule, ...] = (motors, landing, room, tumble, setpoints, spin, yaw, command, end, idle)
+RULES: tuple[Rule, ...] = (
+    motors_rule, landing_rule, room_rule, tumble_rule, setpoints_rule, spin_rule, yaw_rule, command_rule,
+    end_rule, idle_rule,
+)  # fmt: skip
 """Rules of one vehicle."""
 
 

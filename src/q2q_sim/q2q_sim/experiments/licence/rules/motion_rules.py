@@ -21,7 +21,7 @@ GROUND = 0.01
 """Height below which a vehicle is on the floor [m]: motors that run hold one micrometres above."""
 
 
-def motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+def motors_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where the motors stop in the air."""
     on, height = log.running[:, row], log.pos[:, row, 2]
     ticks = round(limits.stopped_s / float(log.t[0]))
@@ -36,7 +36,7 @@ def motors(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | Non
     return broken_at(log, row, "motors", first_tick(stopped), what)
 
 
-def landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+def landing_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where a vehicle reaches the floor too fast."""
     height, climb = log.pos[:, row, 2], log.vel[:, row, 2]
     hit = np.zeros(len(height), dtype=np.bool_)
@@ -48,7 +48,7 @@ def landing(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | No
     return broken_at(log, row, "landing", first_tick(hit), what)
 
 
-def room(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+def room_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where a vehicle leaves the room, or is asked to."""
     asked = next((one for one in log.of(row) if _leads_out(one.asked, limits)), None)
     tick = first_tick(_outside(log.pos[:, row], limits))
@@ -72,13 +72,13 @@ def _outside(pos: Array, limits: LicenceLimits) -> Mask:
     return np.asarray(beside | (z > limits.ceiling) | (z < -limits.depth))
 
 
-def tumble(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
+def tumble_rule(log: LicenceLog, row: int, _: LicenceLimits) -> BrokenRule | None:
     """Return where the supervisor finds a vehicle tumbled."""
     tick = first_tick(log.state[:, row] == State.CRASHED)
     return broken_at(log, row, "tumble", tick, lambda _: f"{log.name(row)} tumbles")
 
 
-def spin(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
+def spin_rule(log: LicenceLog, row: int, limits: LicenceLimits) -> BrokenRule | None:
     """Return where a vehicle turns too fast."""
     spinning = log.airborne[:, row] & (np.abs(log.yaw_rate[:, row]) > limits.spin)
     tick = first_lasting_tick(spinning, round(limits.spun_s / float(log.t[0])))

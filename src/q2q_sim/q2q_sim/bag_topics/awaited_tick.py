@@ -14,7 +14,7 @@ AGAIN_S = 2.0
 """Time after which an unanswered tick is played again [s]."""
 
 
-class AnsweredTicks:
+class AwaitedTick:
     """Tick that was played and waits for its answer; none before the first and after the last."""
 
     def __init__(self, topics: set[str]) -> None:
@@ -29,7 +29,7 @@ class AnsweredTicks:
         self._resend.begin(now)
 
     def wait_for(self, played: RawMessage) -> bool:
-        """Wait for the answer to a message if it is a tick; return whether it is."""
+        """Wait for the answer to a message if it is a tick; return whether one is awaited."""
         if played.topic in self.topics:
             self.awaited = played
         return self.awaited is not None

@@ -6,7 +6,7 @@ from q2q_model.bag import RawMessage
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.bag_topics.answered_ticks import AnsweredTicks, check_answer, played_tick_topics
+from q2q_sim.bag_topics.awaited_tick import AwaitedTick, check_answer, played_tick_topics
 
 
 def message(topic: str, stamp_ns: int) -> RawMessage:
@@ -15,7 +15,7 @@ def message(topic: str, stamp_ns: int) -> RawMessage:
 
 
 def test_a_tick_waits_for_an_answer_of_its_stamp_and_is_played_again_every_two_seconds() -> None:
-    ticks = AnsweredTicks({"/mocap"})
+    ticks = AwaitedTick({"/mocap"})
     ticks.begin(10.0)
     assert not ticks.wait_for(message("/state", 5))
     assert not ticks.is_answered_by(b"")  # nothing waits
