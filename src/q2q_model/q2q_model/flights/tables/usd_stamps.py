@@ -1,7 +1,7 @@
 """Times of the rows of a micro-SD log from their stamps: counters that wrap, and stamps that are damaged.
 
 A damaged byte changes one stamp. Its neighbours rise without it, so the row is dropped, and not the rows
-whose times do not rise after it.
+whose times do not rise after it. Of rows with equal stamps, the first is kept.
 """
 
 import numpy as np
@@ -25,8 +25,8 @@ def stamped_times(stamps: NDArray[np.generic], unit: float) -> Array:
 
 
 def rising_rows(t: Array) -> NDArray[np.intp]:
-    """Return the rows with rising times, without those whose time is outside that of their neighbours."""
-    rows = np.flatnonzero(~_alone(t))
+    """Return rows with rising times, one of each, without those outside the times of their neighbours."""
+    rows = np.flatnonzero(~_out_of_order(t))
     rows = rows[np.diff(np.maximum.accumulate(t[rows]), prepend=-np.inf) > 0.0]
     if len(rows) > 1 and t[rows[-1]] - t[rows[-2]] > LONGEST_PAUSE_S:
         rows = rows[:-1]
@@ -35,11 +35,16 @@ def rising_rows(t: Array) -> NDArray[np.intp]:
     return rows
 
 
-def _alone(t: Array) -> Mask:
-    """Return the rows without which their neighbours rise, and with which they do not, (T,)."""
-    alone = np.zeros(len(t), dtype=np.bool_)
+def _out_of_order(t: Array) -> Mask:
+    """Return the rows without which their neighbours are in order, and with which they are not, (T,).
+
+    Equal times are in order. Of two swapped rows, either of which would do, it is the first.
+    """
+    found = np.zeros(len(t), dtype=np.bool_)
     if len(t) > 2:
         before, own, after = t[:-2], t[1:-1], t[2:]
-        alone[1:-1] = (before < after) & ~((before < own) & (own < after))
-        alone[0] = t[1] < t[2] <= t[0]
-    return alone
+        found[1:-1] = (before <= after) & ~((before <= own) & (own <= after))
+        found[0] = t[1] <= t[2] <= t[0] != t[1]
+    for row in np.flatnonzero(found)[1:]:
+        found[row] &= not found[row - 1]
+    return found
