@@ -23,7 +23,7 @@ from q2q_model.identification.identification_data import (
 )
 from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.selection.candidates import candidates
+from q2q_model.identification.selection.candidates_of_kind import candidates
 from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
 from q2q_model.identification.selection.model_choice import best_trial, score_candidates
 from q2q_model.model_files.model_file import RoleScores

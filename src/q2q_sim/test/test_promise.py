@@ -175,7 +175,10 @@ def test_the_command_warns_of_flights_that_gave_the_tube(
 
 @pytest.mark.parametrize(
     ("flown", "said"),
-    [(0.11, "flights with that one stay within it with probability 0.95"), (0.09, "--tube counts")],
+    [
+        (0.11, "flights with that one stay within it with probability 0.95"),
+        (0.09, "run promise with --tube to count"),
+    ],
 )
 def test_a_tube_within_the_one_that_was_flown_holds_for_flights_with_that_one(
     flown: float, said: str

@@ -25,7 +25,7 @@ from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.identification.recorded_altitudes import recorded_altitudes
 from q2q_model.identification.recorded_gains import predicting_loop, recorded_gains
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
-from q2q_model.identification.selection.candidates import candidates
+from q2q_model.identification.selection.candidates_of_kind import candidates
 from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
 from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates

@@ -33,7 +33,7 @@ def tube_lines(learned: TrackingTube) -> Sequence[str]:
     if learned.horizontal <= of.horizontal and learned.vertical <= of.vertical:
         kept = f"stay within it with probability {1.0 - learned.alpha:g}"
         return [size, f"it lies within the tube that was flown: flights with that one {kept}"]
-    return [size, f"flown with {_size(of)}: how many flights leave it when flown, --tube counts"]
+    return [size, f"flown with {_size(of)}; run promise with --tube to count how many flights leave it"]
 
 
 def _size(tube: TrackingTube | TubeFlights) -> str:
