@@ -210,21 +210,6 @@ def test_a_flight_without_an_end_is_refused() -> None:
         columns_of_logs({"cf1": type(log)(late, log.variables, ())})
 
 
-@pytest.mark.parametrize("every", [1, 2, 3, 5, 10])
-def test_a_slow_log_is_a_flight_at_its_own_rate_without_gaps(every: int) -> None:
-    log = usd_log(new_format(2))
-    slow = type(log)(log.t[::every], {n: v[::every] for n, v in log.variables.items()}, ())
-    found = columns_of_logs({"cf1": slow, "cf2": log})
-    np.testing.assert_allclose(np.diff(found["t"]), 0.01 * every, atol=1e-9)
-    assert not found["cf1_gap"].any()
-    assert not found["cf2_gap"].any()
-    np.testing.assert_allclose(found["cf1_y"], found["cf2_y"], atol=1e-6)
-    holed = type(log)(
-        np.delete(slow.t, [8, 9]), {n: np.delete(v, [8, 9]) for n, v in slow.variables.items()}, ()
-    )
-    assert columns_of_logs({"cf1": holed})["cf1_gap"].sum() in {2, 3, 4}
-
-
 def test_a_map_comes_before_the_firmwares_names_and_lacking_positions_are_named() -> None:
     found = flight(new_format(2), z=(SourceColumn("stateEstimate.x", 2.0, 1.0),))
     np.testing.assert_allclose(found["cf1_z"], 2.0 * found["cf1_x"] + 1.0, atol=1e-9)

@@ -2,9 +2,9 @@
 
 One broadcast starts logging in all vehicles, so their clocks are joined there: clocks that count from the
 start of logging are common already; of others, which count from each vehicle's own switching on, each begins
-at its first row. Rows are interpolated from the first to the last row that all vehicles have, to 100 Hz or to
-whole multiples of that period near the slowest log's; what lies in a hole of a log, HOLE of these periods, is
-marked in the column `gap`.
+at its first row. Rows are interpolated from the first to the last row that all vehicles have, to 100 Hz, or,
+if all logs are slower than 40 Hz, to the whole multiple of 10 ms nearest to the period of the fastest. What
+lies in a hole of a log, HOLE_PERIODS of its own, is marked in the column `gap`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,8 +19,8 @@ from q2q_model.signals.values import Array
 
 STEP_S = 0.01
 """Shortest period of a flight's ticks [s]."""
-HOLE = 2.5
-"""Periods of the ticks above which more than a row is missing [-]."""
+HOLE_PERIODS = 2.5
+"""Periods of a log, of STEP_S if it is faster, above which more than a row is missing [-]."""
 LONGEST_S = 4 * 3600.0
 """Longest flight [s]: stamps further apart are damaged; a battery lasts 7 min, a wired vehicle longer."""
 LOGGING_CLOCK_S = 2.0
@@ -62,11 +62,11 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
         raise ValueError(
             f"the logs span {end - begin:.0f} s, {LONGEST_S:.0f} s is the most: are time stamps damaged?"
         )
-    step = max(_step(log.t) for log in logs.values())
-    first, last = np.ceil(begin / step - ROUNDING), np.floor(end / step + ROUNDING)
-    t = step * np.arange(first, last + 1.0)
     if end - begin < 1.0:
         raise ValueError(f"the logs have {max(end - begin, 0.0):.2f} s in common: 1 s is the least")
+    step = _step(min(_period(log.t) for log in logs.values()))
+    first, last = np.ceil(begin / step - ROUNDING), np.floor(end / step + ROUNDING)
+    t = step * np.arange(first, last + 1.0)
     found = {"t": t}
     for name, log in logs.items():
         columns = _columns(log.variables, chosen)
@@ -77,7 +77,7 @@ def columns_of_logs(logs: Mapping[str, UsdLog], given: ColumnMap | None = None) 
                 f"{', '.join(log.variables)}"
             )
         rows = {key: np.interp(t, clocks[name], values) for key, values in columns.items()}
-        found |= {f"{name}_{key}": values for key, values in (rows | _gap(t, clocks[name], step)).items()}
+        found |= {f"{name}_{key}": values for key, values in (rows | _gap(t, clocks[name])).items()}
     return found
 
 
@@ -121,12 +121,18 @@ def _continuous(quat: Array) -> Array:
     return np.asarray(quat * np.concatenate([[1.0], np.cumprod(flips)])[:, None])
 
 
-def _step(clock: Array) -> float:
-    """Return the period of ticks that a log fills [s]."""
-    period = float(np.median(np.diff(clock)))
-    return STEP_S * max(round(period / STEP_S), 1)
+def _period(clock: Array) -> float:
+    """Return the usual time from row to row [s], at least STEP_S."""
+    return max(float(np.median(np.diff(clock))), STEP_S)
 
 
-def _gap(t: Array, clock: Array, step: float) -> dict[str, Array]:
+def _step(period: float) -> float:
+    """Return the period of ticks [s]: STEP_S for logs of 40 Hz or more."""
+    multiple = round(period / STEP_S - ROUNDING)
+    return STEP_S * multiple if multiple > 2 else STEP_S
+
+
+def _gap(t: Array, clock: Array) -> dict[str, Array]:
     after = np.clip(np.searchsorted(clock, t), 1, len(clock) - 1)
-    return {"gap": (clock[after] - clock[after - 1] > HOLE * step).astype(np.float64)}
+    steps = clock[after] - clock[after - 1]
+    return {"gap": (steps > HOLE_PERIODS * _period(clock)).astype(np.float64)}
