@@ -177,7 +177,7 @@ def test_the_command_warns_of_flights_that_gave_the_tube(
     ("flown", "said"),
     [
         (0.11, "flights with that one stay within it with probability 0.95"),
-        (0.09, "run promise with --tube to count"),
+        (0.09, "run promise with --tube to count how many flights leave it"),
     ],
 )
 def test_a_tube_within_the_one_that_was_flown_holds_for_flights_with_that_one(
