@@ -76,7 +76,8 @@ LOGS = pytest.mark.parametrize("data", [old_format(), new_format(1), new_format(
 def test_every_value_comes_back(data: bytes) -> None:
     log = usd_log(data)
     assert is_usd_log(data)
-    assert log.repairs == (() if data == old_format() else ("23 rows of the event type estimator",))
+    assert log.repairs == ()
+    assert log.unread == (() if data == old_format() else ("estimator (23 rows)",))
     np.testing.assert_allclose(np.diff(log.t), 0.01, atol=1e-9)
     for k, name in enumerate(NAMES):
         np.testing.assert_array_equal(log.variables[name[:-3]], [row[k] for row in values(0)])
@@ -116,7 +117,7 @@ def test_a_log_whose_clock_wraps_is_whole() -> None:
 def test_the_event_type_with_positions_is_read_though_another_is_faster() -> None:
     slow, fast = usd_log(new_format(2)), usd_log(new_format(2, between=3))
     np.testing.assert_array_equal(fast.t, slow.t)
-    assert fast.repairs == ("690 rows of the event type estimator",)
+    assert fast.unread == ("estimator (690 rows)",)
     of_source = {axis: (SourceColumn("source"),) for axis in "xyz"}
     assert set(usd_log(new_format(2), of_source).variables) == {"source"}
 

@@ -75,8 +75,13 @@ def _columns(
         columns = read_columns(paths[0])
         return (mapped_table(columns, chosen) if chosen else columns), []
     logs = read_logs(paths, names.split(",") if names else None, chosen)
-    notes = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
-    return columns_of_logs(logs, chosen), [clock_note(logs), *notes]
+    repairs = [f"{name}: left out {what}" for name, log in logs.items() for what in log.repairs]
+    unread = [
+        f"{name} also logs events that are not read: {', '.join(log.unread)}"
+        for name, log in logs.items()
+        if log.unread
+    ]
+    return columns_of_logs(logs, chosen), [clock_note(logs), *repairs, *unread]
 
 
 def read_logs(

@@ -15,6 +15,7 @@ import re
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 from zlib import crc32
 
 import numpy as np
@@ -50,6 +51,8 @@ class UsdLog:
     """Name as the firmware has it, such as stateEstimate.x -> values, (T,)."""
     repairs: tuple[str, ...]
     """What was left out to read the log, in words."""
+    unread: tuple[str, ...] = ()
+    """Event types that are not read, in words."""
 
 
 def is_usd_log(data: bytes) -> bool:
@@ -74,7 +77,7 @@ def usd_log(data: bytes, sources: ColumnMap = FIRMWARE) -> UsdLog:
     if not is_usd_log(data):
         raise UsdLogError("it does not begin as a log of a micro-SD deck does")
     try:
-        t, rows, repairs = _events(data, sources) if data[0] == MAGIC else _blocks(data)
+        t, rows, repairs, unread = _events(data, sources) if data[0] == MAGIC else _blocks(data)
     except (struct.error, ValueError, IndexError) as damage:
         raise UsdLogError(f"its header is damaged: {damage}") from damage
     rising = rising_rows(t)
@@ -84,14 +87,20 @@ def usd_log(data: bytes, sources: ColumnMap = FIRMWARE) -> UsdLog:
         raise UsdLogError("it holds no row")
     names = [name for name in rows.dtype.names or () if name != "tick"]
     values = {name: np.asarray(rows[name][rising], dtype=np.float64) for name in names}
-    return UsdLog(t[rising], values, tuple(repairs))
+    return UsdLog(t[rising], values, tuple(repairs), unread)
 
 
-Records = NDArray[np.void]
+class _Records(NamedTuple):
+    """Rows of a log as they are stored."""
+
+    t: Array
+    rows: NDArray[np.void]
+    repairs: list[str]
+    unread: tuple[str, ...] = ()
 
 
-def _blocks(data: bytes) -> tuple[Array, Records, list[str]]:
-    """Return times, rows and repairs of the old format."""
+def _blocks(data: bytes) -> _Records:
+    """Return the rows of the old format."""
     at, fields = 1, []
     for _ in range(data[0]):
         end = data.index(b",", at)
@@ -113,7 +122,7 @@ def _blocks(data: bytes) -> tuple[Array, Records, list[str]]:
     rows = np.concatenate([np.empty(0, kind), *found])
     if "tick" not in (kind.names or ()):
         raise ValueError("there is no variable tick")
-    return stamped_times(rows["tick"], TICK_S), rows, repairs
+    return _Records(stamped_times(rows["tick"], TICK_S), rows, repairs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +139,8 @@ class _EventType:
         return all(any(one.name in present for one in sources.get(axis, ())) for axis in POS)
 
 
-def _events(data: bytes, sources: ColumnMap) -> tuple[Array, Records, list[str]]:
-    """Return times, rows and repairs of version 1 or 2: those of one event type."""
+def _events(data: bytes, sources: ColumnMap) -> _Records:
+    """Return the rows of version 1 or 2: those of one event type."""
     version, count = struct.unpack_from("<HH", data, 1)
     if version not in STAMPS:
         raise ValueError(f"version {version}; known are 1 and 2")
@@ -156,14 +165,14 @@ def _events(data: bytes, sources: ColumnMap) -> tuple[Array, Records, list[str]]
     chosen = max(
         kinds, key=lambda key: (bool(found[key]) and kinds[key].has_positions(sources), len(found[key]))
     )
-    repairs += [
-        f"{counted(len(found[key]), 'row')} of the event type {kind.name}"
+    unread = tuple(
+        f"{kind.name} ({counted(len(found[key]), 'row')})"
         for key, kind in kinds.items()
         if key != chosen and found[key]
-    ]
+    )
     rows = np.frombuffer(b"".join(found[chosen]), kinds[chosen].row)
     kept = [name for name in rows.dtype.names or () if name not in {"event id", "stamp"}]
-    return stamped_times(rows["stamp"], unit), rows[kept], repairs
+    return _Records(stamped_times(rows["stamp"], unit), rows[kept], repairs, unread)
 
 
 def _rows_of_events(
