@@ -35,11 +35,15 @@ def test_every_table_of_a_flight_in_a_folder_is_read_and_lists_are_named(tmp_pat
         flights_among([tmp_path / "lists"])
 
 
-def test_a_flight_without_a_position_says_what_to_record(tmp_path: Path) -> None:
+def test_a_flight_without_a_position_says_what_its_kind_of_file_needs(tmp_path: Path) -> None:
     gaps = "".join(f"{row},1\n" for row in ROWS.split())
     (tmp_path / "lost.csv").write_text("t,x,y,z,gap\n" + gaps)
-    with pytest.raises(ValueError, match="flight lost: no vehicle has a position; record the topic mocap"):
+    wanted = r"lost\.csv: no vehicle has a position: x, y, z in a row whose gap is 0"
+    with pytest.raises(ValueError, match=wanted):
         recordings_of_paths([tmp_path / "lost.csv"])
+    bag = _imported(tmp_path / "lost.csv", tmp_path / "bag")
+    with pytest.raises(ValueError, match=r"bag: no vehicle has a position; record the topic mocap or state"):
+        recordings_of_paths([bag])
 
 
 def test_a_topic_map_without_a_bag_to_map_is_refused(tmp_path: Path):

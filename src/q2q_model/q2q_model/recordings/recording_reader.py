@@ -49,6 +49,8 @@ def recording_of_table(path: Path) -> Recording:
     signals = {topic.removeprefix("/"): list(rows) for topic, rows in signals_of(table).items()}
     log = log_of(table)
     flight = flight_from_signals(path.stem, signals).flight
+    if not flight.names:
+        raise ValueError(f"table {path}: no vehicle has a position: x, y, z in a row whose gap is 0")
     return _recording(flight, log_at(log, flight.t, flight.names) if log.columns else None)
 
 
@@ -60,6 +62,8 @@ def recording_of_bag(bag: Path, topics: TopicMap | None = None) -> Recording:
         ValueError: its positions are not in metres, or no vehicle has one.
     """
     flight = flight_of_bag(bag, topics)
+    if not flight.names:
+        raise ValueError(f"bag {bag}: no vehicle has a position; record the topic mocap or state")
     log = _log(bag)
     try:
         own = log_at(log, flight.t, flight.names) if log else None
@@ -81,8 +85,6 @@ def flight_of_bag(bag: Path, topics: TopicMap | None = None) -> Flight:
 
 
 def _recording(flight: Flight, log: FlightLog | None) -> Recording:
-    if not flight.names:
-        raise ValueError(f"flight {flight.name}: no vehicle has a position; record the topic mocap or state")
     whole = with_filtered_states(flight)
     return Recording(whole, log, filtered=whole is not flight)
 
