@@ -191,13 +191,13 @@ def test_a_followed_vehicle_is_followed_after_the_window_changes(browser: Browse
     opened.page.context.close()
 
 
-@pytest.mark.parametrize("wake_speed", [2.0, np.inf])
+@pytest.mark.parametrize(("wake_speed", "above"), [(2.0, 1.0), (np.inf, 1.0), (np.inf, 2.0)])
 def test_the_air_nearest_to_a_pushed_vehicle_is_warm_also_where_it_is_drawn_beside_it(
-    browser: Browser, tmp_path: Path, wake_speed: float
+    browser: Browser, tmp_path: Path, wake_speed: float, above: float
 ):
-    """cf1 is 1 m below and 0.3 m beside cf2, whose air it is in, and is pushed by too little for an arrow."""
+    """cf1 is below and 0.3 m beside cf2, whose air it is in, and is pushed by too little for an arrow."""
     t = 0.1 * np.arange(20)
-    pos = np.tile([(0.0, 0.0, 0.5), (0.3, 0.0, 1.5)], (len(t), 1, 1))
+    pos = np.tile([(0.0, 0.0, 0.5), (0.3, 0.0, 0.5 + above)], (len(t), 1, 1))
     unknown = np.full_like(pos, np.nan)
     level = np.tile([0.0, 0.0, 0.0, 1.0], (len(t), 2, 1))
     made = ReplayRun(

@@ -12,11 +12,12 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path
 from q2q_sim.air.travel_speed import travel_speed
-from q2q_sim.air.wake_laws import MEASURED_SPEED
+from q2q_sim.air.wake_laws import MEASURED, MEASURED_SPEED, PAPER, wake_push
 from q2q_sim.commands.replay_page import main
 from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.replay_page import in_air, replay_run
 from q2q_sim.replay_page.packed_run import packed_run
+from q2q_sim.replay_page.replay_run import DOWNWASH_RADIUS
 
 ROOT = Path(__file__).resolve().parents[3]
 T = 0.01 * np.arange(100, dtype=np.float64)
@@ -32,7 +33,7 @@ def flown(cf2: tuple[float, float, float]) -> Flight:
 
 @pytest.mark.parametrize(
     ("cf2", "is_under"),
-    [((0.3, 0.0, 1.5), True), ((0.5, 0.0, 1.5), False), ((0.0, 0.0, 2.6), False), ((9.0, 9.0, 1.0), False)],
+    [((0.3, 0.0, 1.5), True), ((0.5, 0.0, 1.5), False), ((0.0, 0.0, 3.0), True), ((9.0, 9.0, 1.0), False)],
 )
 def test_the_push_of_the_air_is_shown_on_vehicles_under_another(
     cf2: tuple[float, float, float], is_under: bool
@@ -41,6 +42,15 @@ def test_the_push_of_the_air_is_shown_on_vehicles_under_another(
     found = replay_run(flight, CRAZYFLIE_2_0).downwash
     np.testing.assert_array_equal(found[:, 0], np.tile(GUST if is_under else 0.0 * GUST, (len(T), 1)))
     assert not found[:, 1].any()
+
+
+def test_no_downwash_of_the_wake_laws_is_hidden() -> None:
+    gaps = np.arange(0.1, 4.0, 0.05)
+    beside = [wake_push(law, gap, DOWNWASH_RADIUS**2) for law in (PAPER, MEASURED) for gap in gaps]
+    assert max(beside) < 0.02
+    push = np.array([0.0, 0.0, -wake_push(MEASURED, 2.0, 0.0)])  # 0.55 m/s^2, 2 m below
+    flight = replace(flown((0.0, 0.0, 3.0)), true_eta=np.tile([push, 0.0 * push], (len(T), 1, 1)))
+    np.testing.assert_array_equal(replay_run(flight, CRAZYFLIE_2_0).downwash, flight.true_eta)
 
 
 def test_a_prediction_is_of_downwash_and_shown_as_it_is() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from q2q_model.signals.values import Array, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.travel_speed import travel_speed
 from q2q_sim.air.wake_laws import MEASURED_SPEED
-from q2q_sim.monitors.exposure import BELOW
 from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics import best_position
@@ -22,9 +22,9 @@ from q2q_sim.replay_page.height_loss import LOSS_SHOWN, height_loss, height_loss
 
 MOST_LOSSES = 4
 """Vehicles whose largest height loss is marked."""
-BESIDE = 0.4
+DOWNWASH_RADIUS = 0.4
 """Distance beside a vehicle above from which on the true push of the air is no downwash [m]: that of the wake
-laws has faded to 3 %."""
+laws is below 0.02 m/s^2 there, at every height difference."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +140,7 @@ def in_air(run: ReplayRun, air: str) -> ReplayRun:
 
 def _true_downwash(flight: Flight, pos: Array) -> Array:
     """Return the true push of the air on vehicles under another [m/s^2], (T, n, 3); 0 elsewhere: gusts."""
-    under = under_another(pos, BESIDE, BELOW)
+    under = under_another(pos, DOWNWASH_RADIUS, inf)
     return np.where(under[..., None], flight.true_eta, 0.0 * flight.true_eta)
 
 

@@ -4,8 +4,8 @@
 //
 // Without a speed it acts at once, straight below. A puff is as opaque as its rotors thrust; it turns from blue
 // to orange by the push that is recorded on the vehicles in this air, full orange at the strongest push of the
-// page. A recorded push comes from the air that passes nearest, and from any other within BESIDE. The puffs' own
-// motion along the air is slowed down: the air itself passes in a tenth of a second.
+// page. A recorded push comes from the air that passes nearest, and from any other within AIR_RADIUS. The
+// puffs' own motion along the air is slowed down: the air itself passes in a tenth of a second.
 
 import { ArrowHelper, BufferGeometry, Color, DynamicDrawUsage, Float32BufferAttribute } from "three";
 import { Points, Quaternion, ShaderMaterial, Vector3 } from "three";
@@ -18,7 +18,7 @@ const SPREAD = 0.12; // growth of the radius over the length of the air
 const WIDEST_GAP = 1.3; // radius of a puff over the distance to the next, at least
 const FADE = 0.55; // length over which the air fades to 1/e [m]
 const OPACITY = 13; // of all puffs of a vehicle together
-const BESIDE = 0.2; // distance from the air within which a vehicle is in it [m]
+const AIR_RADIUS = 0.2; // distance from the air within which a vehicle is in it [m]
 const NEAREST = 0.6; // distance within which the nearest air pushes a vehicle: air that lags and bends is drawn beside it [m]
 const ARROW = 0.3; // length of an arrow for 1 m/s^2 [m]
 const ARROW_SHOWN = 0.1; // smallest push with an arrow [m/s^2]
@@ -109,7 +109,7 @@ export class Air {
     pushes.forEach((push, pushed) => {
       if (!(push > 0)) return;
       const offsets = pushes.map((_, source) => this.#offset(pushed, source, t));
-      const reach = Math.max(Math.min(...offsets, NEAREST), BESIDE);
+      const reach = Math.max(Math.min(...offsets, NEAREST), AIR_RADIUS);
       offsets.forEach((offset, source) => {
         if (offset <= reach) strongest[source] = Math.max(strongest[source], push);
       });
@@ -121,7 +121,7 @@ export class Air {
   #offset(pushed, source, t) {
     const [x, y, z] = this.run.position(pushed, t);
     const above = this.run.position(source, t)[2] - z;
-    if (pushed === source || !(above > 0.03 && above < 1.5)) return Infinity;
+    if (pushed === source || !(above > 0.03)) return Infinity;
     const [u, v] = this.#parcel(source, t, above);
     const offset = Math.hypot(x - u, y - v);
     return Number.isNaN(offset) ? Infinity : offset;
