@@ -181,10 +181,25 @@ def test_output_in_an_encoding_that_lacks_a_letter_is_printed_all_the_same():
         "line = CommandLine('tool', 'Does things.', '  tool')\n"
         "raise SystemExit(run_command(line, lambda args: lambda args: print('effort [N\\xb2s]') or 3, []))"
     )
-    ascii_only = os.environ | {"PYTHONIOENCODING": "ascii"}
     command = [sys.executable, "-c", program]
-    done = subprocess.run(command, capture_output=True, text=True, env=ascii_only, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (3, "effort [N?s]\n", "")
+    for coding in ("ascii", "ascii:surrogateescape"):
+        ascii_only = os.environ | {"PYTHONIOENCODING": coding}
+        done = subprocess.run(command, capture_output=True, text=True, env=ascii_only, check=False)
+        assert (done.returncode, done.stdout, done.stderr) == (3, "effort [N?s]\n", "")
+
+
+def test_a_path_that_is_not_utf8_is_printed_as_it_is_where_the_locale_can():
+    program = (
+        "import os\n"
+        "from q2q_model.commands.command_line import CommandLine, run_command\n"
+        "line = CommandLine('tool', 'Does things.', '  tool')\n"
+        "path = os.fsdecode(b'd\\xe9mo.html')\n"
+        "raise SystemExit(run_command(line, lambda args: lambda args: print(path, 'N\xb2s') or 3, []))"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONIOENCODING"}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, env=environment | {"LC_ALL": "C.UTF-8"}, check=False)
+    assert (done.returncode, done.stdout) == (3, b"d\xe9mo.html N\xc2\xb2s\n"), done.stderr
 
 
 def test_a_broken_pipe_to_another_process_is_reported(capsys: pytest.CaptureFixture[str]):

@@ -112,9 +112,13 @@ def run_command(
 
 
 def _replace_unprintable() -> None:
-    """Print `?` for what the encoding of the standard output lacks, such as N²s in ASCII."""
-    if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")
+    """Print `?` for what the encoding of the standard output lacks, such as N²s in ASCII.
+
+    In the locale C.UTF-8 it lacks nothing: paths that are not UTF-8 are printed with their own bytes.
+    """
+    output = sys.stdout
+    if isinstance(output, TextIOWrapper) and (output.errors == "strict" or output.encoding == "ascii"):
+        output.reconfigure(errors="replace")
 
 
 def given_options(args: Namespace) -> list[str]:
