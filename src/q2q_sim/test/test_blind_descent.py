@@ -7,7 +7,7 @@ import pytest
 
 from q2q_model.signals.values import Array, CommandStatus
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.flight_verdict import verdict_of
+from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.policies import Circumstances, judge
 from q2q_sim.monitors.policies.floor import floor
 from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
