@@ -28,6 +28,10 @@ def commands(since: float, until: float, status: float = CommandStatus.LAND) -> 
     return np.where((since <= T) & (until > T), status, CommandStatus.OK)
 
 
+STOPS = heights((6.25, 1.2), (7.0, 0.6), (8.0, 0.0), (8.5, 0.0), (9.5, 1.2))
+"""Heights of a vehicle that sinks at 0.8 m/s until 7 s, and then stops on the floor [m], (T,)."""
+
+
 def falls(z: Array, status: Array) -> list[float]:
     """Return when the policy finds a fall in a flight at 1.2 m, which its verdict names then [s]."""
     empty = FlightRecording(("cf1",), len(T)).flight("made")
@@ -48,7 +52,8 @@ def test_a_fall_long_after_a_short_order_to_land_is_named_when_it_happens() -> N
 
 
 def test_a_fall_soon_after_an_order_to_land_is_named_where_it_was_not_sinking() -> None:
-    assert falls(heights((4.0, 1.2), (4.5, 0.0)), commands(2.99, 3.06)) == pytest.approx([4.5], abs=0.011)
+    hovering = heights((0.0, 1.21), (4.0, 1.2), (4.5, 0.0))
+    assert falls(hovering, commands(2.99, 3.06)) == pytest.approx([4.5], abs=0.011)
 
 
 @pytest.mark.parametrize(
@@ -68,6 +73,25 @@ def test_a_vehicle_found_as_it_sinks_is_excused_as_far_as_it_needs_to_stop(
     z = heights((sent, 1.2), (7.0, left), (down, 0.0), (down + 0.5, 0.0), (down + 1.0, 1.2))
     found = falls(z, commands(sent, 7.0))
     assert found == ([] if is_excused else pytest.approx([down], abs=0.1))
+
+
+@pytest.mark.parametrize("noise", [0.5e-3, 2e-3])
+def test_noise_of_the_positions_makes_no_fall_of_a_descent(noise: float) -> None:
+    """As above, with 0.7 m to stop and 0.58 m of them needed."""
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        z = STOPS + noise * random.standard_normal(len(T))
+        assert falls(z, commands(6.25, 7.0)) == []
+
+
+@pytest.mark.parametrize("until", [7.0, 7.01])
+def test_positions_at_half_the_rate_of_the_ticks_make_no_fall_of_a_descent(until: float) -> None:
+    assert falls(STOPS[2 * (np.arange(len(T)) // 2)], commands(6.25, until)) == []
+
+
+@pytest.mark.parametrize("until", [7.0, 7.01])
+def test_the_held_state_of_a_lost_vehicle_does_not_tell_how_it_sank(until: float) -> None:
+    assert falls(np.where((T > 6.0) & (T < 7.005), 1.2, STOPS), commands(6.25, until)) == []
 
 
 @pytest.mark.parametrize(("until", "has_fallen"), [(9.4, False), (9.6, True)])

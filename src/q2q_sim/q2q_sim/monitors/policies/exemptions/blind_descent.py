@@ -7,15 +7,22 @@ After it, the vehicle is flown again, and no command to land explains that it co
 | symbol | name | meaning [unit] |
 |---|---|---|
 | t_d | left | last tick at which the newest command sent it down [s] |
-| z_d, v_d | | height and velocity of sinking then [m], [m/s]; unknown ones limit nothing |
+| z_d, v_d | | height and velocity of sinking then [m], [m/s]; excused where either is unknown |
 | T | settle | from the last fault to the return [s] (Limits); half of it stops a vehicle (overpowered) |
 """
+
+from math import nan
 
 import numpy as np
 
 from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import DOWN
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
+
+SINKING_OVER = 0.1
+"""Time up to t_d over which v_d is taken [s]: 2 mm of noise are 3 cm/s, and 2.5 cm of height to stop."""
+ROUNDING = 1e-6
+"""Times are differences of stamps [s]."""
 
 
 def ends_blind_descent(trace: FlightTrace, row: int, tick: int, settle: float) -> bool:
@@ -25,9 +32,17 @@ def ends_blind_descent(trace: FlightTrace, row: int, tick: int, settle: float) -
         return False
     left, z = int(before[-1]), trace.true_pos[:, row, 2]
     passed, sunk = trace.t[tick] - trace.t[left], z[left] - z[tick]
-    previous = max(left - 1, 0)
-    sinking = (z[previous] - z[left]) / max(trace.t[left] - trace.t[previous], 1e-9)
-    return bool(passed < 0.5 * settle and not sunk > max(sinking, 0.0) * 0.25 * settle)
+    sinking = np.maximum(_sinking(trace, row, left), 0.0)
+    return bool(passed < 0.5 * settle and not sunk > sinking * 0.25 * settle)
+
+
+def _sinking(trace: FlightTrace, row: int, left: int) -> float:
+    """Return v_d of a vehicle at a tick [m/s]; NaN if unknown, as in the held state of a lost vehicle."""
+    t, pos = trace.t[: left + 1], trace.true_pos[: left + 1, row]
+    since = max(int(np.searchsorted(t, t[left] - SINKING_OVER + ROUNDING, "right")) - 1, 0)
+    if since == left or (pos[since:] == pos[left]).all():
+        return nan
+    return float((pos[since, 2] - pos[left, 2]) / (t[left] - t[since]))
 
 
 def _sent_down(trace: FlightTrace, row: int) -> Mask:
