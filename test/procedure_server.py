@@ -85,6 +85,11 @@ class Server:
             return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=int(value))
         return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
 
+    def take_off(self, height: float, duration: float) -> None:
+        """Let all vehicles take off to a height [m] in a duration [s], as another client asks it."""
+        for one in self._high:
+            one.takeoff(height, duration)
+
     def full_state(self, row: int, message: object) -> None:
         """Send a vehicle the setpoint of a message."""
         where, how, acc = message.pose.position, message.twist.linear, message.acc

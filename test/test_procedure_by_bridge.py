@@ -61,6 +61,40 @@ def test_a_plan_is_flown_twice_by_rpyt_setpoints(monkeypatch: pytest.MonkeyPatch
         assert said_in_order(room) == COMMANDS_ORDER
 
 
+@pytest.mark.parametrize("mode", ["setpoint", "command"])
+def test_after_arming_another_client_of_the_server_can_take_off(
+    monkeypatch: pytest.MonkeyPatch, mode: str
+) -> None:
+    """A setpoint of thrust 0 after arming overrode its take-off."""
+    room, server = by_bridge(monkeypatch, SHORT, mode=mode)
+    room.wait(1.5)
+    assert room.call("arm").granted
+    assert said_in_order(room) == ["arm"]
+    server.take_off(0.8, 2.0)
+    room.wait(3.0)
+    assert room.height[-1].min() > 0.78
+
+
+def test_a_start_by_rpyt_setpoints_unlocks_the_thrust_of_vehicles_in_the_air(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """They sink by 0.26 m; where thrust 0 held for 0.1 s before the stream, they fell to the floor."""
+    room, server = by_bridge(monkeypatch, SHORT, mode="command")
+    for vehicle in room.fleet.vehicles:
+        vehicle.firmware.parameters.set("stabilizer.controller", 1.0)
+    room.wait(1.5)
+    assert room.call("arm").granted
+    server.take_off(0.8, 2.0)
+    room.wait(3.0)
+    assert room.player.glide().granted
+    room.wait(2.0)
+    said_in_order(room)
+    assert room.call(Call.START).granted
+    room.wait(3.0)
+    assert np.min(room.height[-300:]) > 0.5
+    assert said_in_order(room) == ["arm", "thrust 0", "cmd_vel_legacy"]
+
+
 def test_a_plan_is_flown_by_the_bridge_three_times_in_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     room, _ = by_bridge(monkeypatch, SHORT)
     room.wait(1.5)

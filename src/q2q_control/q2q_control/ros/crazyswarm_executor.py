@@ -8,9 +8,10 @@
 | stop the motors | `all/emergency` |
 | stream setpoints | none: the stream itself takes over |
 
-The firmware takes the thrust of every RPYT setpoint for 0 until one of thrust 0 has come: in mode command one
-is sent once the vehicles have armed. It overrides the high-level commander, too, so that a take-off begins by
-stopping the stream.
+The firmware takes the thrust of every RPYT setpoint for 0 until one of thrust 0 has come: in mode command the
+first take-off or stream after arming begins with one. It overrides the high-level commander, too, so that a
+take-off begins by stopping the stream, and arming alone sends none: another client's take-off would stay on
+the ground. A stream follows thrust 0 at once: vehicles in the air fall meanwhile.
 """
 
 import math
@@ -28,7 +29,7 @@ from q2q_model.node.reply import Reply
 from q2q_model.signals.values import Names
 
 OVERTAKEN_S = 0.1
-"""Time in which a service may overtake a topic in the server [s]: assumed."""
+"""Time that a setpoint on a topic may arrive after a later service call [s]: assumed."""
 
 
 class CrazyswarmExecutor:
@@ -49,19 +50,21 @@ class CrazyswarmExecutor:
         """
         self._services = ServerServices(node, tuple(one.name for one in vehicles))
         self._vehicles = ServerVehicles(node, vehicles)
-        self._unlock, self._unlocked = unlock, -math.inf
+        self._unlock, self._locked = unlock, False
+        self._unlocked = -math.inf
         self._act: Act | None = None
         self._asked = -math.inf
-        self._left: list[Order] = []
+        self._pending_orders: list[Order] = []
         self._failed = ""
         self._futures: list[Future[object]] = []
 
     def begin(self, order: Order, t: float) -> None:
-        """Call the services of an order."""
+        """Unlock the thrust if the order is the first that needs it, then call the order's services."""
         self._act, self._asked = order.act, t
-        self._left = [Order(Act.STOP_STREAM), order] if order.act is Act.TAKE_OFF else [order]
+        self._pending_orders = [Order(Act.STOP_STREAM), order] if order.act is Act.TAKE_OFF else [order]
         self._failed, self._futures = "", []
-        self._go_on(t)
+        self._unlock_before(order.act, t)
+        self._call_next(t)
 
     def outcome(self, t: float) -> Reply | None:
         """Return the outcome of the last order, once; None while it is unknown.
@@ -70,13 +73,10 @@ class CrazyswarmExecutor:
         """
         if self._act is None:
             return None
-        self._go_on(t)
+        self._call_next(t)
         arming = self._act is Act.ARM and not self._vehicles.armed(self._asked, t)
-        if not self._failed and (self._left or arming or not self._answered()):
+        if not self._failed and (self._pending_orders or arming or not self._answered()):
             return None
-        if self._act is Act.ARM and not self._failed and self._unlock is not None:
-            self._unlock()
-            self._unlocked = t
         self._act = None
         return Reply(granted=not self._failed, reason=self._failed)
 
@@ -92,11 +92,19 @@ class CrazyswarmExecutor:
         """Return which services of a flight are missing, and what to do; empty if none are."""
         return self._services.missing()
 
-    def _go_on(self, t: float) -> None:
-        """Call the services of what is left of the order, one after the other, unless one fails."""
-        overtakes = self._act is Act.TAKE_OFF and t - self._unlocked < OVERTAKEN_S
-        while self._answered() and self._left and not self._failed and not overtakes:
-            order = self._left.pop(0)
+    def _unlock_before(self, act: Act, t: float) -> None:
+        """Send thrust 0 before the first take-off or stream since the vehicles were armed."""
+        if act is Act.ARM:
+            self._locked = True
+        elif self._locked and act in {Act.TAKE_OFF, Act.STREAM} and self._unlock is not None:
+            self._unlock()
+            self._locked, self._unlocked = False, t
+
+    def _call_next(self, t: float) -> None:
+        """Call the services of the pending orders, one after the other, unless one fails."""
+        early = self._act is Act.TAKE_OFF and t - self._unlocked < OVERTAKEN_S
+        while self._answered() and self._pending_orders and not self._failed and not early:
+            order = self._pending_orders.pop(0)
             self._failed = self._services.missing((order.act,))
             self._futures = self._services.call(order)
 

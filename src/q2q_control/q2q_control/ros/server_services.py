@@ -47,7 +47,7 @@ class ServerServices:
             self._clients |= dict.fromkeys(acts, clients)
 
     def missing(self, acts: Sequence[Act] = tuple(Act)) -> str:
-        """Return which services of some acts nobody offers, and what to do; empty if all are offered."""
+        """Return which services of some acts are not available, and what to do; empty if all are."""
         clients = (one for act in acts for one in self._clients.get(act, ()))
         absent = dict.fromkeys(one.srv_name for one in clients if not one.service_is_ready())
         return (
