@@ -180,6 +180,12 @@ def test_a_take_off_through_the_ceiling_is_refused() -> None:
         FlightProcedureParams(room=low, take_off_height=1.25, ground=0.3)
 
 
+@pytest.mark.parametrize(("ceiling", "ground"), [(0.6, -0.3), (0.7, 0.2), (1.2, 0.1)])
+def test_a_take_off_up_to_the_ceiling_is_allowed_whatever_the_rounding(ceiling: float, ground: float) -> None:
+    room, height = (-3.0, -3.0, -2.0, 3.0, 3.0, ceiling), round(ceiling - ground, 1)
+    assert FlightProcedureParams(room=room, take_off_height=height, ground=ground).take_off_height == height
+
+
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:
     observation = replace(Bench().observe(), pos=HOME + up(-0.001))
     assert heights_text(observation) == "cf1 at 0.00 m, cf2 at 0.00 m"

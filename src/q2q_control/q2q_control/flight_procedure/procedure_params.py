@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from q2q_model.tunable import check_bounds, tunable
 
 DRY_RUN = "check and log what would be sent; send nothing"
+ROUNDING = 1e-9
+"""Rounding of a difference of heights [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +90,6 @@ class FlightProcedureParams:
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
             raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
         ceiling = self.room[5] - self.ground
-        if self.take_off_height > ceiling:
+        if self.take_off_height > ceiling + ROUNDING:
             allowed = f"up to {ceiling:g} m is allowed, where room ends"
             raise ValueError(f"take_off_height = {self.take_off_height:g}: {allowed}")
