@@ -266,24 +266,6 @@ def test_without_the_vehicles_package_poses_pass_and_nothing_is_streamed(
     assert [line.partition(": ")[2] for line in node.lines] == ["no vehicle is flown"]
 
 
-def test_robots_are_left_alone_by_the_connection_of_their_type_which_is_what_the_servers_read() -> None:
-    uri = "radio://0/80/2M/E7E7E7E70"
-    robots = {
-        "cf1": {"enabled": True, "uri": f"{uri}1", "type": "cf21"},
-        "wand": {"enabled": True, "type": "marker", "initial_position": [0.0, 0.0, 0.0]},
-        "box": {"enabled": True, "type": "marker", "connection": "none"},
-        "rover": {"enabled": True, "type": "other"},
-    }
-    types = {"cf21": {}, "marker": {"connection": "none"}, "other": {"connection": "mavlink"}}
-    found = crazyflies_from_document({"robots": robots, "robot_types": types})
-    assert [one.name for one in found] == ["cf1"]
-    robots["cf1"]["connection"] = "none"
-    with pytest.raises(
-        ValueError, match="'none': Crazyswarm2 reads that of robot_types only, 'crazyflie' here"
-    ):
-        crazyflies_from_document({"robots": robots, "robot_types": types})
-
-
 def test_the_tutorials_file_has_two_vehicles_to_fly_and_a_wand_to_leave_alone() -> None:
     page = ROOT / "docs/tutorials/real_vehicles_with_crazyswarm2.md"
     block = page.read_text().split("```yaml\n", 1)[1].split("```", 1)[0]

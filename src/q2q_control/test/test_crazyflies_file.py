@@ -1,6 +1,9 @@
 """Vehicles are read from crazyflies.yaml of Crazyswarm2, and errors name the entry."""
 
+from pathlib import Path
+
 import pytest
+import yaml
 
 from q2q_control.crazyswarm.configured_vehicles import vehicle_names
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
@@ -23,6 +26,40 @@ def test_crazyflies_are_read_as_crazyswarm2_writes_them() -> None:
         ("cf1", "radio://0/80/2M/E7E7E7E701", (0.0, 1.5, 0.0)),
         ("cf3", "udp://127.0.0.1:19850", (0.0, 0.0, 0.0)),
     ]
+
+
+URI = "radio://0/80/2M/E7E7E7E70"
+TYPES = {"cf21": {}, "marker": {"connection": "none"}, "other": {"connection": "mavlink"}}
+ROBOTS = {
+    "cf1": {"enabled": True, "uri": f"{URI}1", "type": "cf21"},
+    "wand": {"enabled": True, "type": "marker", "initial_position": [0.0, 0.0, 0.0]},
+    "box": {"enabled": True, "type": "marker", "connection": "none"},
+    "rover": {"enabled": True, "type": "other"},
+    "spare": {"enabled": False, "type": "cf21", "connection": "none"},
+}
+
+
+def test_only_robots_of_a_crazyflies_connection_are_flown() -> None:
+    found = crazyflies_from_document({"robots": ROBOTS, "robot_types": TYPES})
+    assert [one.name for one in found] == ["cf1"]
+
+
+@pytest.mark.parametrize(
+    ("own", "flown"), [({"type": "cf21", "connection": "none"}, []), ({"connection": "crazyflie"}, ["cf2"])]
+)
+def test_a_robots_own_connection_is_for_the_radio_only_as_crazyswarm2_does_not_read_it(
+    tmp_path: Path, own: dict[str, str], flown: list[str]
+) -> None:
+    """A file for the node `radio` was refused with words about Crazyswarm2."""
+    robot = {"enabled": True, "uri": f"{URI}2", "type": "marker"} | own
+    document = {"robots": ROBOTS | {"cf2": robot}, "robot_types": TYPES}
+    assert [one.name for one in crazyflies_from_document(document)] == ["cf1", *flown]
+    file = tmp_path / "crazyflies.yaml"
+    file.write_text(yaml.safe_dump(document))
+    with pytest.raises(
+        ValueError, match=r"robots\.cf2\.connection = .* Crazyswarm2 reads that of robot_types only"
+    ):
+        vehicle_names(CrazyswarmParams(crazyflies=str(file)))
 
 
 @pytest.mark.parametrize(

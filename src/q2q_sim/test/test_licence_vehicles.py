@@ -122,15 +122,22 @@ def test_starts_at_which_no_vehicle_can_stand_are_refused(
     assert capsys.readouterr().err.startswith(f"licence: {why}")
 
 
-def test_a_start_of_a_crazyflies_file_outside_the_room_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("entry", "why"),
+    [
+        ("initial_position: [0, 3.5, 0]", "cf7 is at 0, 3.5 m: the room is 6 by 6 m"),
+        ("connection: none", "robots.cf7.connection = 'none': Crazyswarm2 reads that of robot_types only"),
+    ],
+)
+def test_a_crazyflies_file_that_the_server_or_the_room_does_not_allow_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], entry: str, why: str
 ) -> None:
     file, vehicles = tmp_path / "opened.py", tmp_path / "crazyflies.yaml"
     file.write_text(OPENED.format(count=1))
-    robot = '{enabled: true, uri: "radio://0/80/2M/E7E7E7E700", type: cf21, initial_position: [0, 3.5, 0]}'
+    robot = f'{{enabled: true, uri: "radio://0/80/2M/E7E7E7E700", type: cf21, {entry}}}'
     vehicles.write_text(f"robots: {{cf7: {robot}}}\nrobot_types: {{cf21: {{}}}}\n")
     assert main(["--crazyflies", str(vehicles), str(file)]) == 2
-    assert capsys.readouterr().err.startswith("licence: cf7 is at 0, 3.5 m: the room is 6 by 6 m")
+    assert capsys.readouterr().err.startswith(f"licence: {why}")
 
 
 def test_a_vehicle_that_is_opened_only_after_a_fault_fails_the_flight(tmp_path: Path):

@@ -5,7 +5,7 @@ from pathlib import Path
 from q2q_control.crazyswarm.crazyswarm_params import CrazyswarmParams
 from q2q_control.crazyswarm.motion_capture_file import check_tracking, motion_capture_from_file
 from q2q_control.crazyswarm.server_vehicle import ServerVehicle
-from q2q_control.radio.crazyflies_file import crazyflies_from_file, params_set
+from q2q_control.radio.crazyflies_file import check_connections, crazyflies_from_document, params_set
 from q2q_control.radio.firmware_params import firmware_params
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_model.signals.values import Names, check_unique
@@ -20,7 +20,9 @@ def vehicle_names(params: CrazyswarmParams) -> Names:
         ValueError: there are none, a name is no topic's or used twice; the file is wrong or unreadable.
     """
     if params.crazyflies:
-        return tuple(one.name for one in crazyflies_from_file(params.crazyflies))
+        document = load_yaml(Path(params.crazyflies))
+        check_connections(document)
+        return tuple(one.name for one in crazyflies_from_document(document))
     if not params.vehicles:
         raise ValueError("no vehicles: set crazyflies:=FILE, or vehicles")
     check_unique(params.vehicles)

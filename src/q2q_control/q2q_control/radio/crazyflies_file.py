@@ -3,9 +3,9 @@
     robots:
       cf1: {enabled: true, uri: radio://0/80/2M/E7E7E7E701, initial_position: [0, 0, 0], type: cf21}
 
-Of other keys, only `firmware_params` is read, whose values the server sets. A robot of a type with
-`connection: none` is skipped: it is tracked by motion capture but not flown. The servers do not read a
-`connection` of the robot itself.
+Of other keys, only `firmware_params` is read, whose values the server sets. A robot with `connection: none`,
+its own or its type's, is skipped: it is tracked by motion capture but not flown. Crazyswarm2's servers read
+that of the type only: check_connections refuses a robot's own where they fly.
 """
 
 import math
@@ -22,7 +22,7 @@ from q2q_model.vehicle.vehicle_uri import canonical_uri
 
 Position = tuple[float, float, float]
 CRAZYFLIE = "crazyflie"
-"""Connection of the robots that the servers fly, and of a type that has none."""
+"""Connection of the robots that are flown, and of a type that has none."""
 URI = "something like radio://0/80/2M/E7E7E7E701"
 SCHEMES = tuple(f"{driver}://" for driver in ("radio", "usb", "udp", "tcp", "prrt"))
 """Beginnings of the URIs that cflib opens unless it is asked for more."""
@@ -75,20 +75,13 @@ class _Fleet:
         """Return the entry of a robot's type, empty if there is none."""
         return self.robot_types.get(str(robot.type)) or _Robot()
 
-    def is_flown(self, name: str) -> bool:
-        """Return whether the servers fly a robot.
+    def type_connection(self, robot: _Robot) -> object:
+        """Return the connection of a robot's type, the only one that Crazyswarm2's servers read."""
+        return self.type_of(robot).connection or CRAZYFLIE
 
-        Raises:
-            ValueError: its own `connection`, which they do not read, differs from its type's.
-        """
-        robot = self.robots[name]
-        connection = self.type_of(robot).connection or CRAZYFLIE
-        if robot.enabled and robot.connection not in (None, connection):
-            raise ValueError(
-                f"robots.{name}.connection = {robot.connection!r}: Crazyswarm2 reads that of robot_types "
-                f"only, {connection!r} here: give {name} another type, or set `enabled: false`"
-            )
-        return robot.enabled and connection == CRAZYFLIE
+    def is_flown(self, robot: _Robot) -> bool:
+        """Return whether a robot is enabled and, by its own connection before its type's, a Crazyflie."""
+        return robot.enabled and (robot.connection or self.type_connection(robot)) == CRAZYFLIE
 
 
 def crazyflies_from_file(path: str) -> tuple[Crazyflie, ...]:
@@ -104,19 +97,34 @@ def crazyflies_from_document(document: object) -> tuple[Crazyflie, ...]:
     """Return the enabled vehicles of a parsed `crazyflies.yaml`, in its order.
 
     Raises:
-        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI is used twice;
-            a robot's own `connection` differs from its type's.
+        ValueError: naming the vehicle, the key and what is allowed; none is enabled; a URI is used twice.
     """
     fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
     enabled = tuple(
         Crazyflie(name, robot.uri, robot.initial_position)
         for name, robot in fleet.robots.items()
-        if fleet.is_flown(name)
+        if fleet.is_flown(robot)
     )
     if not enabled:
-        raise ValueError("robots: none is enabled; set `enabled: true`")
+        raise ValueError("robots: none is enabled with `connection: crazyflie`; set `enabled: true`")
     _check(enabled)
     return enabled
+
+
+def check_connections(document: object) -> None:
+    """Check that Crazyswarm2's servers fly the robots that crazyflies_from_document returns.
+
+    Raises:
+        ValueError: the `connection` of an enabled robot, which they do not read, differs from its type's.
+    """
+    fleet = from_plain(_Fleet, document, "crazyflies.yaml", extra=True)
+    for name, robot in fleet.robots.items():
+        by_type = fleet.type_connection(robot)
+        if robot.enabled and robot.connection not in (None, by_type):
+            raise ValueError(
+                f"robots.{name}.connection = {robot.connection!r}: Crazyswarm2 reads that of robot_types "
+                f"only, {by_type!r} here: give {name} another type, or set `enabled: false`"
+            )
 
 
 def _check(vehicles: Sequence[Crazyflie]) -> None:

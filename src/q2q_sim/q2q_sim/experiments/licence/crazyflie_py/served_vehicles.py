@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from q2q_control.radio.crazyflies_file import crazyflies_from_document, params_set
+from q2q_control.radio.crazyflies_file import check_connections, crazyflies_from_document, params_set
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
 
@@ -82,6 +82,7 @@ def vehicles_from_file(path: Path) -> tuple[ServedVehicle, ...]:
         ValueError: the file cannot be read, or is wrong.
     """
     document = load_yaml(path)
+    check_connections(document)
     file = from_plain(_File, document, "crazyflies.yaml", extra=True)
     found = [
         ServedVehicle(
