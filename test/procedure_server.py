@@ -175,3 +175,10 @@ def by_bridge(
 
     room.mocap = see
     return room, server
+
+
+def said_in_order(room: ProcedureRoom) -> list[str]:
+    """Return, and forget, what servers were asked and sent; repetitions count once."""
+    order = [one for k, one in enumerate(room.log) if k == 0 or room.log[k - 1] != one]
+    room.log.clear()
+    return order
