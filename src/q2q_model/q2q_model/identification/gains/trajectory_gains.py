@@ -52,6 +52,8 @@ FORBIDDEN = 1e12
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}
 HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "lag": 0.5}
 START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "lag": 0.05}
+SIGNIFICANCE = 0.01
+"""Largest probability of chance at which an F test keeps extra terms [-]."""
 SIGMAS = 2.0
 """Bound of a residual over its root mean square [-]: 95 % of a normal."""
 OFFSET, INTEGRAL = "offset", "k_i"
@@ -146,11 +148,11 @@ def gains_by_powell(records: Sequence[AltitudeRecord]) -> TrajectoryGains:
 
 
 def is_better(more: TrajectoryGains, less: TrajectoryGains) -> bool:
-    """Return whether an F test finds the extra terms of `more` significant, at 1 %."""
+    """Return whether an F test finds the extra terms of `more` significant."""
     extra = more.terms - less.terms
     freedom = max(more.rows - more.terms, 1.0)
     ratio = (less.rms**2 - more.rms**2) / more.rms**2 * freedom / extra
-    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < 0.01)
+    return bool(fdtrc(extra, freedom, max(ratio, 0.0)) < SIGNIFICANCE)
 
 
 def _fitted(record: AltitudeRecord, loop: AltitudeLoop, *, shifted: bool) -> tuple[Array, Array]:
