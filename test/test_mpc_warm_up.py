@@ -9,7 +9,7 @@ pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 from diagnostic_msgs.msg import DiagnosticArray
 from room_node import RoomNode
 
-from q2q_control.mpc.prediction import downwash_horizon, vehicle_tracks
+from q2q_control.mpc.prediction import constant_velocity, downwash_horizon
 from q2q_control.mpc.solver import horizon_solver
 from q2q_control.ros import mpc_node
 from q2q_model.node.warm_up import synthetic_signal
@@ -33,7 +33,7 @@ def test_every_kernel_of_a_tick_runs_before_the_first(
 
         return run
 
-    kernels = [(horizon_solver, "solve_group"), (vehicle_tracks, "_straight_on")]
+    kernels = [(horizon_solver, "solve_group"), (constant_velocity, "_straight_on")]
     if model != "none" and given.get("aware", True):
         kernels.append((downwash_horizon, "within_reach"))
     for module, name in kernels:

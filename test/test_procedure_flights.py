@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/radio.txt has it")
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
-from procedure_server import by_bridge
+from procedure_server import by_bridge, said_in_order
 from procedure_vehicles import SHORT, SHORT_ENDS, TABLE6_ENDS, by_radio, fly_plan, land, refused
 
 from q2q_control.flight_procedure.steps import Call, Step
@@ -144,5 +144,5 @@ def test_nothing_climbs_before_take_off_is_called_and_nothing_is_streamed_before
     assert room.highest() < 0.01
     assert room.log == []
     assert room.call(Call.TAKE_OFF).granted
-    assert room.log == ["trajectory/wait_landed", "arm", "takeoff"]
+    assert said_in_order(room) == ["trajectory/wait_landed", "arm", "notify_setpoints_stop", "takeoff"]
     np.testing.assert_allclose(room.height[-1], 0.5, atol=0.15)

@@ -94,7 +94,7 @@ class Crazyswarm:
         services = self._wire_procedure()
         self._wire_commands()
         services.refuse_flights(
-            lambda: self._executor.refusal() or self._commands.conflicts() or self._inputs.look()
+            lambda: self._commands.conflicts() or self._inputs.look() or self._executor.refusal()
         )
 
     def _wire_commands(self) -> None:
