@@ -29,6 +29,7 @@ and 0 for a vehicle that is too seldom alone: its loop then counts as balanced.
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import expm
@@ -58,8 +59,12 @@ class LoopStep:
     """Effect of the inputs at the next sample, (s, 3)."""
 
 
+@lru_cache(maxsize=8)
 def loop_step(loop: AltitudeLoop, dt: float) -> LoopStep:
-    """Return the exact step of a loop over dt [s] for inputs linear between samples."""
+    """Return the exact step of a loop over dt [s] for inputs linear between samples.
+
+    It is kept, as all records of a fit ask for the same: a matrix exponential costs more than a response.
+    """
     a, b = _continuous(loop)
     s, m = b.shape
     block = np.zeros((s + 2 * m, s + 2 * m))
@@ -91,7 +96,7 @@ def free_response(
         jerk: third derivative of the altitude reference [m/s^3], (T, n).
         added_acc: commanded acceleration in addition to that of the loop [m/s^2], (T, n).
     """
-    step = loop_step(loop, dt)
+    step = loop_step(replace(loop, offset=0.0), dt)  # b is an input
     state = np.zeros((step.phi.shape[0], start.shape[1]))
     state[:2] = start
     added = np.broadcast_to(loop.offset + np.asarray(added_acc), jerk.shape)  # (T, n)
