@@ -44,7 +44,26 @@ def test_vehicles_that_stay_at_their_references_show_no_gains(k_p: float, k_d: f
     fit, (note,) = gains_from_poses([record_of(replace(calm, name=name)) for name in "ab"], CRAZYFLIE_2_0)
     assert not fit.holds
     assert (fit.k_p.low, fit.k_p.high, fit.k_d.low, fit.k_d.high) == (0.0, 200.0, 0.0, 50.0)
-    assert note.startswith("the model file has no gains: ")
+    assert note.startswith("the model file has no gains: a loop with no lag that settles")
+    assert "moves vehicles nowhere 5 times as far from their references as the" in note
+
+
+def test_gains_stay_known_while_vehicles_hover_after_they_settled() -> None:
+    """Of 60 s, noise of 2 mm is a fifth of the mean square deviation."""
+    made = replace(SETTLES, start=0.07, noise=2e-3, seconds=60.0, loop=AltitudeLoop(8.0, 4.0))
+    still = [record_of(replace(made, name=name)) for name in "ab"]
+    fit, notes = gains_from_poses([replace(one, vel=np.zeros_like(one.vel)) for one in still], CRAZYFLIE_2_0)
+    assert notes == []
+    assert 0.0 < fit.k_p.low <= 8.0 <= fit.k_p.high < 16.0
+    assert 0.0 < fit.k_d.low <= 4.0 <= fit.k_d.high < 8.0
+
+
+def test_a_note_names_the_gain_that_may_be_zero() -> None:
+    made = replace(SETTLES, start=0.1, noise=3e-3, loop=AltitudeLoop(8.0, 4.0))
+    fit, (note,) = gains_from_poses([record_of(replace(made, name=name)) for name in "ab"], CRAZYFLIE_2_0)
+    assert not fit.holds
+    assert note.startswith("the model file has no gains: K_p of a loop with no lag may be 0: 19.4 [0, ")
+    assert note.endswith("]: record the topics command and reference")
 
 
 def test_an_integral_of_the_controller_leaves_intervals_that_hold_its_gains() -> None:

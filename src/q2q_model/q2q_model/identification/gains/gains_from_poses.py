@@ -1,12 +1,13 @@
 """Gains of the altitude loop where no commands were recorded, and whether poses show them.
 
 Any motion is fitted best by some loop. One that does not damp fits noise and gusts, and one of vehicles that
-stay at their references fits anything. Gains are known if the loop explains what vehicles deviate from their
-references, sum dev^2, up to a tenth, and K_d is above 0; else their intervals are all that was searched.
+stay at their references fits anything. Gains are known if a loop explains the deviation of vehicles from
+their references, sum dev^2 up to a tenth, in the rows where its response is above what it leaves
+(trajectory_gains), and K_p and K_d are above 0; else their intervals are all that was searched.
 
 Nor is it known whether thrust lags, and whether the controller integrates: intervals hold those of the fits
-without lag and with the most that it may be, without and with an integral. An offset is fitted if it is
-significantly better.
+without lag and with the most that it may be, without and with an integral: one that flew is seldom
+significant. An offset is fitted if it is significantly better; an integral than which it is, is left out.
 """
 
 from collections.abc import Sequence
@@ -14,6 +15,7 @@ from collections.abc import Sequence
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.gains.trajectory_gains import (
+    ABOVE,
     HIGH,
     INTEGRAL,
     OFFSET,
@@ -29,19 +31,22 @@ EXPLAINED = 0.9
 simulated flights with gusts, noise, downwash, integrals and lag, intervals above it hold the flown gains."""
 DELAY = 0.02
 """Most that motion capture, radio and sampling delay a command in addition to the thrust lag [s]."""
+SHOWN = {"k_p": "K_p", "k_d": "K_d"}
+"""Gains that must be above 0, and what notes call them."""
+REMEDY = "record the topics command and reference"
 
 
 def gains_from_poses(records: Sequence[AltitudeRecord], vehicle: Vehicle) -> tuple[GainFit, list[str]]:
     """Return the loop that predicts altitudes best, with intervals of its gains, and notes."""
     found, options = _best(records)
-    most_lag, fits = vehicle.thrust_lag + DELAY, [found]
-    if _shows_loop(found):
+    fits, unshown = [found], _unshown(found)
+    if not unshown:
+        most_lag = vehicle.thrust_lag + DELAY
         fits.append(gains_from_trajectories(records, options, most_lag))
-    shown = all(_shows_loop(one) for one in fits)
-    if shown:
         integral = [gains_from_trajectories(records, (INTEGRAL,), lag) for lag in (0.0, most_lag)]
-        fits += [one for one in integral if one.explained >= EXPLAINED]
-    k_p, k_d = (_joined(name, fits) if shown else _unknown(name, found) for name in ("k_p", "k_d"))
+        fits += [one for one in integral if not (options and is_better(found, one))]
+        unshown = next(filter(None, map(_unshown, fits)), "")
+    k_p, k_d = (_unknown(name, found) if unshown else _joined(name, fits) for name in ("k_p", "k_d"))
     fit = GainFit(
         loop=found.loop,
         k_p=k_p,
@@ -51,7 +56,7 @@ def gains_from_poses(records: Sequence[AltitudeRecord], vehicle: Vehicle) -> tup
         rms=found.rms,
         from_commands=False,
     )
-    return fit, [] if fit.holds else [_unshown_note(found)]
+    return fit, [f"the model file has no gains: {unshown}: {REMEDY}"] if unshown else []
 
 
 def _best(records: Sequence[AltitudeRecord]) -> tuple[TrajectoryGains, tuple[str, ...]]:
@@ -60,9 +65,25 @@ def _best(records: Sequence[AltitudeRecord]) -> tuple[TrajectoryGains, tuple[str
     return (shifted, (OFFSET,)) if is_better(shifted, found) else (found, ())
 
 
-def _shows_loop(found: TrajectoryGains) -> bool:
-    """Return whether vehicles move as the loop does alone, and it damps."""
-    return found.explained >= EXPLAINED and dict(found.intervals)["k_d"].is_positive
+def _unshown(found: TrajectoryGains) -> str:
+    """Return why vehicles do not show the gains of a loop; empty if they do."""
+    lag = f"a thrust lag of {found.loop.lag:.2g} s" if found.loop.lag > 0.0 else "no lag"
+    loop = f"a loop with {lag}" + (" and an integral" if found.loop.k_i > 0.0 else "")
+    settles = f"{loop} that settles from an initial error or with an offset"
+    if found.explained == 0.0:
+        return (
+            f"{settles} moves vehicles nowhere {ABOVE:g} times as far from their references as the "
+            f"{1e3 * found.rms:.2g} mm that it leaves unexplained"
+        )
+    if found.explained < EXPLAINED:
+        return (
+            f"{settles} explains {found.explained:.1%} of the deviation of vehicles from their references, "
+            f"in mean square where it moves them; {EXPLAINED:.0%} is the least"
+        )
+    for name, one in found.intervals:
+        if name in SHOWN and not one.is_positive:
+            return f"{SHOWN[name]} of {loop} may be 0: {one.value:.3g} [{one.low:.3g}, {one.high:.3g}]"
+    return ""
 
 
 def _joined(name: str, fits: Sequence[TrajectoryGains]) -> Interval:
@@ -73,11 +94,3 @@ def _joined(name: str, fits: Sequence[TrajectoryGains]) -> Interval:
 
 def _unknown(name: str, found: TrajectoryGains) -> Interval:
     return Interval(dict(found.intervals)[name].value, 0.0, HIGH[name])
-
-
-def _unshown_note(found: TrajectoryGains) -> str:
-    return (
-        "the model file has no gains: a loop that settles on its reference after an initial error or with an "
-        f"offset explains {max(found.explained, 0.0):.0%} of what vehicles deviate from theirs, and shows "
-        f"its gains from {EXPLAINED:.0%} on, with damping above 0: record the topics command and reference"
-    )

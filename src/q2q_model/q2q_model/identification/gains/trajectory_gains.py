@@ -20,6 +20,9 @@ the response to the initial error, so it may be proportional to the sensitivity 
 therefore at least as wide as r of twice its root mean square s could move the estimate in each stretch,
 
     half width >= 2 s sqrt(sum over stretches of (sum over t of |J (J' J)^-1|)^2)
+
+Hovering dilutes s, and the share of the deviation that the loop explains. So s is at least that of the rows
+whose |zhat - z_ref| is above 5 times the residual of all rows, and the share is that of these rows.
 """
 
 from collections.abc import Sequence
@@ -40,7 +43,7 @@ from q2q_model.identification.intervals import (
     half_widths,
     least_squares_rows,
 )
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 TOLERANCE = 1e-8
@@ -56,6 +59,8 @@ SIGNIFICANCE = 0.01
 """Largest probability of chance at which an F test keeps extra terms [-]."""
 SIGMAS = 2.0
 """Bound of a residual over its root mean square [-]: 95 % of a normal."""
+ABOVE = 5.0
+"""Response of a loop over the root mean square residual above which a row shows it [-]: noise never is."""
 OFFSET, INTEGRAL = "offset", "k_i"
 """Options of an offset for each vehicle of each flight, and of an integral."""
 
@@ -77,7 +82,8 @@ class TrajectoryGains:
     terms: int = 2
     """Number of fitted parameters, offsets included."""
     explained: float = float("nan")
-    """Share of the mean square deviation from the references that the loop explains [-]."""
+    """Share of the mean square deviation from the references that the loop explains [-], in the rows that
+    show it; 0 if none does."""
 
 
 def gains_from_trajectories(
@@ -99,7 +105,7 @@ def gains_from_trajectories(
         return [_fitted(record, loop, shifted=OFFSET in options) for record in records]
 
     found = least_squares(
-        lambda x: np.concatenate([residual.T.ravel() for residual, _ in fitted(x)]),
+        lambda x: _flat([residual for residual, _ in fitted(x)]),
         start,
         bounds=bounds,
         x_scale=np.maximum(np.abs(start), 0.05),
@@ -111,7 +117,9 @@ def gains_from_trajectories(
         for one in residual.T
     ]
     rows = least_squares_rows(found.jac, found.fun, cluster_rows(stretches, BLOCK))
-    wide = np.maximum(half_widths(rows), _widest(found.jac, found.fun, stretches))
+    showing = _showing(records, residuals)
+    rms = max(_rms(residuals), _rms([found.fun[showing]]) if showing.any() else 0.0)
+    wide = np.maximum(half_widths(rows), _widest(found.jac, rms, stretches))
     spread = around(found.x, wide, (np.minimum(bounds[0], 0.0), bounds[1]))
     rho = _correlation(residuals)
     each = np.concatenate(offsets)
@@ -122,7 +130,7 @@ def gains_from_trajectories(
         rms=_rms(residuals),
         rows=found.fun.size * (1.0 - rho) / (1.0 + rho),
         terms=len(names) + (each.size if OFFSET in options else 0),
-        explained=_explained(records, residuals),
+        explained=_explained(records, residuals, showing),
     )
 
 
@@ -180,20 +188,30 @@ def _solved(record: AltitudeRecord, gains: Array) -> Array:
     return np.asarray(record.pos[..., 2] - solved.y[:n].T)
 
 
-def _widest(jacobian: Array, residual: Array, stretches: Sequence[Stretch]) -> Array:
+def _widest(jacobian: Array, rms: float, stretches: Sequence[Stretch]) -> Array:
     """Return how far a bounded residual could move each parameter, (p,); infinite without information."""
     scale = np.linalg.norm(jacobian, axis=0)
     if not (scale > 0.0).all():
         return np.full(scale.size, np.inf)
     moves = np.abs(np.linalg.pinv(jacobian / scale)) / scale[:, None]  # (p, rows)
     begins = np.cumsum([0, *(one.t.size for one in stretches[:-1])])
-    apart = np.linalg.norm(np.add.reduceat(moves, begins, axis=1), axis=1)
-    return np.asarray(SIGMAS * _rms([residual]) * apart)
+    return np.asarray(SIGMAS * rms * np.linalg.norm(np.add.reduceat(moves, begins, axis=1), axis=1))
 
 
-def _explained(records: Sequence[AltitudeRecord], residuals: Sequence[Array]) -> float:
-    flown = _rms([record.deviation for record in records])
-    return 1.0 - (_rms(residuals) / flown) ** 2 if flown > 0.0 else 0.0
+def _showing(records: Sequence[AltitudeRecord], residuals: Sequence[Array]) -> Mask:
+    """Return which rows the loop's own response is above the residuals in, (rows,)."""
+    responses = _flat([record.deviation - one for record, one in zip(records, residuals, strict=True)])
+    return np.asarray(np.abs(responses) > ABOVE * _rms(residuals))
+
+
+def _explained(records: Sequence[AltitudeRecord], residuals: Sequence[Array], showing: Mask) -> float:
+    flown = _flat([record.deviation for record in records])[showing]
+    return 1.0 - (_rms([_flat(residuals)[showing]]) / _rms([flown])) ** 2 if showing.any() else 0.0
+
+
+def _flat(each: Sequence[Array]) -> Array:
+    """Return values of all records, vehicle after vehicle, (rows,)."""
+    return np.concatenate([one.T.ravel() for one in each])
 
 
 def _loop(names: Sequence[str], x: Array, lag: float = 0.0) -> AltitudeLoop:
