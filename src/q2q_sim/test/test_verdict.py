@@ -7,18 +7,18 @@ import pytest
 
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.flight_verdict import MOST_TOLD, Finding, FlightVerdict, verdict_line
+from q2q_sim.monitors.flight_verdict import MOST_SHOWN, Finding, FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics
 from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import FlightRequest, FlightRun
 
 MET = tuple(Finding(0.1 * each, f"cf{each} and cf{each + 1} collided") for each in range(190))
-FIRST = "; ".join(one.words for one in MET[:MOST_TOLD])
+FIRST = "; ".join(one.words for one in MET[:MOST_SHOWN])
 
 
 @pytest.mark.parametrize(
     ("findings", "words"),
-    [(MET[:MOST_TOLD], FIRST), (MET, f"{FIRST}; and {190 - MOST_TOLD} more")],
+    [(MET[:MOST_SHOWN], FIRST), (MET, f"{FIRST}; and {190 - MOST_SHOWN} more")],
 )
 def test_a_line_tells_the_first_failures_and_how_many_more_there_are(
     findings: tuple[Finding, ...], words: str
@@ -29,9 +29,9 @@ def test_a_line_tells_the_first_failures_and_how_many_more_there_are(
 def test_a_line_tells_the_first_of_what_was_not_judged_and_how_many_more_there_are() -> None:
     verdict = FlightVerdict(10.0, unjudged=tuple(f"cf{each}" for each in range(100)))
     assert str(verdict).startswith("ok: 10.0 s flown to the end; not judged: cf0; ")
-    assert str(verdict).endswith(f"; not judged: cf{MOST_TOLD - 1}; and {100 - MOST_TOLD} more")
-    all_judged = replace(verdict, unjudged=verdict.unjudged[:MOST_TOLD])
-    assert str(all_judged).endswith(f"; not judged: cf{MOST_TOLD - 1}")
+    assert str(verdict).endswith(f"; not judged: cf{MOST_SHOWN - 1}; and {100 - MOST_SHOWN} more")
+    all_judged = replace(verdict, unjudged=verdict.unjudged[:MOST_SHOWN])
+    assert str(all_judged).endswith(f"; not judged: cf{MOST_SHOWN - 1}")
 
 
 def test_the_json_of_a_flight_has_every_failure() -> None:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-MOST_TOLD = 6
-"""Failures, or quantities that were not judged, that a line tells."""
+MOST_SHOWN = 6
+"""Failures, or quantities that were not judged, that a line shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class FlightVerdict:
     def __str__(self) -> str:
         """Return what was found first, and how much more there is, in one line."""
         parts = self._parts()
-        kept = MOST_TOLD + self.ok  # "ok" comes before what was not judged
+        kept = MOST_SHOWN + self.ok  # "ok" comes before what was not judged
         rest = [f"and {len(parts) - kept} more"] if len(parts) > kept else []
         return "; ".join([*parts[:kept], *rest])
 

@@ -16,7 +16,7 @@
 | cut, and not locked | the cut is sent again, for 2 s of connection, also after the link was lost |
 | no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
 | none for silent_land_s | the vehicle lands by itself |
-| the same, with RPYT and no fresh state | it descends level, at the ladder's land_share of hover |
+| the same, with RPYT and no fresh state | it descends level, at the failsafe's land_share of hover |
 | the same for silent_stop_s | its motors are cut and locked |
 
 The last four rows keep the firmware's watchdog fed while the radio works and the controller does not; they
