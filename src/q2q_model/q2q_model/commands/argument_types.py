@@ -28,10 +28,7 @@ def whole_number(low: int, high: int = LARGEST_INTEGER) -> Callable[[str], int]:
 
 def finite_number(given: str) -> float:
     """Return a finite number: a type of arguments."""
-    try:
-        number = float(given)
-    except ValueError:
-        number = math.nan
+    number = _number(given)
     if not math.isfinite(number):
         raise argparse.ArgumentTypeError(f"{given}: any finite number is allowed")
     return number
@@ -39,13 +36,18 @@ def finite_number(given: str) -> float:
 
 def positive_number(given: str) -> float:
     """Return a number above zero: a type of arguments, refused if it is not finite."""
-    try:
-        number = float(given)
-    except ValueError:
-        number = math.nan
+    number = _number(given)
     if not 0.0 < number < math.inf:
         raise argparse.ArgumentTypeError(f"{given} is no number above 0")
     return number
+
+
+def _number(given: str) -> float:
+    """Return what a text says; NaN if it is no number."""
+    try:
+        return float(given)
+    except ValueError:
+        return math.nan
 
 
 def output_file(given: str) -> Path:

@@ -23,6 +23,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import CommandStatus, Mask
+from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.monitors.flight_verdict import Finding, FlightVerdict
 from q2q_sim.monitors.policies import Circumstances, Violation, judge
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
@@ -34,8 +35,6 @@ from q2q_sim.monitors.recording_end import recorded_duration
 
 MISSED_SHARE = 0.01
 """Largest fraction of ticks without a command in time [-]."""
-COMMANDS_END_S = 0.5
-"""Time without commands after which the Crazyflie firmware levels out [s] (q2q_sim.link.radio)."""
 UNSEEN_S = 0.5
 """Time without a position of a vehicle from which it is reported [s]: longer than the dropouts of a room."""
 IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
@@ -113,7 +112,7 @@ def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:
     t = trace.t
     last = {name: float(t[given][-1]) for name, given in _commanded(trace).items()}
     for name, at in _once_if_of_all(last).items():
-        if t[-1] - at > COMMANDS_END_S:
+        if t[-1] - at > LEVEL_AFTER_S:
             whose = f"{name}'s commands" if name else "commands"
             yield Finding(at, f"{whose} ended at {at - begin:.1f} s of {t[-1] - begin:.1f} s")
 

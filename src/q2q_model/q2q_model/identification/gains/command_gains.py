@@ -33,6 +33,7 @@ from q2q_model.counted import counted
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.huber_regression import (
     RESOLUTION,
+    SIGNIFICANCE,
     huber_fit,
     robust_deviation,
     significance,
@@ -44,8 +45,6 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FEWEST = 200
 """Fewest rows: 2 s at 100 Hz."""
-NEEDED = 0.01
-"""Significance level of the F test [-]."""
 BLOCK = 1.0
 """Minimum length of a cluster of residuals [s]."""
 K_P, K_D, INTEGRAL, FEED_FORWARD, REF_VEL, REF_ACC, OFFSET = range(7)
@@ -207,4 +206,4 @@ def _is_needed(system: _Equation, terms: list[int], term: int) -> bool:
     if term != OFFSET and np.ptp(system.columns[:, term]) == 0.0:
         return False
     whole, less = _design(system, terms), _design(system, [other for other in terms if other != term])
-    return significance(whole, less, system.target) < NEEDED
+    return significance(whole, less, system.target) < SIGNIFICANCE

@@ -11,6 +11,8 @@ RESOLUTION = 1e-6
 """Minimum standard deviation of the residual [m/s^2]: 1e-7 g."""
 ROUNDS, SETTLED = 10, 1e-4
 """Most iterations of reweighting, and the change of weights that ends them [-]."""
+SIGNIFICANCE = 0.01
+"""Level of the F tests of gains: the largest probability of chance that keeps extra terms [-]."""
 
 
 def huber_fit(design: Array, target: Array) -> tuple[Array, Array]:

@@ -34,6 +34,7 @@ from scipy.optimize import least_squares, minimize
 from scipy.special import fdtrc
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
+from q2q_model.identification.gains.huber_regression import SIGNIFICANCE
 from q2q_model.identification.gains.impulse_response import free_response, offset_response
 from q2q_model.identification.intervals import (
     Interval,
@@ -55,8 +56,6 @@ FORBIDDEN = 1e12
 LOW = {"k_p": 1e-3, "k_d": 0.0, "k_i": 0.0, "lag": 1e-3}
 HIGH = {"k_p": 200.0, "k_d": 50.0, "k_i": 100.0, "lag": 0.5}
 START = {"k_p": 1.0, "k_d": 0.5, "k_i": 0.01, "lag": 0.05}
-SIGNIFICANCE = 0.01
-"""Largest probability of chance at which an F test keeps extra terms [-]."""
 SIGMAS = 2.0
 """Bound of a residual over its root mean square [-]: 95 % of a normal."""
 ABOVE = 5.0
