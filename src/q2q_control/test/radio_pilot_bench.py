@@ -83,11 +83,11 @@ class Bench:
     links: dict[str, FakeLink] = field(default_factory=lambda: {name: FakeLink() for name in NAMES})
     t: float = 100.0
     hover: RpytSetpoint | None = HOVER
-    ground: float = 0.0
+    ground_height: float = 0.0
 
     def __post_init__(self) -> None:
         """Start the pilot and let it watch once."""
-        self.pilot = RadioPilot(self.links, PARAMS, self.hover, ground=self.ground)
+        self.pilot = RadioPilot(self.links, PARAMS, self.hover, ground_height=self.ground_height)
         self.pilot.watch(self.t)
 
     def see(self, status: TrackStatus = TrackStatus.TRACKED) -> None:

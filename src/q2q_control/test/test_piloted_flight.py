@@ -62,7 +62,7 @@ def flight(params: FlightProcedureParams | None = None) -> tuple[PilotedFlight, 
 def in_hover() -> tuple[PilotedFlight, Vehicles, Plan]:
     """Return a flight whose vehicle hovers at 0.5 m over its plan's first point, at t = 1 s."""
     vehicles, plan = Vehicles(), Plan()
-    params = FlightProcedureParams(volt_start=0.0, settle_s=0.0), LandingParams()
+    params = FlightProcedureParams(voltage_start=0.0, settle_s=0.0), LandingParams()
     piloted = PilotedFlight(("cf1",), vehicles, plan, params)
     first = np.array([[0.0, 0.0, 1.0]])
     piloted.store_plan(PlanOutline(("cf1",), first, first, first, duration=4.0))
@@ -181,7 +181,7 @@ def test_a_status_is_new_once_per_change() -> None:
 
 
 def test_a_take_off_is_refused_until_the_controller_is_no_longer_cut() -> None:
-    piloted, _ = flight(FlightProcedureParams(volt_start=0.0))
+    piloted, _ = flight(FlightProcedureParams(voltage_start=0.0))
     cut, sound = (
         SwarmCommand(0.0, ("cf1",), *np.zeros((4, 1)), np.array([status], np.uint8))
         for status in (CommandStatus.CUT, CommandStatus.OK)

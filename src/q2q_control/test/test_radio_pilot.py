@@ -107,17 +107,17 @@ def test_a_landing_takes_as_long_as_the_height_asks_for_and_no_less_than_land_s(
     assert bench.pilot.landing_left(bench.t) == 2.0 / 0.4
 
 
-@pytest.mark.parametrize("ground", [0.8, -0.8])
-def test_vehicles_land_to_the_ground_in_a_duration_by_the_height_above_it(ground: float) -> None:
-    bench = Bench(ground=ground)
+@pytest.mark.parametrize("ground_height", [0.8, -0.8])
+def test_vehicles_land_to_the_ground_in_a_duration_by_the_height_above_it(ground_height: float) -> None:
+    bench = Bench(ground_height=ground_height)
     bench.fly()
     bench.links["cf1"].now = replace(WELL, volt=3.1)
-    for later in (0.0, PARAMS.volt_land_s):
+    for later in (0.0, PARAMS.voltage_land_s):
         bench.look(later)  # cf1 lands by itself
     assert bench.pilot.phases == {"cf1": Phase.LANDING, "cf2": Phase.FLYING}
     bench.done(Act.LAND)
-    assert bench.links["cf1"].sent[-1] == ("land", ground, pytest.approx((3.0 - ground) / 0.4))
-    assert bench.links["cf2"].sent[-1] == ("land", ground, pytest.approx((6.0 - ground) / 0.4))
+    assert bench.links["cf1"].sent[-1] == ("land", ground_height, pytest.approx((3.0 - ground_height) / 0.4))
+    assert bench.links["cf2"].sent[-1] == ("land", ground_height, pytest.approx((6.0 - ground_height) / 0.4))
 
 
 def test_a_landing_over_cflib_stops_setpoints_then_aims_at_its_height() -> None:

@@ -16,13 +16,13 @@ from q2q_model.diagnostics.health import Health
 
 def in_flight(
     monkeypatch: pytest.MonkeyPatch,
-    ground: float = 0.0,
+    ground_height: float = 0.0,
     open_one: Callable[..., FakeLink] = lambda *_: FakeLink(),
 ) -> RadioVehicles:
     """Return vehicles that fly at z = 3 m and 6 m at t = 0 s."""
     monkeypatch.setattr(radio_vehicles, "CflibLink", open_one)
     params = RadioNodeParams(vehicles=NAMES, uris=("udp://127.0.0.1:1", "udp://127.0.0.1:2"))
-    procedure = FlightProcedureParams(ground=ground), LandingParams()
+    procedure = FlightProcedureParams(ground_height=ground_height), LandingParams()
     vehicles = RadioVehicles(params, PARAMS, procedure, Health())
     pilot = vehicles.pilot
     pilot.watch(0.0)
@@ -55,7 +55,7 @@ def test_an_end_in_flight_waits_for_the_longest_landing(monkeypatch: pytest.Monk
 
 
 def test_an_end_in_flight_lands_to_the_ground_of_the_procedure(monkeypatch: pytest.MonkeyPatch) -> None:
-    vehicles = in_flight(monkeypatch, ground=2.0)
+    vehicles = in_flight(monkeypatch, ground_height=2.0)
     assert vehicles.land(0.0) == (6.0 - 2.0) / 0.4 + SETTLE_S
     for link, height in zip(vehicles.links.values(), (3.0, 6.0), strict=True):
         assert isinstance(link, FakeLink)

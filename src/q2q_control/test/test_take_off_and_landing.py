@@ -175,15 +175,20 @@ def test_a_room_without_an_inside_is_refused() -> None:
 
 def test_a_take_off_through_the_ceiling_is_refused() -> None:
     low = (-3.0, -3.0, 0.0, 3.0, 3.0, 1.5)
-    FlightProcedureParams(room=low, take_off_height=1.2, ground=0.3)
+    FlightProcedureParams(room=low, take_off_height=1.2, ground_height=0.3)
     with pytest.raises(ValueError, match=r"take_off_height = 1\.25: up to 1\.2 m is allowed"):
-        FlightProcedureParams(room=low, take_off_height=1.25, ground=0.3)
+        FlightProcedureParams(room=low, take_off_height=1.25, ground_height=0.3)
 
 
-@pytest.mark.parametrize(("ceiling", "ground"), [(0.6, -0.3), (0.7, 0.2), (1.2, 0.1)])
-def test_a_take_off_up_to_the_ceiling_is_allowed_whatever_the_rounding(ceiling: float, ground: float) -> None:
-    room, height = (-3.0, -3.0, -2.0, 3.0, 3.0, ceiling), round(ceiling - ground, 1)
-    assert FlightProcedureParams(room=room, take_off_height=height, ground=ground).take_off_height == height
+@pytest.mark.parametrize(("ceiling", "ground_height"), [(0.6, -0.3), (0.7, 0.2), (1.2, 0.1)])
+def test_a_take_off_up_to_the_ceiling_is_allowed_whatever_the_rounding(
+    ceiling: float, ground_height: float
+) -> None:
+    room, height = (-3.0, -3.0, -2.0, 3.0, 3.0, ceiling), round(ceiling - ground_height, 1)
+    assert (
+        FlightProcedureParams(room=room, take_off_height=height, ground_height=ground_height).take_off_height
+        == height
+    )
 
 
 def test_a_vehicle_measured_just_below_the_floor_is_at_0_m() -> None:

@@ -39,28 +39,30 @@ class FlightProcedureParams:
     land_home: bool = tunable(
         default=True, description="from a hold, glide to the plan's first points before landing"
     )
-    start_near: float = tunable(
+    start_tolerance: float = tunable(
         0.3, "largest distance of a vehicle from its start", unit="m", low=0.01, high=5.0
     )
-    apart: float = tunable(0.3, "minimum horizontal distance of two vehicles", unit="m", low=0.0, high=5.0)
+    horizontal_separation_min: float = tunable(
+        0.3, "minimum horizontal distance of two vehicles", unit="m", low=0.0, high=5.0
+    )
     room: tuple[float, ...] = tunable(
         (-3.0, -3.0, 0.0, 3.0, 3.0, 3.0), "lowest x, y, z, then highest x, y, z of the room", unit="m"
     )
-    ground: float = tunable(0.0, "height of a vehicle on the ground", unit="m", low=-5.0, high=5.0)
+    ground_height: float = tunable(0.0, "height of a vehicle on the ground", unit="m", low=-5.0, high=5.0)
     near_ground: float = tunable(
         0.1, "height below which a vehicle at rest is on the ground", unit="m", low=0.01, high=0.5
     )
     still_speed: float = tunable(
         0.1, "speed below which a vehicle is at rest", unit="m/s", low=0.005, high=1.0
     )
-    reached: float = tunable(
+    goal_tolerance: float = tunable(
         0.15, "distance at which a vehicle has reached its setpoint", unit="m", low=0.01, high=1.0
     )
     settle_s: float = tunable(0.5, "time at rest until a step is done", unit="s", low=0.0, high=10.0)
     patience_s: float = tunable(
         5.0, "time beyond its duration after which a step has failed", unit="s", low=0.1, high=60.0
     )
-    volt_start: float = tunable(
+    voltage_start: float = tunable(
         3.6, "minimum battery voltage at the start; 0 disables the check", unit="V", low=0.0, high=20.0
     )
     estimator_error: float = tunable(
@@ -69,7 +71,9 @@ class FlightProcedureParams:
     hover_mismatch: float = tunable(
         0.15, "largest mismatch of the thrust sent at hover and the vehicle's own", low=0.01, high=1.0
     )
-    jump: float = tunable(0.3, "largest move of a setpoint in one tick", unit="m", low=0.01, high=5.0)
+    setpoint_step_max: float = tunable(
+        0.3, "largest move of a setpoint in one tick", unit="m", low=0.01, high=5.0
+    )
     # the firmware levels after 0.5 s and cuts after 2 s (COMMANDER_WDT_TIMEOUT_STABILIZE, _SHUTDOWN): half is
     # left for the services that stop the stream and land
     lost_s: float = tunable(
@@ -89,7 +93,7 @@ class FlightProcedureParams:
         check_bounds(self)
         if len(self.room) != 6 or any(self.room[k] >= self.room[k + 3] for k in range(3)):
             raise ValueError(f"room = {self.room}: lowest x, y, z and highest x, y, z [m] are expected")
-        ceiling = self.room[5] - self.ground
+        ceiling = self.room[5] - self.ground_height
         if self.take_off_height > ceiling + ROUNDING:
             allowed = f"up to {ceiling:g} m is allowed, where room ends"
             raise ValueError(f"take_off_height = {self.take_off_height:g}: {allowed}")

@@ -63,8 +63,8 @@ def order_of(
 ) -> Order:
     """Return the order of an act, with height and duration of a take-off or landing."""
     if act is Act.TAKE_OFF:
-        return Order(act, params.ground + params.take_off_height, params.take_off_s)
+        return Order(act, params.ground_height + params.take_off_height, params.take_off_s)
     if act is Act.LAND:
-        height = float(np.nan_to_num(observation.pos[:, 2] - params.ground).max(initial=0.0))
-        return Order(act, params.ground, landing.duration(height))
+        height = float(np.nan_to_num(observation.pos[:, 2] - params.ground_height).max(initial=0.0))
+        return Order(act, params.ground_height, landing.duration(height))
     return Order(act)

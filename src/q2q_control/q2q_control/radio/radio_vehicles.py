@@ -46,7 +46,7 @@ class RadioVehicles:
         self.links = _open_links(params)
         hover = level_rpyt(vehicle.hover_thrust, self._scale) if params.mode == "command" else None
         flight, landing = procedure
-        self.pilot = RadioPilot(self.links, limits, hover, landing, flight.ground)
+        self.pilot = RadioPilot(self.links, limits, hover, landing, flight.ground_height)
         self.executor = RadioExecutor(self.pilot, self.links, vehicle)
         self.ticks = FlownTicks(params.mode, health, aware=params.aware)
 

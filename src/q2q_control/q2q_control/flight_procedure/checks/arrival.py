@@ -27,11 +27,11 @@ def at_points(
     landing: LandingParams,
     near: float | None = None,
 ) -> str:
-    """Return which vehicle is not at rest within `near` (params.reached) of its point (n, 3) [m]."""
+    """Return which vehicle is not at rest within `near` (params.goal_tolerance) of its point (n, 3) [m]."""
     stale = state_refusal(observation, landing)
     if stale:
         return stale
-    bound = params.reached if near is None else near
+    bound = params.goal_tolerance if near is None else near
     far = np.linalg.norm(observation.pos - points, axis=1).tolist()
     speed = np.linalg.norm(observation.vel, axis=1).tolist()
     for name, height, off, fast in zip(
@@ -51,7 +51,7 @@ def setpoints_rest(
     still = np.linalg.norm(observation.setpoint_vel, axis=1) < 0.01 * params.still_speed
     if points is None:
         return bool(still.all())
-    near = np.linalg.norm(observation.setpoint_pos - points, axis=1) < 0.1 * params.reached
+    near = np.linalg.norm(observation.setpoint_pos - points, axis=1) < 0.1 * params.goal_tolerance
     return bool(near.all() and still.all())
 
 

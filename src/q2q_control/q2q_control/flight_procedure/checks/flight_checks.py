@@ -43,7 +43,7 @@ def take_off_refusal(observation: Observation, params: FlightProcedureParams, la
         lambda: _first(_estimates(observation, params)),
         lambda: _first(_thrust(one, params) for one in observation.vehicles),
         lambda: _first(_standing(observation, params)),
-        lambda: apart_refusal(observation.names, observation.pos, params.apart),
+        lambda: apart_refusal(observation.names, observation.pos, params.horizontal_separation_min),
         lambda: _first(_places(observation, params)),
         lambda: room_refusal(observation, params),
     )
@@ -67,7 +67,7 @@ def join_refusal(observation: Observation, params: FlightProcedureParams, landin
         or _first(_vehicle_refusal(one, params) for one in observation.vehicles)
         or cut_refusal(observation)
         or state_refusal(observation, landing)
-        or setpoint_refusal(observation, params.start_near, landing)
+        or setpoint_refusal(observation, params.start_tolerance, landing)
     )
 
 
@@ -130,10 +130,10 @@ def _lock_refusal(one: VehicleReport) -> str:
 def _vehicle_refusal(one: VehicleReport, params: FlightProcedureParams) -> str:
     if one.locked:
         return _lock_refusal(one)
-    if np.isnan(one.volt) and params.volt_start > 0.0:
-        return f"{one.name} does not report its battery: log it, or set volt_start to 0"
-    if one.volt < params.volt_start:
-        return f"{one.name} has {one.volt:.2f} V: {params.volt_start:.2f} V is the minimum to start with"
+    if np.isnan(one.volt) and params.voltage_start > 0.0:
+        return f"{one.name} does not report its battery: log it, or set voltage_start to 0"
+    if one.volt < params.voltage_start:
+        return f"{one.name} has {one.volt:.2f} V: {params.voltage_start:.2f} V is the minimum to start with"
     return f"{one.name}: {one.wrong}" if one.wrong else ""
 
 
@@ -158,10 +158,10 @@ def _thrust(one: VehicleReport, params: FlightProcedureParams) -> str:
 
 
 def _standing(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:
-    heights, speeds = observation.pos[:, 2] - params.ground, _norm(observation.vel)
+    heights, speeds = observation.pos[:, 2] - params.ground_height, _norm(observation.vel)
     for name, height, speed in zip(observation.names, heights.tolist(), speeds.tolist(), strict=True):
         if not abs(height) <= params.near_ground:
-            yield f"{name} is {height:.2f} m above the ground: it must stand on it; set `ground`"
+            yield f"{name} is {height:.2f} m above the ground: it must stand on it; set `ground_height`"
         if not speed <= params.still_speed:
             yield f"{name} moves at {speed:.2f} m/s: it must stand still"
 
@@ -176,8 +176,8 @@ def _places(observation: Observation, params: FlightProcedureParams) -> Iterator
         return
     off = observation.pos[:, :2] - observation.first_points()[:, :2]
     for name, far in zip(observation.names, _norm(off).tolist(), strict=True):
-        if not far <= params.start_near:
-            yield f"{name} is {far:.2f} m from its first point: {params.start_near:.2f} m is the maximum"
+        if not far <= params.start_tolerance:
+            yield f"{name} is {far:.2f} m from its first point: {params.start_tolerance:.2f} m is the maximum"
 
 
 def _extent(observation: Observation, params: FlightProcedureParams) -> Iterator[str]:

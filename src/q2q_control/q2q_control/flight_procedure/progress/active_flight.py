@@ -16,7 +16,7 @@ class ActiveFlight:
     def __init__(self, params: FlightProcedureParams, landing: LandingParams) -> None:
         self.params, self.landing = params, landing
         self.state = ProcedureState(params.settle_s, params.patience_s)
-        self.stream = SetpointStream(params.jump, params.lost_s)
+        self.stream = SetpointStream(params.setpoint_step_max, params.lost_s)
         self.ground = GroundCheck(params, landing)
         self.lands_after_glide = False
         """The glide leads to a landing, not to the plan."""
@@ -41,4 +41,4 @@ class ActiveFlight:
 
     def overlap(self, observation: Observation) -> str:
         """Return which vehicles are too close horizontally to land; empty if none are."""
-        return apart_refusal(observation.names, observation.pos, self.params.apart)
+        return apart_refusal(observation.names, observation.pos, self.params.horizontal_separation_min)

@@ -10,9 +10,9 @@ from q2q_model.signals.values import Array
 class SetpointStream:
     """Whether setpoints are streamed, and the first fault since the stream was checked."""
 
-    def __init__(self, jump: float, lost_s: float) -> None:
-        """Allow moves up to `jump` [m] a tick and gaps up to `lost_s` [s]."""
-        self._jump, self._lost_s = jump, lost_s
+    def __init__(self, step_max: float, lost_s: float) -> None:
+        """Allow moves up to `step_max` [m] a tick and gaps up to `lost_s` [s]."""
+        self._step_max, self._lost_s = step_max, lost_s
         self.on = False
         """Setpoints are streamed."""
         self.before = False
@@ -33,8 +33,8 @@ class SetpointStream:
         if not self.flies:
             return
         moved = float(np.nan_to_num(np.linalg.norm(setpoint_pos - last, axis=-1)).max(initial=0.0))
-        if moved > self._jump:
-            self._fault = f"a setpoint jumped by {moved:.2f} m: {self._jump:.2f} m is the maximum"
+        if moved > self._step_max:
+            self._fault = f"a setpoint jumped by {moved:.2f} m: {self._step_max:.2f} m is the maximum"
 
     def start(self, t: float) -> None:
         """Start the stream at time t [s]; a fault of the last one counts no more."""

@@ -19,7 +19,7 @@ def end_step(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _climb(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    off = at_height(observation, params.ground + params.take_off_height, params, flight.landing)
+    off = at_height(observation, params.ground_height + params.take_off_height, params, flight.landing)
     if state.settled.update(not off, t):
         state.enter(Step.HOVER, t)
         state.answer(granted=True, reason=f"hovering: {heights_text(observation)}")
@@ -48,7 +48,7 @@ def _glide(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _hand_over(flight: ActiveFlight, observation: Observation, t: float) -> None:
     """Stream setpoints once those of the glide are at the vehicles."""
-    refusal = setpoint_refusal(observation, flight.params.reached, flight.landing)
+    refusal = setpoint_refusal(observation, flight.params.goal_tolerance, flight.landing)
     if not refusal:
         flight.joins = False
         flight.give(Act.STREAM, observation, t)
@@ -84,7 +84,7 @@ def _hold(flight: ActiveFlight, observation: Observation, t: float) -> None:
 
 def _descend(flight: ActiveFlight, observation: Observation, t: float) -> None:
     params, state = flight.params, flight.state
-    off = at_height(observation, params.ground, params, flight.landing, params.near_ground)
+    off = at_height(observation, params.ground_height, params, flight.landing, params.near_ground)
     if state.settled.update(not off, t):
         state.enter(Step.DISARMING, t)
         flight.give(Act.DISARM, observation, t)

@@ -19,8 +19,10 @@ class RadioPilotParams:
     )
 
     arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
-    volt_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
-    volt_land_s: float = tunable(2.0, "for how long", unit="s", low=0.0, high=60.0)
+    voltage_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
+    voltage_land_s: float = tunable(
+        2.0, "time below voltage_land after which it lands", unit="s", low=0.0, high=60.0
+    )
     silent_s: float = tunable(
         0.04, "time without a command until a vehicle is levelled", unit="s", low=0.01, high=0.5
     )

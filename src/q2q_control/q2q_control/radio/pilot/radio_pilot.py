@@ -40,15 +40,18 @@ class RadioPilot:
         params: RadioPilotParams,
         hover: RpytSetpoint | None,
         landing: LandingParams | None = None,
-        ground: float = 0.0,
+        ground_height: float = 0.0,
     ) -> None:
-        """Fly by RPYT setpoints, the level one `hover`, or by full states if None; land at `ground` [m]."""
+        """Fly by RPYT setpoints, the level one `hover`, or by full states if None.
+
+        Vehicles land at `ground_height` [m].
+        """
         self._params = params
         self._order: Order | None = None
         self._ordered = -np.inf
         self._last_stamp = -np.inf
         self._log: list[str] = []
-        setup = PilotSetup(params, landing or LandingParams(), ground, hover)
+        setup = PilotSetup(params, landing or LandingParams(), ground_height, hover)
         self._vehicles = {
             name: VehiclePilot(name, link, setup, self._log.append) for name, link in links.items()
         }

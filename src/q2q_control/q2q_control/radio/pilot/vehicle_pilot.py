@@ -12,7 +12,7 @@
 | link lost in flight | nothing is sent; the firmware levels after 0.5 s and cuts after 2 s |
 | lost while climbing or landing | the high-level commander goes on; land and cut are sent all the same |
 | back, and its supervisor says that it flies | CLIMBING goes on; from FLYING, or if ordered to, it lands |
-| battery below volt_land for volt_land_s | the vehicle lands by itself, whatever is commanded |
+| battery below voltage_land for voltage_land_s | the vehicle lands by itself, whatever is commanded |
 | cut, and not locked | the cut is sent again, for 2 s of connection, also after the link was lost |
 | no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
 | none for silent_land_s | the vehicle lands by itself |
@@ -51,7 +51,7 @@ class PilotSetup:
 
     params: RadioPilotParams
     landing: LandingParams
-    ground: float
+    ground_height: float
     """Height at which it lands [m], world."""
     hover: RpytSetpoint | None
     """Level RPYT setpoint; None: it is flown by full states."""
@@ -63,7 +63,7 @@ class VehiclePilot:
     def __init__(self, name: str, link: VehicleLink, setup: PilotSetup, log: Callable[[str], None]) -> None:
         """Fly the vehicle of a link; `log` takes log lines."""
         self._name, self._link, self._log = name, link, log
-        self._params, self._landing, self._ground = setup.params, setup.landing, setup.ground
+        self._params, self._landing, self._ground_height = setup.params, setup.landing, setup.ground_height
         self._hover = setup.hover
         self._record = VehicleRecord()
 
@@ -111,8 +111,8 @@ class VehiclePilot:
 
     def land(self, t: float) -> None:
         """Command the onboard landing at time t [s]."""
-        self._record.landing_s = self._landing.duration(self._record.height - self._ground)
-        self._link.land(self._ground, self._record.landing_s)
+        self._record.landing_s = self._landing.duration(self._record.height - self._ground_height)
+        self._link.land(self._ground_height, self._record.landing_s)
         self._enter(Phase.LANDING, t)
 
     def cut(self, t: float) -> None:
@@ -191,8 +191,8 @@ class VehiclePilot:
             self._log(f"{self._name} is locked and must be restarted")
             return
         one = self._record
-        one.low_since = min(one.low_since, t) if health.volt < self._params.volt_land else np.inf
-        if t - one.low_since >= self._params.volt_land_s:
+        one.low_since = min(one.low_since, t) if health.volt < self._params.voltage_land else np.inf
+        if t - one.low_since >= self._params.voltage_land_s:
             self._log(f"{self._name} has {health.volt:.2f} V and lands")
             self.land(t)
 
