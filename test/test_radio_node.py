@@ -42,7 +42,7 @@ PATIENCE_S = 120.0
 """All nodes of a flight on a busy machine [s]."""
 PATIENT = {
     "pid": {"land_s": 60.0, "cut_s": 120.0},
-    "radio": {"silent_land_s": 60.0, "silent_stop_s": 120.0, "lost_s": 60.0},
+    "radio": {"command_timeout_land_s": 60.0, "command_timeout_stop_s": 120.0, "setpoint_timeout_s": 60.0},
 }
 """Parameters with which no node lands because another stood still on a busy machine."""
 SERVICES = {"simulator/start": Trigger, "radio/start": Trigger, "radio/land": Trigger, "all/emergency": Empty}

@@ -183,9 +183,9 @@ def test_a_stop_is_sent_again_for_2_s_of_connection_over_two_losses() -> None:
     assert bench.links["cf2"].sent.count("cut") == 16
 
 
-def test_times_of_silence_out_of_order_are_refused() -> None:
+def test_timeouts_out_of_order_are_refused() -> None:
     with pytest.raises(ValueError, match="must rise"):
-        RadioPilotParams(silent_land_s=6.0)
+        RadioPilotParams(command_timeout_land_s=6.0)
 
 
 def test_a_vehicle_that_stopped_for_good_is_no_longer_flown() -> None:

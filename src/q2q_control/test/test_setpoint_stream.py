@@ -24,7 +24,7 @@ def setpoint(names: Names, pos: Array) -> SwarmSetpoint:
 
 
 def test_a_jump_over_an_absence_is_one() -> None:
-    stream = SetpointStream(step_max=0.3, lost_s=2.0)
+    stream = SetpointStream(step_max=0.3, timeout_s=2.0)
     stream.start(0.0)
     for pos in (at(0.0, 1.0), at(0.2, np.nan), at(0.4, np.nan), at(0.6, 1.25), at(0.8, np.nan)):
         assert flies(stream, pos)
@@ -33,7 +33,7 @@ def test_a_jump_over_an_absence_is_one() -> None:
 
 
 def test_a_fault_of_a_stream_that_was_stopped_is_none_of_the_next() -> None:
-    stream = SetpointStream(step_max=0.3, lost_s=2.0)
+    stream = SetpointStream(step_max=0.3, timeout_s=2.0)
     stream.start(0.0)
     assert flies(stream, at(0.0))
     assert not flies(stream, at(1.0))
@@ -43,8 +43,8 @@ def test_a_fault_of_a_stream_that_was_stopped_is_none_of_the_next() -> None:
     assert flies(stream, at(1.1))
 
 
-def test_what_stays_away_for_longer_than_lost_s_since_the_start_is_a_fault() -> None:
-    stream = SetpointStream(step_max=0.3, lost_s=1.0)
+def test_what_stays_away_for_longer_than_the_timeout_since_the_start_is_a_fault() -> None:
+    stream = SetpointStream(step_max=0.3, timeout_s=1.0)
     stream.start(10.0)
     never_sent = {"no setpoint": 0.0, "nothing sent to cf1": np.nan, "nothing sent to cf2": np.inf}
     assert stream.take_fault(never_sent, 11.0) == ""

@@ -76,7 +76,7 @@ class FlightProcedureParams:
     )
     # the firmware levels after 0.5 s and cuts after 2 s (COMMANDER_WDT_TIMEOUT_STABILIZE, _SHUTDOWN): half is
     # left for the services that stop the stream and land
-    lost_s: float = tunable(
+    setpoint_timeout_s: float = tunable(
         1.0,
         "time without a setpoint in flight, or with crazyswarm without one sent, after which all land",
         unit="s",

@@ -10,9 +10,9 @@ from q2q_model.signals.values import Array
 class SetpointStream:
     """Whether setpoints are streamed, and the first fault since the stream was checked."""
 
-    def __init__(self, step_max: float, lost_s: float) -> None:
-        """Allow moves up to `step_max` [m] a tick and gaps up to `lost_s` [s]."""
-        self._step_max, self._lost_s = step_max, lost_s
+    def __init__(self, step_max: float, timeout_s: float) -> None:
+        """Allow moves up to `step_max` [m] a tick and gaps up to `timeout_s` [s]."""
+        self._step_max, self._timeout_s = step_max, timeout_s
         self.on = False
         """Setpoints are streamed."""
         self.before = False
@@ -52,6 +52,6 @@ class SetpointStream:
             t: present time [s].
         """
         within = {what: min(age, t - self._since) for what, age in ages.items()}
-        silent = (f"{what} for {age:.2f} s" for what, age in within.items() if age > self._lost_s)
+        silent = (f"{what} for {age:.2f} s" for what, age in within.items() if age > self._timeout_s)
         fault, self._fault = self._fault or next(silent, ""), ""
         return fault

@@ -23,21 +23,30 @@ class RadioPilotParams:
     voltage_land_s: float = tunable(
         2.0, "time below voltage_land after which it lands", unit="s", low=0.0, high=60.0
     )
-    silent_s: float = tunable(
+    command_timeout_level_s: float = tunable(
         0.04, "time without a command until a vehicle is levelled", unit="s", low=0.01, high=0.5
     )
-    silent_land_s: float = tunable(
-        1.0, "time without a command until it lands", unit="s", low=0.01, high=60.0
+    command_timeout_land_s: float = tunable(
+        1.0, "time without a command until a vehicle lands", unit="s", low=0.01, high=60.0
     )
-    silent_stop_s: float = tunable(
-        5.0, "the same until motors stop, where it sank blind", unit="s", low=0.01, high=120.0
+    command_timeout_stop_s: float = tunable(
+        5.0,
+        "time without a command until the motors of one that sinks blind stop",
+        unit="s",
+        low=0.01,
+        high=120.0,
     )
 
     def __post_init__(self) -> None:
-        """Check the bounds, and that the times of silence rise."""
+        """Check the bounds, and that the timeouts rise."""
         check_bounds(self)
-        if not self.silent_s <= self.silent_land_s <= self.silent_stop_s:
+        level, land, stop = (
+            self.command_timeout_level_s,
+            self.command_timeout_land_s,
+            self.command_timeout_stop_s,
+        )
+        if not level <= land <= stop:
             raise ValueError(
-                f"silent_s {self.silent_s}, silent_land_s {self.silent_land_s}, silent_stop_s "
-                f"{self.silent_stop_s}: these must rise"
+                f"command_timeout_level_s {level}, command_timeout_land_s {land}, command_timeout_stop_s "
+                f"{stop}: these must rise"
             )

@@ -14,10 +14,10 @@
 | back, and its supervisor says that it flies | CLIMBING goes on; from FLYING, or if ordered to, it lands |
 | battery below voltage_land for voltage_land_s | the vehicle lands by itself, whatever is commanded |
 | cut, and not locked | the cut is sent again, for 2 s of connection, also after the link was lost |
-| no command for silent_s | RPYT: level at hover thrust; full states: hover at the last one |
-| none for silent_land_s | the vehicle lands by itself |
+| no command for command_timeout_level_s | RPYT: level at hover thrust; full states: hover at the last one |
+| none for command_timeout_land_s | the vehicle lands by itself |
 | the same, with RPYT and no fresh state | it descends level, at the failsafe's land_share of hover |
-| the same for silent_stop_s | its motors are cut and locked |
+| the same for command_timeout_stop_s | its motors are cut and locked |
 
 The last four rows keep the firmware's watchdog fed while the radio works and the controller does not; they
 start after the first command in flight, and end with the next command before the landing.
@@ -198,18 +198,20 @@ class VehiclePilot:
 
     def _watch_silence(self, t: float) -> None:
         silent, limits = t - self._record.commanded_at, self._params
-        if silent < limits.silent_s or not np.isfinite(silent):
+        if silent < limits.command_timeout_level_s or not np.isfinite(silent):
             return
-        if silent < limits.silent_land_s:
+        if silent < limits.command_timeout_land_s:
             self._hold()
         elif self._hover is None or t - self._record.measured_at <= self._landing.stale_s:
-            self._log(f"{self._name} has no command for {limits.silent_land_s} s and lands")
+            self._log(f"{self._name} has no command for {limits.command_timeout_land_s} s and lands")
             self.land(t)
-        elif silent < limits.silent_stop_s:
+        elif silent < limits.command_timeout_stop_s:
             share = FallbackParams().land_share
             self._link.send_rpyt(replace(self._hover, pwm=round(share * self._hover.pwm)))
         else:
-            self._log(f"{self._name} has no command for {limits.silent_stop_s} s and descended blind")
+            self._log(
+                f"{self._name} has no command for {limits.command_timeout_stop_s} s and descended blind"
+            )
             self.cut(t)
 
     def _hold(self) -> None:
