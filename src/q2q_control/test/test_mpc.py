@@ -64,8 +64,8 @@ def test_a_weak_battery_leaves_no_offset():
     assert np.abs(blind[-50:]).min() > 0.005  # 0.3 / 25 = 12 mm
 
 
-@pytest.mark.parametrize(("mode", "moves"), [("vertical", False), ("full", True)])
-def test_a_full_problem_may_step_aside_and_a_vertical_one_does_not(mode: str, moves: bool):
+@pytest.mark.parametrize(("mode", "moves"), [("coupled_z", False), ("coupled_xyz", True)])
+def test_with_all_axes_coupled_vehicles_may_step_aside_and_with_z_alone_they_do_not(mode: str, moves: bool):
     preview = pass_over(speed=0.05, start=0.2)
     aside: list[float] = []
 

@@ -14,8 +14,8 @@ believed to be 0.07 s, and for half to one and a half times the believed thrust 
 the horizon is at most 0.65 rad.
 
 A push beyond what thrust can carry cannot be held against, but left: a vehicle some centimetres off the axis
-of a jet carries what arrives there. So downwash couples all axes (`mode` full), where the problem contains
-this, and the vertical mode is replaced.
+of a jet carries what arrives there. So downwash couples all axes: `mode` coupled_xyz, whose problem contains
+this, replaces coupled_z.
 
 The problem would plan with all thrust, and a prediction that is a little too small would find none left where
 it counts. So thrust is kept free at each stage for what the residual may become until the input of that stage
@@ -58,7 +58,7 @@ STAGE_TURN = 0.65
 def with_correction_bandwidth(params: MpcParams) -> MpcParams:
     """Return parameters with at least the bandwidth above, and with all axes coupled in place of z alone."""
     most = min(DELAY_MARGIN / DELAY_ERROR, STAGE_TURN / params.step)
-    mode = "full" if params.mode == "vertical" else params.mode
+    mode = "coupled_xyz" if params.mode == "coupled_z" else params.mode
     return replace(params, bandwidth_z=max(params.bandwidth_z, most), mode=mode)
 
 

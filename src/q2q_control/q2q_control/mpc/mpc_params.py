@@ -15,10 +15,10 @@ class MpcParams:
     horizon: float = tunable(2.0, "length of the horizon", unit="s", low=0.2, high=10.0, read_only=True)
     steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)
     mode: str = tunable(
-        "vertical",
-        "altitude: z only, x and y by the PD law; vertical: all axes, downwash couples z (with correct: "
-        "full); full: all axes, downwash couples all",
-        choices=("altitude", "vertical", "full"),
+        "coupled_z",
+        "altitude: z only, x and y by the PD law; coupled_z: all axes, downwash couples z (with correct: "
+        "coupled_xyz); coupled_xyz: all axes, downwash couples all",
+        choices=("altitude", "coupled_z", "coupled_xyz"),
     )
     group_max: int = tunable(
         4,
