@@ -55,7 +55,7 @@ def rows_of_solvers(params: MpcParams) -> list[Row]:
 def pair_problem(params: MpcParams) -> LqProblem:
     """Return the joint problem of a pair two seconds before the downwash's middle."""
     stages = params.steps
-    up = axis_model(0.0, params.step, AxisWeights(params.bandwidth_z, params.jerk))
+    up = axis_model(0.0, params.step, AxisWeights(params.bandwidth_z, params.jerk_weight))
     times = np.linspace(0.0, params.horizon, stages + 1)
     reference = np.zeros((2, stages + 1, 9))
     reference[0, :, 2], reference[1, :, 2], reference[1, :, 1] = 1.5, 2.0, 0.1 - 0.05 * times

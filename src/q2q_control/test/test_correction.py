@@ -43,7 +43,7 @@ class Truth:
 
 def feedback(params: MpcParams, terminal: float = 1.0) -> Array:
     """Return K of u = -K x, the first input of the unbounded horizon, by its Riccati recursion."""
-    one = axis_model(BELIEVED_LAG, params.step, AxisWeights(params.bandwidth_z, params.jerk))
+    one = axis_model(BELIEVED_LAG, params.step, AxisWeights(params.bandwidth_z, params.jerk_weight))
     A, B, (R, S) = one.transition, one.input_gain, one.cost.input_weight
     Q, cross = np.diag(one.cost.state_weight + np.array([0.0, 0.0, S])), np.array([0.0, 0.0, -S])
     P = terminal * one.cost.terminal
@@ -108,7 +108,7 @@ def test_twice_that_error_of_the_latency_is_not_survived() -> None:
     assert largest_pole(Truth(ticks=BELIEVED_TICKS + 10)) > 1.0
 
 
-@pytest.mark.parametrize("terminal", [MpcParams().terminal, 1.0])
+@pytest.mark.parametrize("terminal", [MpcParams().terminal_weight, 1.0])
 def test_the_horizon_is_so_long_that_its_first_input_is_that_of_the_infinite_one(terminal: float) -> None:
     """The terminal weight of a single axis is that of the infinite horizon; a group's is a part of it."""
     longer = replace(TIGHT, horizon=5.0 * TIGHT.horizon, steps=5 * TIGHT.steps)
@@ -117,7 +117,7 @@ def test_the_horizon_is_so_long_that_its_first_input_is_that_of_the_infinite_one
 
 def test_the_terminal_cost_falls_by_the_stage_cost_outside_saturation() -> None:
     """V(x) - V(A x + B u) is the stage cost of u = -K x, so that V is a Lyapunov function."""
-    one = axis_model(BELIEVED_LAG, TIGHT.step, AxisWeights(TIGHT.bandwidth_z, TIGHT.jerk))
+    one = axis_model(BELIEVED_LAG, TIGHT.step, AxisWeights(TIGHT.bandwidth_z, TIGHT.jerk_weight))
     R, S = one.cost.input_weight
     for x in np.random.default_rng(1).standard_normal((5, 3)):
         u = -float(feedback(TIGHT) @ x)

@@ -139,7 +139,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
     asked = random_situations(20, PARAMS.step, np.random.default_rng(6))
     model, stages = TEACHER.altitude_model, PARAMS.steps
     shape = group_shape(2, (2,), (model, model, model))
-    shape = shape._replace(terminal=PARAMS.terminal * shape.terminal)
+    shape = shape._replace(terminal=PARAMS.terminal_weight * shape.terminal)
     lines = solve_situations(asked, TEACHER)
     times, axis = np.arange(stages + 1) * PARAMS.step, np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     bound = np.tile([0.0, 0.0, TEACHER.bounds[1]], (2, stages, 1))

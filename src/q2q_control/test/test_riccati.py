@@ -230,7 +230,7 @@ def test_at_the_least_rates_allowed_nearly_every_problem_is_solved(
 
 def test_at_a_high_bandwidth_most_problems_are_solved_by_some_more_recursions() -> None:
     """At 12 rad/s and the default rate; inputs updated one by one after three recursions solved 76 %."""
-    params = replace(MpcParams(), bandwidth_z=12.0, iterations=30)
+    params = replace(MpcParams(), bandwidth_z=12.0, iterations_max=30)
     assert solved(params, CRAZYFLIE_2_0, 2, params.thrust_rate_max) >= 170  # 85 %
 
 
@@ -238,7 +238,7 @@ def solved(params: MpcParams, vehicle: Vehicle, axis: int, rate: float) -> int:
     """Return how many of 200 random problems are solved at a rate of the acceleration [m/s^3]."""
     models = axis_models(params, vehicle)
     slew_max = np.full(3, rate * params.step / (1.0 - models[axis].transition[2, 2]))
-    shape, none = group_shape(1, (axis,), models, params.terminal), np.zeros(0, np.intp)
+    shape, none = group_shape(1, (axis,), models, params.terminal_weight), np.zeros(0, np.intp)
     count = 0
     for seed in range(200):
         rng = np.random.default_rng(seed)
@@ -247,5 +247,5 @@ def solved(params: MpcParams, vehicle: Vehicle, axis: int, rate: float) -> int:
         asked = asked._replace(reference=0.0 * asked.reference, push=gusts)
         downwash = DownwashHorizon(gusts, none, none, np.zeros((0, params.steps, 3, 3)))
         joint = joint_problem(shape, np.array([0]), asked, downwash)
-        count += solve(joint, iterations=params.iterations).converged
+        count += solve(joint, iterations=params.iterations_max).converged
     return count

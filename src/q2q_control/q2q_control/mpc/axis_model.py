@@ -90,5 +90,5 @@ def axis_lags(params: MpcParams, vehicle: Vehicle) -> tuple[float, float, float]
 def axis_models(params: MpcParams, vehicle: Vehicle) -> AxisModels:
     """Return the axis models of a vehicle; those of x and y are the same."""
     lag_xy, _, lag_z = axis_lags(params, vehicle)
-    side = axis_model(lag_xy, params.step, AxisWeights(params.bandwidth_xy, params.jerk))
-    return side, side, axis_model(lag_z, params.step, AxisWeights(params.bandwidth_z, params.jerk))
+    side = axis_model(lag_xy, params.step, AxisWeights(params.bandwidth_xy, params.jerk_weight))
+    return side, side, axis_model(lag_z, params.step, AxisWeights(params.bandwidth_z, params.jerk_weight))

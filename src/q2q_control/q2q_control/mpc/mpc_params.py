@@ -34,14 +34,14 @@ class MpcParams:
         high=50.0,
     )
     bandwidth_xy: float = tunable(2.0, "bandwidth of the position loop", unit="rad/s", low=0.2, high=20.0)
-    terminal: float = tunable(
+    terminal_weight: float = tunable(
         0.45,
         "terminal weight of vehicles solved together, and of axes that meet a bound, over that of the "
         "infinite horizon",
         low=0.0,
         high=10.0,
     )
-    jerk: float = tunable(0.2, "weight of jerk over that of effort", low=0.0, high=100.0)
+    jerk_weight: float = tunable(0.2, "weight of jerk over that of effort", low=0.0, high=100.0)
     slope_max: float = tunable(10.0, "largest slope of downwash used", unit="1/s^2", low=0.0, high=100.0)
     loading: float = tunable(
         0.0,
@@ -82,7 +82,7 @@ class MpcParams:
     yaw_rate_max: float = tunable(
         YAW_RATE_MAX, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0
     )
-    iterations: int = tunable(12, "maximum number of recursions of a solve", low=1, high=200)
+    iterations_max: int = tunable(12, "maximum number of recursions of a solve", low=1, high=200)
     shift_time: float = tunable(
         0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
     )

@@ -56,7 +56,9 @@ class Teacher:
     def altitude_model(self) -> AxisModel:
         """Return the model of the altitude axis."""
         params = self.params
-        return axis_model(self.vehicle.thrust_lag, params.step, AxisWeights(params.bandwidth_z, params.jerk))
+        return axis_model(
+            self.vehicle.thrust_lag, params.step, AxisWeights(params.bandwidth_z, params.jerk_weight)
+        )
 
 
 class TeacherSolution(NamedTuple):
@@ -83,7 +85,7 @@ def solve_situations(
 ) -> TeacherSolution:
     """Return the solutions; `errors` (K, 2, N + 1) [m] are heights of the first linearisation."""
     count, params, model = len(situations.states), teacher.params, teacher.altitude_model
-    shape = group_shape(2, (2,), (model, model, model), params.terminal)
+    shape = group_shape(2, (2,), (model, model, model), params.terminal_weight)
     slew_max = params.thrust_rate_max * params.step / (1.0 - float(model.transition[2, 2]))
     found = TeacherSolution(
         np.zeros((count, 2)),

@@ -40,10 +40,12 @@ class GroupShape(NamedTuple):
     """(n, 2)."""
 
 
-def group_shape(size: int, axes: tuple[int, ...], models: AxisModels, terminal: float = 1.0) -> GroupShape:
+def group_shape(
+    size: int, axes: tuple[int, ...], models: AxisModels, terminal_weight: float = 1.0
+) -> GroupShape:
     """Return the shape of groups of `size` vehicles; `models` are those of x, y, z.
 
-    Their terminal weights count `terminal` times.
+    Their terminal weights count `terminal_weight` times.
     """
     own = [models[axis] for axis in axes] * size
     return GroupShape(
@@ -52,7 +54,7 @@ def group_shape(size: int, axes: tuple[int, ...], models: AxisModels, terminal: 
         push_gain=np.stack([model.push_gain for model in own]),
         input_gain=np.stack([model.input_gain for model in own]),
         state_weight=np.stack([model.cost.state_weight for model in own]),
-        terminal=terminal * np.stack([model.cost.terminal for model in own]),
+        terminal=terminal_weight * np.stack([model.cost.terminal for model in own]),
         input_weight=np.stack([model.cost.input_weight for model in own]),
     )
 

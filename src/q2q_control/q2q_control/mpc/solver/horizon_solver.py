@@ -42,9 +42,9 @@ class SolveRules:
     """Axes whose inputs are solved together with their downwash."""
     group_max: int
     """Most vehicles that are solved together."""
-    terminal: float
+    terminal_weight: float
     """Terminal weight over that of the infinite horizon [-]: the latter knows no bounds."""
-    iterations: int
+    iterations_max: int
     """Most recursions of a solve."""
 
 
@@ -101,13 +101,13 @@ class HorizonSolver:
     def _group(self, vehicles: list[int], axes: tuple[int, ...]) -> Group:
         key = (len(vehicles), axes)
         if key not in self._shapes:
-            self._shapes[key] = group_shape(len(vehicles), axes, self._models, self._rules.terminal)
-        return Group(self._shapes[key], np.array(vehicles), self._rules.iterations)
+            self._shapes[key] = group_shape(len(vehicles), axes, self._models, self._rules.terminal_weight)
+        return Group(self._shapes[key], np.array(vehicles), self._rules.iterations_max)
 
 
 def horizon_solver(params: MpcParams, vehicle: Vehicle) -> HorizonSolver:
     """Return the solver of (26) for vehicles like `vehicle`."""
-    rules = SolveRules(coupled_axes(params), params.group_max, params.terminal, params.iterations)
+    rules = SolveRules(coupled_axes(params), params.group_max, params.terminal_weight, params.iterations_max)
     return HorizonSolver(axis_models(params, vehicle), rules)
 
 
