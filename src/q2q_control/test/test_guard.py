@@ -80,7 +80,8 @@ def test_an_unseen_vehicle_goes_through_the_phases_by_age_and_its_neighbour_flie
         status: float(np.flatnonzero(statuses[:, 0] == status)[0]) * TICK - 0.1
         for status in (DEGRADED, HOLD, LEVEL, LAND, CUT)
     }
-    # ages as documented; within a tick, since ages are differences of floats. hold_time is 0.1 s after 0.35 s
+    # ages as documented; within a tick, since ages are differences of floats
+    # hold_duration is 0.1 s after 0.35 s
     assert since[DEGRADED] == pytest.approx(0.05, abs=0.0101)
     assert since[HOLD] == pytest.approx(0.36, abs=0.0101)
     assert since[LEVEL] == pytest.approx(0.46, abs=0.0101)

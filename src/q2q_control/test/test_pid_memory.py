@@ -42,7 +42,7 @@ def test_a_stamp_that_goes_back_forgets_the_integral():
 @pytest.mark.parametrize("part", ["pos", "vel", "quat"])
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 1e300])
 def test_a_vehicle_with_a_bad_state_holds_then_levels_and_the_others_fly_on(part: str, bad: float):
-    pid, names = Pid(PidParams(hold_time=0.03), TEXTBOOK_065), ("cf1", "cf2")
+    pid, names = Pid(PidParams(hold_duration=0.03), TEXTBOOK_065), ("cf1", "cf2")
     push = replace(swarm(names)[1], acc=np.full((2, 3), 0.5))
     good = pid.update(swarm(names)[0], push, None)
     statuses = []

@@ -5,7 +5,7 @@
 | ok | 0 | the controller's | OK, SATURATED |
 | degraded | degraded_s | the controller's, on a predicted state | DEGRADED |
 | hold | no usable state; or no tick for hold_s | the last command again | HOLD |
-| level | last_commands' hold_time; or no tick for level_s | level or braking, hover thrust | LEVEL |
+| level | last_commands' hold_duration; or no tick for level_s | level or braking, hover thrust | LEVEL |
 | land | land_s | level or braking, below hover thrust: descends | LAND |
 | cut | cut_s, until a new flight; or an emergency, for good | motors off | CUT |
 

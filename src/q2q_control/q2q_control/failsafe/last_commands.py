@@ -2,7 +2,7 @@
 
 | last computed command | command | status |
 |---|---|---|
-| at most hold_time old | repeated | HOLD |
+| at most hold_duration old | repeated | HOLD |
 | older, or none | level attitude, hover thrust, no yaw rate | LEVEL |
 
 Ages are differences of stamps, so a replayed flight gives the same commands. This covers single vehicles
@@ -27,15 +27,15 @@ _HOLD, _LEVEL = int(CommandStatus.HOLD), int(CommandStatus.LEVEL)
 class HoldThenLevel:
     """Commands of the fallback: hold, then level."""
 
-    hold_time: float
+    hold_duration: float
     """[s]"""
     hover_thrust: float
     """[N]"""
 
     @property
     def numbers(self) -> tuple[float, float]:
-        """Return hold time [s] and hover thrust [N], for compiled code."""
-        return self.hold_time, self.hover_thrust
+        """Return hold duration [s] and hover thrust [N], for compiled code."""
+        return self.hold_duration, self.hover_thrust
 
 
 class LastCommands:
@@ -77,16 +77,16 @@ def complete_commands(
         tick: time [s], and which vehicles are usable, (n,).
         computed: thrust, roll, pitch, yaw rate, (n, 4), and which are saturated, (n,).
         last: last computed commands.
-        rule: hold time [s], and hover thrust [N].
+        rule: hold duration [s], and hover thrust [N].
         out: written: commands, (4, n), and status, (n,).
     """
     (t, usable), (values, saturated), (commands, status) = tick, computed, out
-    (last_values, stamps), (hold_time, hover_thrust) = last, rule
+    (last_values, stamps), (hold_duration, hover_thrust) = last, rule
     for i in range(usable.size):
         if usable[i]:
             last_values[i], stamps[i] = values[i], t
             status[i] = _SATURATED if saturated[i] else _OK
-        elif t - stamps[i] > hold_time:
+        elif t - stamps[i] > hold_duration:
             commands[:, i], commands[0, i] = 0.0, hover_thrust
             status[i] = _LEVEL
             continue

@@ -135,7 +135,7 @@ class Mpc:
         rates = np.array([GRAVITY * params.tilt_rate_max] * 2 + [params.thrust_rate_max])
         self._slew_max = rates * params.step / share
         hover = min(self._vehicle.hover_thrust, thrust_max)
-        self._last_commands = LastCommands(HoldThenLevel(params.hold_time, hover))
+        self._last_commands = LastCommands(HoldThenLevel(params.hold_duration, hover))
         self._law = CommandLaw(limits, thrust_max * (1.0 - 1e-9), self._last_commands.rule.numbers)
         self._command_rule = command_rule(params)
         self.reset()

@@ -86,7 +86,7 @@ class MpcParams:
     shift_time: float = tunable(
         0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
     )
-    hold_time: float = tunable(
+    hold_duration: float = tunable(
         LONGEST_HOLD_S, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
     )
 

@@ -59,7 +59,7 @@ class Pid:
         """Control vehicles like `vehicle`: those named, or all of the setpoint."""
         self._vehicle = vehicle
         self._vehicles = vehicles
-        self._rows = LastCommands(HoldThenLevel(params.hold_time, vehicle.hover_thrust))
+        self._rows = LastCommands(HoldThenLevel(params.hold_duration, vehicle.hover_thrust))
         self._trust = DownwashTrust(params.stale_fade)
         self.configure(params)
         self.reset()
@@ -73,7 +73,7 @@ class Pid:
         limits = pid_limits(params, self._vehicle)
         self._law: Law = (*pid_gains(params),), (*limits,)
         hover = min(self._vehicle.hover_thrust, limits.thrust_max)
-        self._rows.rule = HoldThenLevel(params.hold_time, hover)
+        self._rows.rule = HoldThenLevel(params.hold_duration, hover)
 
     def reset(self) -> None:
         """Forget integrals and last commands."""

@@ -41,7 +41,7 @@ class PidParams:
         high=100.0,
         read_only=True,
     )
-    hold_time: float = tunable(
+    hold_duration: float = tunable(
         LONGEST_HOLD_S, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
     )
 

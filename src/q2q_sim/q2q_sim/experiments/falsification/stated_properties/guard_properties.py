@@ -21,8 +21,8 @@ from q2q_sim.monitors.policies.exemptions.feedback_loss import runs_of_true
 
 UNTOLD_S = FallbackParams().degraded_s + TICK_S
 """Largest age of a state on which a command may be OK [s]."""
-HOLD_S = PidParams().hold_time + 3.0 * TICK_S
-"""Longest hold [s]: hold_time, and the ticks in which it begins and ends."""
+HOLD_S = PidParams().hold_duration + 3.0 * TICK_S
+"""Longest hold [s]: hold_duration, and the ticks in which it begins and ends."""
 
 
 def told(_: Run, ticks: RunTicks) -> StatedOutcome:
