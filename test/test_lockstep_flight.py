@@ -47,7 +47,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> FlightRun:
 
 
 def test_a_stalled_flight_fails_before_the_simulator_flies_on_without_a_command() -> None:
-    assert SimulatorParams().give_up_s > STILL_S
+    assert SimulatorParams().command_timeout_s > STILL_S
 
 
 @cache

@@ -92,7 +92,7 @@ def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> Non
 
 
 def test_a_lost_tick_is_asked_for_again_and_then_given_up_and_the_next_ones_sooner() -> None:
-    resend = ResendTimer(again_s=0.25, give_up_s=10.0)
+    resend = ResendTimer(period_s=0.25, timeout_s=10.0)
     resend.begin(0.0)
     assert not resend.is_due(0.2)
     assert resend.is_due(0.3)

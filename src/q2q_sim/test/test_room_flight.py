@@ -12,7 +12,7 @@ from q2q_sim.loop.room import Room
 from q2q_sim.loop.room_flight import NOTHING, Output, RoomFlight
 from q2q_sim.loop.simulator_params import SimulatorParams, chosen_scenario
 
-PARAMS = SimulatorParams(again_s=1.0, give_up_s=3.0)
+PARAMS = SimulatorParams(resend_period_s=1.0, command_timeout_s=3.0)
 SCENARIO = chosen_scenario(PARAMS)
 
 

@@ -10,7 +10,7 @@ from q2q_sim.loop.resend_timer import ResendTimer
 
 TICK_TOPIC = "mocap"
 """Topic whose messages are the ticks in lockstep."""
-AGAIN_S = 2.0
+RESEND_PERIOD_S = 2.0
 """Time after which an unanswered tick is played again [s]."""
 
 
@@ -21,7 +21,7 @@ class AwaitedTick:
         """Take the topics whose messages are ticks."""
         self.topics = topics
         self.awaited: RawMessage | None = None
-        self._resend = ResendTimer(again_s=AGAIN_S, give_up_s=float("inf"))
+        self._resend = ResendTimer(period_s=RESEND_PERIOD_S, timeout_s=float("inf"))
 
     def begin(self, now: float) -> None:
         """Wait for no answer until the next tick is played, which begins at wall time now [s]."""

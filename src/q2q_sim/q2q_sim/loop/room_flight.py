@@ -86,7 +86,7 @@ class RoomFlight:
         self._firmware = firmware
         self._lockstep = params.pace == "lockstep" and firmware is None
         self._gate = CommandGate(room.names, exact=self._lockstep)
-        self._resend = ResendTimer(params.again_s, params.give_up_s)
+        self._resend = ResendTimer(params.resend_period_s, params.command_timeout_s)
         self._reader = SignalReader(SwarmCommand)
         self._command: SwarmCommand | None = None
         self._is_answered = False

@@ -37,16 +37,21 @@ class SimulatorParams:
         (), "with autostart: nodes that must be ready and connected first", read_only=True
     )
     crtp: bool = tunable(False, "let CRTP clients fly the vehicles instead of commands", read_only=True)  # noqa: FBT003
-    again_s: float = tunable(
+    resend_period_s: float = tunable(
         5.0,
-        "lockstep: publish an unanswered frame again after",
+        "lockstep: time after which an unanswered frame is published again",
         unit="s",
         low=0.01,
         high=60.0,
         read_only=True,
     )
-    give_up_s: float = tunable(
-        120.0, "lockstep: fly on without a command after", unit="s", low=0.01, high=3600.0, read_only=True
+    command_timeout_s: float = tunable(
+        120.0,
+        "lockstep: time without a command after which the tick is missed",
+        unit="s",
+        low=0.01,
+        high=3600.0,
+        read_only=True,
     )
     """Longer than a scripted flight waits for a tick: a stalled one fails instead of flying differently."""
 

@@ -43,8 +43,8 @@ class ProcessFault:
 class Waiting:
     """Time-outs of the simulator in lockstep."""
 
-    again_s: float = 0.2
-    give_up_s: float = 60.0
+    resend_period_s: float = 0.2
+    command_timeout_s: float = 60.0
 
 
 def fly_with_process_faults(
@@ -140,5 +140,5 @@ class _Progress:
 def _patient(spec: NodeSpec, waiting: Waiting) -> NodeSpec:
     if spec.executable != "simulator":
         return spec
-    timeouts = {"again_s": waiting.again_s, "give_up_s": waiting.give_up_s}
+    timeouts = {"resend_period_s": waiting.resend_period_s, "command_timeout_s": waiting.command_timeout_s}
     return replace(spec, parameters={**spec.parameters, **timeouts})
