@@ -30,7 +30,7 @@ MUTATED = (
                 "evasion.descent_evasion",
                 "evasion.evasion_shift",
                 "guard",
-                "tick_watch",
+                "input_deadline",
             )
         ),
         tuple(
@@ -40,7 +40,7 @@ MUTATED = (
                 "guard_clock",
                 "guard_evasion",
                 "guard_without_ticks",
-                "tick_watch",
+                "input_deadline",
                 "stamp_delay",
                 "fallback_phases",
                 "elapsed_time",

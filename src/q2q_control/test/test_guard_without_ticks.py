@@ -24,7 +24,7 @@ from guarded_flights import (
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
-from q2q_control.failsafe.tick_watch import TickWatch
+from q2q_control.failsafe.input_deadline import InputDeadline
 from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import GRAVITY
 
@@ -108,7 +108,7 @@ def test_live_old_frames_change_nothing_that_the_wall_clock_commands(frames: tup
 
 def test_nothing_is_sent_before_the_first_tick_ever() -> None:
     assert guarded().without_tick(10.0) is None
-    assert TickWatch(guarded(), PARAMS).due(state_at(0.0), 10.0) is None
+    assert InputDeadline(guarded(), PARAMS).due(state_at(0.0), 10.0) is None
 
 
 def _values(command: SwarmCommand) -> list[list[float]]:

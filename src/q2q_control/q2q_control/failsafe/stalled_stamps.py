@@ -2,7 +2,7 @@
 
 In lockstep stamps are the only clock, so that a frame that is published again has to get the same answer. One
 that comes again and again, or stamps that went back, show a stalled clock while vehicles fly on:
-every such frame counts as a tick. Live, the wall clock counts (q2q_control.failsafe.tick_watch).
+every such frame counts as a tick. Live, the wall clock counts (q2q_control.failsafe.input_deadline).
 """
 
 from math import inf

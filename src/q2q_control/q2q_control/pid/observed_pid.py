@@ -13,9 +13,9 @@ import numpy as np
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, TrackerParams
 from q2q_control.inputs.alignment import ETA, POS, VEL, align
-from q2q_control.pid.downwash_trust import DownwashTrust
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
+from q2q_control.pid.stale_downwash_fade import StaleDownwashFade
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmImu, SwarmSetpoint, SwarmState
@@ -40,7 +40,7 @@ class ObservedPid:
         self._vehicles = vehicles
         self._pid = Pid(params, vehicle, vehicles)
         self._tracker = DisturbanceTracker(tracker, vehicle, residual_process)
-        self._trust = DownwashTrust(params.stale_fade)
+        self._stale_fade = StaleDownwashFade(params.stale_fade)
         self._last: SwarmCommand | None = None
 
     def configure(self, params: PidParams) -> None:
@@ -55,7 +55,7 @@ class ObservedPid:
         """Forget all memory."""
         self._pid.reset()
         self._tracker.reset()
-        self._trust.reset()
+        self._stale_fade.reset()
         self._last = None
 
     def update(
@@ -67,7 +67,7 @@ class ObservedPid:
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()
-        tick = align(state, setpoint, self._trust.faded(interference), names)
+        tick = align(state, setpoint, self._stale_fade.faded(interference), names)
         estimate = self._tracker.update(tick).estimate
         tick.table[:, POS] = np.where(tick.usable[:, None], estimate.pos, tick.table[:, POS])
         tick.table[:, VEL] = np.where(tick.usable[:, None], estimate.vel, tick.table[:, VEL])

@@ -34,9 +34,9 @@ import numpy as np
 from q2q_control.attitude.thrust_vector import ThrustLimits, largest_thrust
 from q2q_control.failsafe.last_commands import HoldThenLevel, LastCommands
 from q2q_control.inputs.alignment import Aligned, align
-from q2q_control.pid.downwash_trust import DownwashTrust
 from q2q_control.pid.pid_kernel import Law, PidGains, pid_commands
 from q2q_control.pid.pid_params import PidParams
+from q2q_control.pid.stale_downwash_fade import StaleDownwashFade
 from q2q_model.signals.repeated_stamp import is_repeated
 from q2q_model.signals.values import (
     Interference,
@@ -60,7 +60,7 @@ class Pid:
         self._vehicle = vehicle
         self._vehicles = vehicles
         self._rows = LastCommands(HoldThenLevel(params.hold_duration, vehicle.hover_thrust))
-        self._trust = DownwashTrust(params.stale_fade)
+        self._stale_fade = StaleDownwashFade(params.stale_fade)
         self.configure(params)
         self.reset()
 
@@ -80,7 +80,7 @@ class Pid:
         self._names: Names = ()
         self._integral = np.zeros((0, 3))
         self._rows.reset()
-        self._trust.reset()
+        self._stale_fade.reset()
         self._last: SwarmCommand | None = None
 
     def update(
@@ -93,7 +93,7 @@ class Pid:
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()
-        return self.answer(align(state, setpoint, self._trust.faded(interference), names))
+        return self.answer(align(state, setpoint, self._stale_fade.faded(interference), names))
 
     def answer(self, tick: Aligned) -> SwarmCommand:
         """Return the command of a tick that is newer than all before."""

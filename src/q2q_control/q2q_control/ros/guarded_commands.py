@@ -1,4 +1,4 @@
-"""Guard of a controller node: an emergency service, the hand-over in flight and, live, a watch on the clock.
+"""Guard of a controller node: an emergency service, the hand-over in flight and, live, a deadline on inputs.
 
 Live, a timer checks every TICK_S for a missing tick. DDS events (deadline, liveliness) would report 7 ms
 earlier, but to take one can block a process for ever in the rmw_fastrtps of Jazzy (ros2/rmw_fastrtps#890).
@@ -14,9 +14,9 @@ from std_srvs.srv import Empty
 from q2q_control.controller import Controller
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard, on_time
+from q2q_control.failsafe.input_deadline import InputDeadline
 from q2q_control.failsafe.phase_changes import EMERGENCY_CUT, PhaseChanges, cut_reason
 from q2q_control.failsafe.stamp_delay import StampDelayMonitor
-from q2q_control.failsafe.tick_watch import TickWatch
 from q2q_control.flight_procedure.hand_over import (
     RECORDED_STATUS_TOPICS,
     STATUS_TOPIC,
@@ -38,14 +38,14 @@ _SATURATED = int(CommandStatus.SATURATED)  # numpy takes 5 us to read an enumera
 
 
 class GuardedCommands:
-    """Guard of a controller node, with the newest state and the live watch."""
+    """Guard of a controller node, with the newest state and, live, the deadline on inputs."""
 
     def __init__(
         self, controller: Controller, params: FallbackParams, hover_thrust: float, *, live: bool
     ) -> None:
         self._stamp_delay = StampDelayMonitor()
         self._guard = Guard(controller, params, hover_thrust, self._lateness if live else on_time)
-        self._watch = TickWatch(self._guard, params) if live else None
+        self._deadline = InputDeadline(self._guard, params) if live else None
         self._state: SwarmState | None = None
         self._flown: tuple[SwarmState, SwarmSetpoint] | None = None  # of the last tick
         self._far = FarSetpointMonitor()
@@ -58,19 +58,19 @@ class GuardedCommands:
         """Return the command of the tick."""
         command = self._guard.update(state, setpoint, interference)
         self._flown = state, setpoint
-        if self._watch is not None:
-            self._watch.answered(setpoint, monotonic())
+        if self._deadline is not None:
+            self._deadline.answered(setpoint, monotonic())
         return command
 
     def wire(self, node: Node, wiring: TickWiring[SwarmCommand]) -> None:
-        """Offer the emergency service, await hand-overs, count fallbacks and, live, start the watch."""
+        """Offer the emergency service, await hand-overs, count fallbacks and, live, check the deadline."""
         self._node, self._wiring = node, wiring
         node.create_service(Empty, EMERGENCY, self._on_emergency)
         wiring.after_publish(self._count)
         wiring.check_each_second(self._look_for_far_setpoints)
         for topic in (STATUS_TOPIC, *RECORDED_STATUS_TOPICS):
             node.create_subscription(DiagnosticStatus, topic, self._follow, LATCHED)
-        if self._watch is not None:
+        if self._deadline is not None:
             wiring.listen("state", self._store_state)
             steady_timer(node, TICK_S, self._check)
 
@@ -78,8 +78,8 @@ class GuardedCommands:
         """Forget all ticks."""
         self._guard.reset()
         self._flown, self._far = None, FarSetpointMonitor()
-        if self._watch is not None:
-            self._watch = TickWatch(self._guard, self._watch.params)
+        if self._deadline is not None:
+            self._deadline = InputDeadline(self._guard, self._deadline.params)
         self._stamp_delay = StampDelayMonitor()
 
     def _follow(self, status: DiagnosticStatus) -> None:
@@ -118,8 +118,8 @@ class GuardedCommands:
 
     def _check(self) -> None:
         """Send the command that is due."""
-        if self._watch is not None:
-            self._send(self._watch.due(self._state, monotonic()))
+        if self._deadline is not None:
+            self._send(self._deadline.due(self._state, monotonic()))
 
     def _send(self, command: SwarmCommand | None) -> None:
         if command is not None:

@@ -3,8 +3,8 @@
 Stamps may leap because frames came late before, because frames were lost, or because the clock of motion
 capture was set ahead. In lockstep a tick is answered for every frame, one TICK_S of flight each: a leap is
 flown for as long as frames came before that were not newer, and the rest of it is the clock. Live, a
-controller's timer has counted the time for which no tick came (q2q_control.failsafe.tick_watch), and no leap
-remains but the clock's.
+controller's timer has counted the time for which no tick came (q2q_control.failsafe.input_deadline), and no
+leap remains but the clock's.
 
     leap      h > max(GAP_S, 2 h_0)
     flown     e = min(h, h_0 + m) in a leap, h otherwise; at most LONGEST_STEP

@@ -1,4 +1,4 @@
-"""Wall-clock watch of a live controller: the command to send when a tick is missing.
+"""Wall-clock deadline of a live controller on its inputs: the command to send when a tick is missing.
 
 | missing | command |
 |---|---|
@@ -19,8 +19,8 @@ from q2q_control.failsafe.guard import Guard
 from q2q_model.signals.values import CommandStatus, SwarmCommand, SwarmSetpoint, SwarmState
 
 
-class TickWatch:
-    """Stamp, wall time and setpoint of the newest tick."""
+class InputDeadline:
+    """Deadline of the next tick, from stamp, wall time and setpoint of the newest one."""
 
     def __init__(self, guard: Guard, params: FallbackParams) -> None:
         self._guard = guard

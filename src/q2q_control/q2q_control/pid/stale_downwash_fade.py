@@ -17,7 +17,7 @@ from q2q_model.signals.values import Interference, InterferenceStatus
 _STALE = int(InterferenceStatus.STALE_SOURCE)
 
 
-class DownwashTrust:
+class StaleDownwashFade:
     """Time at which each vehicle's predicted downwash was last based on measured sources."""
 
     def __init__(self, fade_time: float) -> None:
