@@ -71,8 +71,8 @@ class MpcParams:
     )
     reserve: float = tunable(
         0.0,
-        "thrust that later stages keep for what the prediction leaves, over its standard deviation; with "
-        "correct only",
+        "thrust that later stages keep free for the residual of the prediction, in standard deviations of "
+        "it; with correct only",
         low=0.0,
         high=4.0,
     )

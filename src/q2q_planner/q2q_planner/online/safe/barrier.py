@@ -15,7 +15,7 @@ If the references are on opposite sides of each other, a correction perpendicula
 side of the reference, or to the right if it is straight behind, which breaks the symmetric tie.
 
 Downwash disturbs heights and formations hold them, so horizontal corrections are preferred: of all p with
-n.p = need, the one that minimises |p_flat|^2 + p_up^2 / w, where w below 1 is the weight of height:
+n.p = need, the one that minimises |p_flat|^2 + p_up^2 / w, where w below 1 is the weight of vertical ones:
 p = need (n_flat, w n_up) / (n_flat^2 + w n_up^2). For vehicles above each other, n_flat = 0, it is vertical.
 """
 
@@ -66,9 +66,9 @@ class BarrierLaw(NamedTuple):
     k_0: float
     """[1/s^2]."""
     around: float
-    """Share of a correction that leads around."""
+    """Tangential share of a correction: it leads around the other vehicle."""
     height: float
-    """w, weight of height in a correction."""
+    """w, weight of vertical corrections over horizontal ones."""
     shares: bool
     """The nearer to its reference, the more of a correction a vehicle takes; else each takes half."""
 

@@ -33,9 +33,14 @@ class SafeReplannerParams:
         low=0.1,
         high=20.0,
     )
-    around: float = tunable(0.5, "share of a correction that leads around", low=0.0, high=2.0)
+    around: float = tunable(
+        0.5, "tangential share of a correction: it leads around the other vehicle", low=0.0, high=2.0
+    )
     height: float = tunable(
-        0.05, "weight of height in a correction: below 1 prefers horizontal ones", low=1e-3, high=1.0
+        0.05,
+        "weight of vertical corrections over horizontal ones: below 1 prefers the latter",
+        low=1e-3,
+        high=1.0,
     )
     tracking: float = tunable(
         0.05,
