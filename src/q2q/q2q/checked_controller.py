@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 
 from q2q_control.controller import Controller
-from q2q_model.signals.array_answer import array_answer, own_copy
+from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.recent_ticks import SAME_STAMP
 from q2q_model.signals.values import (
     Array,
@@ -36,12 +36,12 @@ LARGEST_YAW_RATE = 35.0
 """[rad/s], the range of the BMI088's gyroscopes, 2000 degrees/s."""
 
 
-class ControllerAnswerError(ValueError):
+class ControllerOutputError(ValueError):
     """Error for a command of a controller that cannot be flown."""
 
 
 class CheckedController:
-    """Controller that raises ControllerAnswerError where its class answers with what cannot be flown."""
+    """Controller that raises ControllerOutputError where its class returns what cannot be flown."""
 
     def __init__(self, controller: Controller, vehicle: Vehicle) -> None:
         """Take a controller and the vehicle that it flies."""
@@ -104,14 +104,14 @@ class CheckedController:
             raise self._wrong(f"status is {given}: a CommandStatus, 0 to {max(CommandStatus):d}, is needed")
         return given.astype(np.uint8)
 
-    def _numbers(self, what: str, answer: object, count: int) -> Array:
+    def _numbers(self, what: str, output: object, count: int) -> Array:
         try:
-            return array_answer(answer, (count,))
+            return checked_array(output, (count,))
         except ValueError as error:
             raise self._wrong(f"{what} {error}") from error
 
-    def _wrong(self, message: str) -> ControllerAnswerError:
-        return ControllerAnswerError(f"{self._name}: {message}")
+    def _wrong(self, message: str) -> ControllerOutputError:
+        return ControllerOutputError(f"{self._name}: {message}")
 
 
 def _known(names: Names, state: SwarmState, setpoint: SwarmSetpoint, felt: Interference | None) -> Mask:

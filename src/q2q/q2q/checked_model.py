@@ -1,4 +1,4 @@
-"""Interaction model of a user's class, with every answer checked."""
+"""Interaction model of a user's class, with every output checked."""
 
 import math
 
@@ -7,12 +7,12 @@ import numpy as np
 from q2q_model.downwash.interaction_model import (
     UP,
     InteractionModel,
-    ModelAnswerError,
+    ModelOutputError,
     PairMotion,
     Reach,
     pairs_at_rest,
 )
-from q2q_model.signals.array_answer import array_answer, own_copy
+from q2q_model.signals.checked_array import checked_array, own_copy
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air import checked_air_model
 
@@ -23,7 +23,7 @@ NEEDED = {
     "acceleration": f"finite numbers of at most {LARGEST:g} m/s^2 are needed",
     "deviation": f"0 to {LARGEST:g} m/s^2 is needed, or NaN where unknown",
 }
-"""Answers that are allowed, by method."""
+"""Outputs that are allowed, by method."""
 PLACES = np.array([[aside, 0.0, gap] for aside in (0.0, 0.1, 1.0) for gap in (-1.0, -0.3, 0.3, 1.0)])
 """Sources of the trial, from the vehicle that feels them [m], (12, 3)."""
 VEL = np.array([0.5, -0.5, 0.2])
@@ -31,7 +31,7 @@ VEL = np.array([0.5, -0.5, 0.2])
 
 
 class CheckedModel:
-    """Model that raises ModelAnswerError where its class answers with something that cannot be flown with."""
+    """Model that raises ModelOutputError where its class returns something that cannot be flown with."""
 
     def __init__(self, model: InteractionModel) -> None:
         """Take a model, and try it with pairs at rest, as a predictor asks, and in motion, as an MPC does."""
@@ -84,22 +84,22 @@ class CheckedModel:
         reach = self._model.reach
         if isinstance(reach, Reach) and _is_length(reach.horizontal) and _is_length(reach.vertical):
             return reach
-        raise ModelAnswerError(f"{self._name}: reach is {reach!r}: a Reach of finite distances [m] is needed")
+        raise ModelOutputError(f"{self._name}: reach is {reach!r}: a Reach of finite distances [m] is needed")
 
     def _checked_max_delay(self) -> float:
         longest = self._model.max_delay
         if _is_length(longest):
             return float(longest)
-        raise ModelAnswerError(f"{self._name}: max_delay is {longest!r}: a finite time [s] is needed")
+        raise ModelOutputError(f"{self._name}: max_delay is {longest!r}: a finite time [s] is needed")
 
-    def _numbers(self, what: str, answer: object, shape: tuple[int, ...]) -> Array:
+    def _numbers(self, what: str, output: object, shape: tuple[int, ...]) -> Array:
         try:
-            return np.ascontiguousarray(array_answer(answer, shape), dtype=np.float64)
+            return np.ascontiguousarray(checked_array(output, shape), dtype=np.float64)
         except ValueError as error:
-            raise ModelAnswerError(f"{self._name}: {what} {error}") from error
+            raise ModelOutputError(f"{self._name}: {what} {error}") from error
 
     def _require(self, what: str, given: Array, allowed: Mask, inputs: tuple[Array, ...]) -> None:
-        """Raise ModelAnswerError for the first pair of finite inputs whose answer is not allowed."""
+        """Raise ModelOutputError for the first pair of finite inputs whose output is not allowed."""
         if allowed.all():
             return
         finite = np.broadcast_arrays(*(np.isfinite(one).all(axis=-1) for one in inputs))
@@ -107,7 +107,7 @@ class CheckedModel:
         if wrong.size:
             pair = int(wrong[0])
             rel_pos, value = (one.reshape(allowed.size, -1)[pair] for one in (inputs[0], given))
-            raise ModelAnswerError(
+            raise ModelOutputError(
                 f"{self._name}: {what} for a source at rel_pos {rel_pos} m is {value}: {NEEDED[what]}", pair
             )
 

@@ -87,11 +87,11 @@ def load_model(chosen: ModelChoice) -> ModelFile:
 
 
 def flown_model(chosen: ModelChoice) -> ModelFile:
-    """Return the model of a flight or a plan; every answer of a class of one's own is checked.
+    """Return the model of a flight or a plan; every output of a class of one's own is checked.
 
     Raises:
         ModelFileError, TypeError: as `load_model`.
-        ModelAnswerError: a class of one's own answers with something that cannot be flown with.
+        ModelOutputError: a class of one's own returns something that cannot be flown with.
     """
     file = load_model(chosen)
     if isinstance(file.interaction, tuple(MODELS.values())):

@@ -16,7 +16,7 @@ def plan(chosen: ScenarioChoice, *, around: ModelChoice | None = None) -> SwarmP
 
     Raises:
         InfeasibleError: no such plan was found.
-        ValueError: a choice, or an answer of a model, that is not allowed; the message says what is.
+        ValueError: a choice, or an output of a model, that is not allowed; the message says what is.
         TypeError: `around` is no model.
     """
     path = scenario(chosen)

@@ -64,7 +64,7 @@ def fly(  # noqa: PLR0913  choices of a user, all by name
     Raises:
         ValueError: a choice that is not allowed; the message says what is.
         TypeError: an argument of another type, as a controller without the methods of q2q.Controller.
-        ModelAnswerError, ControllerAnswerError, AirError: your own model, controller or air returned
+        ModelOutputError, ControllerOutputError, AirError: your own model, controller or air returned
             something that cannot be flown with, or the air failed.
     """
     check_flags(aware=aware, limit=limit, correct=correct)

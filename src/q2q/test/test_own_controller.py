@@ -8,7 +8,7 @@ import pytest
 from hovering_stack import STACK
 
 import q2q
-from q2q.checked_controller import CheckedController, ControllerAnswerError
+from q2q.checked_controller import CheckedController, ControllerOutputError
 from q2q_model.signals.values import Interference, SwarmCommand, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -59,7 +59,7 @@ def with_cf2(what: str, value: float) -> Change:
     ],
 )
 def test_a_command_that_cannot_be_flown_ends_the_flight_with_one_sentence(change: Change, message: str):
-    with pytest.raises(ControllerAnswerError, match=rf"^controller .*:Changed: {message}") as said:
+    with pytest.raises(ControllerOutputError, match=rf"^controller .*:Changed: {message}") as said:
         q2q.fly(STACK, controller=Changed(change))
     assert "\n" not in str(said.value)
 
@@ -90,7 +90,7 @@ def test_a_vehicle_without_a_state_may_get_no_number_and_no_other():
     setpoint = SwarmSetpoint(0.0, names, level, level, level, *np.zeros((2, 2)), np.zeros(2, dtype=np.uint8))
     missing = CheckedController(Changed(with_cf2("thrust", np.nan), since=0.0), CRAZYFLIE_2_0)
     np.testing.assert_array_equal(missing.update(state, setpoint, None).thrust, [HOVER, np.nan])
-    with pytest.raises(ControllerAnswerError, match="thrust of cf2"):
+    with pytest.raises(ControllerOutputError, match="thrust of cf2"):
         missing.update(replace(state, pos=level), setpoint, None)
 
 

@@ -1,4 +1,4 @@
-"""Flights with an interaction model of one's own: flown as it is, and reported at its first wrong answer."""
+"""Flights with an interaction model of one's own: flown as it is, and reported at its first wrong output."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from hovering_stack import STACK
 
 import q2q
 from q2q.checked_model import PLACES, CheckedModel
-from q2q_model.downwash.interaction_model import ModelAnswerError, PairMotion, Reach, pairs_at_rest
+from q2q_model.downwash.interaction_model import ModelOutputError, PairMotion, Reach, pairs_at_rest
 from q2q_model.downwash.jet import Jet
 from q2q_model.signals.values import Array
 
@@ -101,7 +101,7 @@ def test_a_model_of_ones_own_flies_with_its_own_numbers(controller: str):
     assert flight.facts.model == "Steady"
 
 
-def test_a_checked_model_answers_as_its_model_does():
+def test_a_checked_model_returns_what_its_model_does():
     jet, rel_pos = Jet(travel_speed=5.0), np.array([[0.1, 0.0, 0.5], [0.0, 0.2, -0.5]])
     motion = PairMotion(np.full((2, 3), 0.1), np.tile([0.0, 0.0, 1.0], (2, 1)), np.zeros((2, 3)))
     checked = CheckedModel(jet)
@@ -112,12 +112,12 @@ def test_a_checked_model_answers_as_its_model_does():
 
 
 @pytest.mark.parametrize("controller", ["pid", "mpc"])
-def test_a_wrong_answer_in_flight_names_the_vehicles_and_what_is_allowed(controller: str):
+def test_a_wrong_output_in_flight_names_the_vehicles_and_what_is_allowed(controller: str):
     message = (
         r"^cf1 in the downwash of cf2 at 0.000 s: model .*:NotANumber: acceleration for a source at rel_pos "
         r"\[0\. +0\. +0\.5\] m is \[nan nan nan\]: finite numbers of at most 1000 m/s\^2 are needed$"
     )
-    with pytest.raises(ModelAnswerError, match=message):
+    with pytest.raises(ModelOutputError, match=message):
         q2q.fly(STACK, model=NotANumber(), controller=controller)
 
 
@@ -134,9 +134,9 @@ def test_a_wrong_answer_in_flight_names_the_vehicles_and_what_is_allowed(control
     ],
 )
 def test_a_model_that_cannot_be_flown_with_is_refused_before_the_flight(model: Steady, message: str):
-    with pytest.raises(ModelAnswerError, match=message):
+    with pytest.raises(ModelOutputError, match=message):
         q2q.fly(STACK, model=model)
-    with pytest.raises(ModelAnswerError, match=message):
+    with pytest.raises(ModelOutputError, match=message):
         q2q.plan(STACK, around=replace(q2q.load_model("none"), interaction=model))
 
 
@@ -147,7 +147,7 @@ def test_what_is_no_model_is_refused(given: object):
             choose(given)  # type: ignore[arg-type]
 
 
-def test_an_answer_to_a_pair_whose_place_is_unknown_is_not_judged():
+def test_an_output_for_a_pair_whose_place_is_unknown_is_not_judged():
     class Follows(Steady):
         def acceleration(self, rel_pos: Array, _: PairMotion) -> Array:
             return 0.0 * rel_pos

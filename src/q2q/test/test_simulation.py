@@ -106,7 +106,7 @@ def test_an_air_object_of_a_room_flies_as_the_rooms_name():
     np.testing.assert_array_equal(by_object.arrays.true_pos, by_name.arrays.true_pos)
 
 
-def test_an_air_that_answers_nonsense_is_refused_before_the_flight():
+def test_an_air_that_returns_nonsense_is_refused_before_the_flight():
     class Wrong(Still):
         def push(self, _: q2q.Sources) -> q2q.AeroLoad:
             return q2q.AeroLoad(self.none[:1], self.none)

@@ -6,7 +6,7 @@ from q2q_model.bag import RawMessage
 from q2q_model.node.warm_up import synthetic_signal
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.values import MocapFrame
-from q2q_sim.bag_topics.awaited_tick import AwaitedTick, check_answer, played_tick_topics
+from q2q_sim.bag_topics.awaited_tick import AwaitedTick, check_awaited, played_tick_topics
 
 
 def message(topic: str, stamp_ns: int) -> RawMessage:
@@ -31,16 +31,16 @@ def test_a_tick_waits_for_an_answer_of_its_stamp_and_is_played_again_every_two_s
 
 
 def test_answers_are_topics_of_ticks_that_are_played() -> None:
-    check_answer("", ["state"])
-    check_answer("/interference", ["/mocap", "state"])
+    check_awaited("", ["state"])
+    check_awaited("/interference", ["/mocap", "state"])
     with pytest.raises(
-        ValueError, match=r"answer = 'interfrence': no such topic; did you mean interference\?"
+        ValueError, match=r"wait_for = 'interfrence': no such topic; did you mean interference\?"
     ):
-        check_answer("interfrence", ["mocap"])
+        check_awaited("interfrence", ["mocap"])
     with pytest.raises(ValueError, match=r"would answer itself; play only .* topics:=\[mocap\]"):
-        check_answer("/interference", ["mocap", "interference"])
+        check_awaited("/interference", ["mocap", "interference"])
     with pytest.raises(ValueError, match="messages on mocap, which is not played"):
-        check_answer("interference", ["state"])
+        check_awaited("interference", ["state"])
 
 
 def test_ticks_are_those_of_the_namespace_of_the_answer() -> None:
@@ -53,7 +53,7 @@ def test_ticks_are_those_of_the_namespace_of_the_answer() -> None:
 
 
 def test_answers_and_ticks_may_be_in_a_namespace() -> None:
-    check_answer("room/interference", ["/room/mocap"])
-    check_answer("/interference", ["/room/mocap", "/room/interference"])  # another topic than the bag's
+    check_awaited("room/interference", ["/room/mocap"])
+    check_awaited("/interference", ["/room/mocap", "/room/interference"])  # another topic than the bag's
     with pytest.raises(ValueError, match="would answer itself"):
-        check_answer("/room/interference", ["/room/mocap", "/room/interference"])
+        check_awaited("/room/interference", ["/room/mocap", "/room/interference"])

@@ -67,7 +67,7 @@ def test_only_the_ticks_of_the_room_that_answers_wait(tmp_path: Path) -> None:
             for row, room in enumerate("ab"):
                 frame = synthetic_signal(MocapFrame, tick / 100.0, (f"cf_{room}",))
                 writer.write_signal(f"/{room}/mocap", tick * 10_000_000 + row, frame)
-    with waiting_player(tmp_path / "rooms", "answer:=b/interference") as player:
+    with waiting_player(tmp_path / "rooms", "wait_for:=b/interference") as player:
         player._begin()
         waited = []
         while player._ticks.awaited is not None:
@@ -111,7 +111,7 @@ def test_a_type_that_is_not_installed_is_named_with_the_way_out(tmp_path: Path) 
 @pytest.mark.parametrize("place", ["", "room/"])
 def test_in_a_loop_every_tick_waits_for_the_answer_to_the_last(tmp_path: Path, place: str) -> None:
     recorded(tmp_path / "bag", f"/{place}mocap")
-    given = f"answer:={place}interference", "loop:=true", "start:=1.97"
+    given = f"wait_for:={place}interference", "loop:=true", "start:=1.97"
     with waiting_player(tmp_path / "bag", *given) as player:
         player._begin()
         ticks = []
@@ -133,7 +133,7 @@ def test_answers_to_ticks_need_a_tick_after_the_start(tmp_path: Path) -> None:
     with waiting_player(*given) as player:
         player._begin()
     refusal = r"parameter start = 2 s: the bag lasts 0\.0 s"
-    with pytest.raises(ValueError, match=refusal), waiting_player(*given, "answer:=interference"):
+    with pytest.raises(ValueError, match=refusal), waiting_player(*given, "wait_for:=interference"):
         pass
 
 
@@ -156,7 +156,7 @@ def test_a_second_start_is_refused_and_the_playback_goes_on(tmp_path: Path) -> N
 
 def test_an_answer_without_a_header_is_refused_and_the_next_one_goes_on(tmp_path: Path) -> None:
     recorded(tmp_path / "bag")
-    with waiting_player(tmp_path / "bag", "answer:=interference") as player:
+    with waiting_player(tmp_path / "bag", "wait_for:=interference") as player:
         player._begin()
         tick = player._ticks.awaited
         player._on_answer(b"")
@@ -212,7 +212,7 @@ def test_a_tick_without_an_answer_is_reported_until_it_comes(
 ) -> None:
     recorded(tmp_path / "bag")
     message = "no answer on interference to the last tick: does the node run that writes it?"
-    with waiting_player(tmp_path / "bag", "answer:=interference") as player:
+    with waiting_player(tmp_path / "bag", "wait_for:=interference") as player:
         now = [0.0]
         monkeypatch.setattr("q2q_sim.ros.bag_play_node.monotonic", lambda: now[0])
         player._begin()

@@ -13,7 +13,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
-from q2q_sim.firmware.commander.planner import Planner, PlannerAnswer, PlanState, Target, Vertical
+from q2q_sim.firmware.commander.planner import Planner, PlannerResult, PlanState, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at, goal_at_rest, piece_between
 from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 
@@ -103,12 +103,12 @@ def test_states_follow_the_commands() -> None:
     planner = Planner()
     planner.set_state(np.array([1.0, 2.0, 0.0]), np.zeros(3), 0.5)
     assert planner.goal(0.0) is None
-    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerAnswer.OK
-    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerAnswer.WRONG_STATE
+    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerResult.OK
+    assert planner.take_off(Vertical(1.0, 2.0, 0.0), 10.0) == PlannerResult.WRONG_STATE
     top = planner.goal(13.0)
     np.testing.assert_allclose(top.pos, [1.0, 2.0, 1.0])
-    assert planner.land(Vertical(0.0, 2.0), 13.0) == PlannerAnswer.OK
-    assert planner.land(Vertical(0.0, 2.0), 13.0) == PlannerAnswer.WRONG_STATE
+    assert planner.land(Vertical(0.0, 2.0), 13.0) == PlannerResult.OK
+    assert planner.land(Vertical(0.0, 2.0), 13.0) == PlannerResult.WRONG_STATE
     assert planner.goal(14.0).pos[2] == pytest.approx(0.5)
     assert planner.goal(15.0) is None
     assert planner.state == PlanState.IDLE
@@ -190,10 +190,10 @@ def test_half_a_turn_is_flown_to_the_right_whichever_way_it_is_asked_for(asked: 
 
 def test_a_goal_that_is_no_number_disables_the_planner_until_the_next_command() -> None:
     planner = Planner()
-    assert planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 0.0, linear=True), 0.0) == PlannerAnswer.OK
+    assert planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 0.0, linear=True), 0.0) == PlannerResult.OK
     assert planner.goal(0.01) is None
     assert planner.state == PlanState.DISABLED
-    assert planner.take_off(Vertical(1.0, 1.0), 0.1) == PlannerAnswer.WRONG_STATE
+    assert planner.take_off(Vertical(1.0, 1.0), 0.1) == PlannerResult.WRONG_STATE
     planner.go_to(Target((1.0, 0.0, 1.0), 0.0, 2.0), 0.1)
     np.testing.assert_allclose(planner.goal(3.0).pos, [1.0, 0.0, 1.0])
 
@@ -262,13 +262,13 @@ def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded:
         grounded.fleet.vehicles[0].handle(b"\x4e\x00" + struct.pack("<I", at) + packed[at : at + 24])
     pilot.define_trajectory(3, 0, 1)
     pilot.start_trajectory(3)
-    assert wire.answers[-1][-1] == PlannerAnswer.OK
+    assert wire.answers[-1][-1] == PlannerResult.OK
     goal = grounded.firmware().planner.goal(grounded.firmware().seconds + 1.0)
     np.testing.assert_allclose((goal.pos[2], goal.vel[2]), (0.5, 0.5))
     for number, pieces in ((4, 0), (5, 40)):  # none, beyond the memory
         pilot.define_trajectory(number, 0, pieces)
         pilot.start_trajectory(number)
-        assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
+        assert wire.answers[-1][-1] == PlannerResult.UNKNOWN
 
 
 def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(grounded: Pilot) -> None:
@@ -287,7 +287,7 @@ def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(groun
     pilot = commander(wire)
     pilot.define_trajectory(3, 0, 3, type=1)
     pilot.start_trajectory(3)
-    assert wire.answers[-1][-1] == PlannerAnswer.OK
+    assert wire.answers[-1][-1] == PlannerResult.OK
     curves = [BPoly(np.c_[axis], [0.0, 2.0]) for axis in ([0.0, 1.0], [0.0, *cubic], [0.25, *seventh])]
     for since in (0.0, 0.7, 1.9):
         goal = firmware.planner.goal(firmware.seconds + since)
@@ -298,7 +298,7 @@ def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(groun
         np.testing.assert_allclose((*goal.pos, goal.yaw), [1.0, y, 1.2, 0.0], atol=1e-6)
     for how in ({"time_scale": 2.0}, {"reversed": True}):
         pilot.start_trajectory(3, **how)
-        assert wire.answers[-1][-1] == PlannerAnswer.UNKNOWN
+        assert wire.answers[-1][-1] == PlannerResult.UNKNOWN
 
 
 def test_a_compressed_trajectory_turns_as_the_firmware_does_and_needs_an_end() -> None:
@@ -318,17 +318,17 @@ def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined
     wire = grounded.wire()
     pilot, planner = commander(wire), grounded.firmware().planner
     pilot.start_trajectory(9)
-    assert (wire.answers[-1][-1], planner.state) == (PlannerAnswer.OK, PlanState.IDLE)
-    for number, answer in ((30, PlannerAnswer.OK), (31, PlannerAnswer.UNKNOWN)):
+    assert (wire.answers[-1][-1], planner.state) == (PlannerResult.OK, PlanState.IDLE)
+    for number, answer in ((30, PlannerResult.OK), (31, PlannerResult.UNKNOWN)):
         pilot.define_trajectory(number, 0, 1)
         assert wire.answers[-1][-1] == answer
     pilot.start_trajectory(31)
-    assert (wire.answers[-1][-1], planner.state) == (PlannerAnswer.OK, PlanState.IDLE)
+    assert (wire.answers[-1][-1], planner.state) == (PlannerResult.OK, PlanState.IDLE)
 
 
 def test_a_command_of_more_than_an_hour_is_taken(grounded: Pilot) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     wire, firmware = grounded.wire(), grounded.firmware()
     commander(wire).takeoff(1.0, 7200.0)
-    assert wire.answers[-1][-1] == PlannerAnswer.OK
+    assert wire.answers[-1][-1] == PlannerResult.OK
     assert firmware.planner.goal(firmware.seconds + 3600.0).pos[2] == pytest.approx(0.5)

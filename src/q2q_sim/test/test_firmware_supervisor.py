@@ -8,7 +8,7 @@ from firmware_hover import HOVER, hovering
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.crtp.pilot import Pilot
-from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
+from q2q_sim.firmware.commander.planner import PlannerResult, Target, Vertical
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR, SET_THRUST
 from q2q_sim.firmware.firmware_build import Build
@@ -160,7 +160,7 @@ def test_a_linear_go_to_in_no_time_leaves_the_vehicle_without_setpoints() -> Non
     pilot.fly(1.5)
     assert (
         firmware.planner.go_to(Target((0.5, 0.0, 1.0), 0.0, 0.0, linear=True), firmware.seconds)
-        == PlannerAnswer.OK
+        == PlannerResult.OK
     )
     pilot.fly(0.5 + 2 * LOOK_S)
     assert state(pilot) == State.LEVEL_OUT

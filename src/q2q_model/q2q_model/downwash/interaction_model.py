@@ -73,11 +73,11 @@ def pairs_at_rest(rel_pos: Array) -> PairMotion:
     return PairMotion(source_vel=still, source_axis=still + UP, vel=still)
 
 
-class ModelAnswerError(ValueError):
-    """Error for an answer of a model that cannot be flown with."""
+class ModelOutputError(ValueError):
+    """Error for an output of a model that cannot be flown with."""
 
     def __init__(self, message: str, pair: int | None = None) -> None:
-        """Take the message, and the number of the pair if the answer to one is wrong."""
+        """Take the message, and the number of the pair if the output for one is wrong."""
         super().__init__(message)
         self.pair = pair
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import (
     InteractionModel,
-    ModelAnswerError,
+    ModelOutputError,
     SourceStates,
     retarded_pairs,
 )
@@ -98,10 +98,10 @@ class InteractionPredictor:
         pairs = find_pairs(states, now, self._bounds)
         self._remember(state, now)
         try:
-            answers = self._answers(state, now, pairs) if pairs[0].size else _NO_PAIR
-        except ModelAnswerError as error:
+            outputs = self._outputs(state, now, pairs) if pairs[0].size else _NO_PAIR
+        except ModelOutputError as error:
             raise _with_names(error, state, pairs) from error
-        sum_over_sources(pairs, answers, states, self._bounds[0] > 0.0, sums)
+        sum_over_sources(pairs, outputs, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
         is_wrong = self._order.is_wrong(state.t)
@@ -115,8 +115,8 @@ class InteractionPredictor:
         if not is_wrong and state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _answers(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
-        """Return the model's answers to the pairs of a tick."""
+    def _outputs(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
+        """Return the outputs of the model for the pairs of a tick."""
         i, j = pairs
         stale: Mask = np.not_equal(state.status[j], _TRACKED)
 
@@ -147,12 +147,12 @@ class InteractionPredictor:
         return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
 
 
-def _with_names(error: ModelAnswerError, state: SwarmState, pairs: Pairs) -> ModelAnswerError:
+def _with_names(error: ModelOutputError, state: SwarmState, pairs: Pairs) -> ModelOutputError:
     """Return the error with its time, and with the vehicles of its pair."""
     if error.pair is None:
-        return ModelAnswerError(f"at {state.t:.3f} s: {error}")
+        return ModelOutputError(f"at {state.t:.3f} s: {error}")
     feels, causes = (state.names[rows[error.pair]] for rows in pairs)
-    return ModelAnswerError(f"{feels} in the downwash of {causes} at {state.t:.3f} s: {error}", error.pair)
+    return ModelOutputError(f"{feels} in the downwash of {causes} at {state.t:.3f} s: {error}", error.pair)
 
 
 def _sources(states: Array) -> SourceStates:

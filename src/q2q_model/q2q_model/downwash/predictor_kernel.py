@@ -80,10 +80,10 @@ def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) ->
 
 @compiled
 def sum_over_sources(
-    pairs: Pairs, answers: PairInteractions, states: Array, known: bool, sums: InteractionSums
+    pairs: Pairs, outputs: PairInteractions, states: Array, known: bool, sums: InteractionSums
 ) -> None:
     """Write the sums; `known` is whether there is a model."""
-    (feels, _), (eta, deviation, stale) = pairs, answers
+    (feels, _), (eta, deviation, stale) = pairs, outputs
     acc, std, status = sums
     n = states.shape[0]
     acc[:], std[:], status[:] = 0.0, 0.0, _VALID
@@ -137,5 +137,5 @@ def write_present(
             pairs.vel[p, k] = now[i, 3 + k]
     eta = np.empty(shape)
     evaluate_pairs(pairs, law_of_numbers(law), np.empty(feels.size), eta)
-    answers = PairInteractions(eta, np.full(shape, np.nan), stale)
-    sum_over_sources(found, answers, states, bounds[0] > 0.0, InteractionSums(*sums))
+    outputs = PairInteractions(eta, np.full(shape, np.nan), stale)
+    sum_over_sources(found, outputs, states, bounds[0] > 0.0, InteractionSums(*sums))

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.counted import counted
-from q2q_model.flights.answer_ticks import ANSWERS, answer_ticks
 from q2q_model.flights.flight import FIELD_WIDTHS, FLIGHT_FIELDS, Flight
 from q2q_model.flights.flight_ticks import flight_ticks
+from q2q_model.flights.output_ticks import OUTPUTS, output_ticks
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_model.signals.values import Array, Names, index_of
@@ -46,7 +46,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
         name: name of the flight.
         signals: topic of FLIGHT_FIELDS -> its signals, in any order. The stamps of the first topic with
             signals (truth, then mocap) are the ticks; see flight_ticks for a truth that does not cover the
-            frames, and answer_ticks for frames with other stamps.
+            frames, and output_ticks for frames with other stamps.
 
     Raises:
         ValueError: there is no signal, no stamp of a topic is a tick (the clocks are mixed), or all ticks
@@ -65,7 +65,7 @@ def flight_from_rows(name: str, signals: Mapping[str, Sequence[SignalRows]]) -> 
     }
     repairs: list[str] = []
     for topic, recorded in present.items():
-        found = _at_ticks(recorded, present) if topic in ANSWERS else recorded
+        found = _at_ticks(recorded, present) if topic in OUTPUTS else recorded
         repairs += _remarks(topic, found, t, ticks_of)
         for rows in found:
             _fill(arrays, topic, rows, (t, names))
@@ -103,13 +103,13 @@ def _stamps(found: Sequence[SignalRows]) -> Array:
     return stamps[np.argsort(np.concatenate([rows.place for rows in found]))]
 
 
-def _at_ticks(answers: Sequence[SignalRows], present: Mapping[str, Sequence[SignalRows]]) -> list[SignalRows]:
-    """Return the rows of a topic of answers, stamped with the ticks of their frames."""
+def _at_ticks(outputs: Sequence[SignalRows], present: Mapping[str, Sequence[SignalRows]]) -> list[SignalRows]:
+    """Return the rows of a topic of outputs, stamped with the ticks of their frames."""
     truth, frames = (_stamps(present[topic]) if topic in present else np.zeros(0) for topic in _CLOCKS)
     made = []
-    for rows in answers:
-        of_node = [one for one in answers if set(one.names) & set(rows.names)]
-        ticks = answer_ticks(truth, frames, _stamps(of_node))
+    for rows in outputs:
+        of_node = [one for one in outputs if set(one.names) & set(rows.names)]
+        ticks = output_ticks(truth, frames, _stamps(of_node))
         order = np.sort(np.concatenate([one.place for one in of_node]))
         made.append(replace(rows, t=ticks[np.searchsorted(order, rows.place)]))
     return made

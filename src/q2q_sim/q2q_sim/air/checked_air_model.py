@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_model.signals.array_answer import array_answer
+from q2q_model.signals.checked_array import checked_array
 from q2q_model.signals.values import Array
 from q2q_sim.air.air_model import AeroLoad, AirModel, AirSetup, Sources
 from q2q_sim.air.air_names import AirError, error_line
@@ -51,7 +51,7 @@ class CheckedAirModel:
 
     def _within(self, what: str, values: Array, limit: float, t: float) -> Array:
         try:
-            given = array_answer(values, (self._count, 3))
+            given = checked_array(values, (self._count, 3))
         except ValueError as error:
             raise AirError(f"air {self._name}: {what} {error}") from error
         allowed = (np.abs(given) <= limit).all(axis=1)  # not NaN either

@@ -48,30 +48,30 @@ class AwaitedTick:
         return self.awaited if self.awaited is not None and self._resend.is_due(now) else None
 
 
-def played_tick_topics(played: Iterable[str], answer: str) -> set[str]:
-    """Return the topics of ticks: that in the namespace of `answer`, or where there is none, in any."""
+def played_tick_topics(played: Iterable[str], awaited: str) -> set[str]:
+    """Return the topics of ticks: that in the namespace of `awaited`, or where there is none, in any."""
     ticks = {topic for topic in played if topic.rpartition("/")[2] == TICK_TOPIC}
-    room = answer.strip("/").rpartition("/")[0]
+    room = awaited.strip("/").rpartition("/")[0]
     beside = {topic for topic in ticks if topic.strip("/").rpartition("/")[0] == room}
-    return (answer and beside) or ticks
+    return (awaited and beside) or ticks
 
 
-def answer_type(answer: str) -> str:
+def awaited_type(awaited: str) -> str:
     """Return the message type of the topic of answers; empty if it is none of a flight."""
-    return TYPE_NAMES.get(answer.rstrip("/").rpartition("/")[2], "")
+    return TYPE_NAMES.get(awaited.rstrip("/").rpartition("/")[2], "")
 
 
-def check_answer(answer: str, played: Iterable[str]) -> None:
+def check_awaited(awaited: str, played: Iterable[str]) -> None:
     """Raise ValueError if ticks cannot wait for a topic's answers; nothing waits for an empty one."""
-    if not answer:
+    if not awaited:
         return
-    if not answer_type(answer):
-        raise ValueError(f"parameter answer = {answer!r}: no such topic; {name_hint(answer, TYPE_NAMES)}")
+    if not awaited_type(awaited):
+        raise ValueError(f"parameter wait_for = {awaited!r}: no such topic; {name_hint(awaited, TYPE_NAMES)}")
     topics = {topic.strip("/") for topic in played}
-    if answer.strip("/") in topics:
+    if awaited.strip("/") in topics:
         raise ValueError(
-            f"parameter answer = {answer!r}: the bag has it and would answer itself; play only what your "
+            f"parameter wait_for = {awaited!r}: the bag has it and would answer itself; play only what your "
             f"nodes read, e.g. -p topics:=[{TICK_TOPIC}]"
         )
-    if not played_tick_topics(topics, answer):
-        raise ValueError(f"parameter answer: the ticks are the messages on {TICK_TOPIC}, which is not played")
+    if not played_tick_topics(topics, awaited):
+        raise ValueError(f"parameter wait_for: ticks are messages on {TICK_TOPIC}, which is not played")

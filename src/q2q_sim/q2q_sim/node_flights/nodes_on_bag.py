@@ -44,6 +44,6 @@ def replay_node_specs(bag: Path, model: str, made: Path, names: Sequence[str]) -
         NodeSpec(
             "q2q_sim",
             PLAYER,
-            {"bag": str(bag), "topics": ("mocap",), "answer": "interference", "autostart": False},
+            {"bag": str(bag), "topics": ("mocap",), "wait_for": "interference", "autostart": False},
         ),
     ]

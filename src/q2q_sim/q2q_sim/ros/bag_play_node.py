@@ -28,7 +28,7 @@ from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.topic_names import PLAYBACK_OVER
 from q2q_model.tunable import check_bounds, tunable
-from q2q_sim.bag_topics.awaited_tick import AwaitedTick, answer_type, check_answer, played_tick_topics
+from q2q_sim.bag_topics.awaited_tick import AwaitedTick, awaited_type, check_awaited, played_tick_topics
 from q2q_sim.bag_topics.playback import PAUSE_S, Playback
 from q2q_sim.bag_topics.played_messages import PlayedMessages, check_start, played_topics
 from q2q_sim.bag_topics.topics import has_one_writer
@@ -57,8 +57,10 @@ class PlayParams:
         "", "topic map of a bag that q2q did not record, as identify --topics", read_only=True
     )
     clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
-    answer: str = tunable(
-        "", "play the next tick after this topic has answered the last; empty: by rate", read_only=True
+    wait_for: str = tunable(
+        "",
+        "play the next tick after this topic has a message with the stamp of the last; empty: by rate",
+        read_only=True,
     )
     autostart: bool = tunable(True, "play at once; else wait for ~/start", read_only=True)  # noqa: FBT003
 
@@ -81,9 +83,9 @@ class Player:
         wanted = played_topics(self._reader.topics, self._params.topics)
         if self._params.clock:  # that of the playback, not the recorded one
             wanted.pop(CLOCK, None)
-        check_answer(self._params.answer, wanted)
-        self._ticks = AwaitedTick(played_tick_topics(wanted, self._params.answer))
-        waited = self._ticks.topics if self._params.answer else set(wanted)
+        check_awaited(self._params.wait_for, wanted)
+        self._ticks = AwaitedTick(played_tick_topics(wanted, self._params.wait_for))
+        waited = self._ticks.topics if self._params.wait_for else set(wanted)
         check_start((one.stamp_ns for one in self._reader.raw(waited)), self._params.start)
         self._messages = PlayedMessages(self._reader, wanted, self._params.start)
         self._writers = {topic: self._writer(topic, kind) for topic, kind in wanted.items()}
@@ -91,15 +93,16 @@ class Player:
         self._over = node.create_publisher(String, PLAYBACK_OVER, LATCHED)
         self._begun = False
         self._health = Health()
-        given = [CLOCK] * self._params.clock + [self._params.answer.strip("/")] * bool(self._params.answer)
+        awaited = self._params.wait_for.strip("/")
+        given = [CLOCK] * self._params.clock + [awaited] * bool(awaited)
         played = [topic.strip("/") for topic in wanted if has_one_writer(topic)]
         self._conflicts = PublisherConflicts(node, (*given, *played), self._health)
         publish_health(node, self._health, self._look)
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
-        if self._params.answer:
-            kind = _class_of(answer_type(self._params.answer))
-            node.create_subscription(kind, self._params.answer, self._on_answer, TICK, raw=True)
+        if self._params.wait_for:
+            kind = _class_of(awaited_type(self._params.wait_for))
+            node.create_subscription(kind, self._params.wait_for, self._on_answer, TICK, raw=True)
             steady_timer(node, LOOK_S, self._on_stall)
         else:
             steady_timer(node, BEAT_S, self._on_beat)
@@ -136,7 +139,7 @@ class Player:
         self._rewind()
         self._beat = monotonic()
         self._playback = Playback(self._messages.begin_ns, self._beat, self._params.rate)
-        if self._params.answer:
+        if self._params.wait_for:
             self._play_tick()
 
     def _rewind(self) -> None:
@@ -162,7 +165,7 @@ class Player:
         try:
             answered = self._ticks.is_answered_by(data)
         except ValueError as refusal:
-            self._health.refuse(f"{self._params.answer}: {refusal}")
+            self._health.refuse(f"{self._params.wait_for}: {refusal}")
             return
         if answered:
             self._play_tick()
@@ -171,7 +174,8 @@ class Player:
         tick = self._ticks.unanswered(monotonic())
         if tick is not None:
             self._writers[tick.topic].publish(tick.data)
-            report = f"no answer on {self._params.answer} to the last tick: does the node run that writes it?"
+            unanswered = f"no answer on {self._params.wait_for} to the last tick"
+            report = f"{unanswered}: does the node run that writes it?"
             self._health.doubts[ANSWER] = report
             self._node.get_logger().warning(report, once=True)
 

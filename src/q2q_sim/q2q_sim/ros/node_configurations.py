@@ -33,10 +33,10 @@ def configurations(executable: str, folder: Path) -> list[Configuration]:
         "simulator": [{"crtp": False}, {"crtp": True, "crtp_port": 0}],
         "bag_record": [{"bag": str(folder / "made")}],
         "bag_play": [
-            played | {"answer": "", "clock": False},
-            unanswered | {"answer": "command", "clock": False},
-            unanswered | {"answer": "", "clock": False},
-            unanswered | {"answer": "", "clock": True},
+            played | {"wait_for": "", "clock": False},
+            unanswered | {"wait_for": "command", "clock": False},
+            unanswered | {"wait_for": "", "clock": False},
+            unanswered | {"wait_for": "", "clock": True},
         ],
     }
     return known.get(executable, [{}])

@@ -136,7 +136,7 @@ class ResidualCorrector:
 
 
 class CorrectedPredictor:
-    """Predictor whose answers are corrected by accelerometers and commands."""
+    """Predictor whose outputs are corrected by accelerometers and commands."""
 
     def __init__(self, predictor: InteractionPredictor, process: ResidualProcess, vehicle: Vehicle) -> None:
         self._predictor, self._push = predictor, MeasuredPush(vehicle)

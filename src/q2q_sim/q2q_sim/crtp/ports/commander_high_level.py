@@ -30,7 +30,7 @@ from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_bytes, compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise, StoredBytes
-from q2q_sim.firmware.commander.planner import PlannerAnswer, Target, Vertical
+from q2q_sim.firmware.commander.planner import PlannerResult, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Piece
 from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 from q2q_sim.firmware.firmware import Firmware
@@ -50,7 +50,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
     """Execute a command and return the answer."""
     command = byte(packet.data, 0)
     rest = packet.data[1:]
-    answer = _COMMANDS[command](firmware, rest) if command in _COMMANDS else PlannerAnswer.UNKNOWN
+    answer = _COMMANDS[command](firmware, rest) if command in _COMMANDS else PlannerResult.UNKNOWN
     return [packet.answer(packet.data[:3].ljust(3, b"\0") + bytes([answer]))]
 
 
@@ -58,24 +58,24 @@ def _addressed(firmware: Firmware, mask: float) -> bool:
     return mask == 0 or bool(int(mask) & int(firmware.parameters["hlCommander.groupmask"]))
 
 
-def _flying(act: Callable[[Firmware, bytes], PlannerAnswer]) -> Callable[[Firmware, bytes], PlannerAnswer]:
+def _flying(act: Callable[[Firmware, bytes], PlannerResult]) -> Callable[[Firmware, bytes], PlannerResult]:
     """Return `act` if the supervisor permits flight and the command is for the vehicle's group."""
 
-    def guarded(firmware: Firmware, data: bytes) -> PlannerAnswer:
+    def guarded(firmware: Firmware, data: bytes) -> PlannerResult:
         if not firmware.supervisor.may_fly:
-            return PlannerAnswer.BLOCKED
-        return act(firmware, data) if _addressed(firmware, byte(data, 0)) else PlannerAnswer.OK
+            return PlannerResult.BLOCKED
+        return act(firmware, data) if _addressed(firmware, byte(data, 0)) else PlannerResult.OK
 
     return guarded
 
 
-def _set_mask(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _set_mask(firmware: Firmware, data: bytes) -> PlannerResult:
     firmware.parameters.set("hlCommander.groupmask", byte(data, 0))
-    return PlannerAnswer.OK
+    return PlannerResult.OK
 
 
-def _stop(firmware: Firmware, data: bytes) -> PlannerAnswer:
-    return firmware.planner.stop() if _addressed(firmware, byte(data, 0)) else PlannerAnswer.OK
+def _stop(firmware: Firmware, data: bytes) -> PlannerResult:
+    return firmware.planner.stop() if _addressed(firmware, byte(data, 0)) else PlannerResult.OK
 
 
 def _vertical(data: bytes) -> Vertical:
@@ -98,51 +98,51 @@ def _at_speed(firmware: Firmware, data: bytes, name: str, up: float) -> Vertical
     return Vertical(end, duration, None if keep else yaw)
 
 
-def _go(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _go(firmware: Firmware, data: bytes) -> PlannerResult:
     _, relative, x, y, z, yaw, duration = read_fields(_GO, data)
     target = Target((x, y, z), yaw, duration, relative=bool(relative))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
-def _go_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _go_2(firmware: Firmware, data: bytes) -> PlannerResult:
     _, relative, linear, x, y, z, yaw, duration = read_fields(_GO_2, data)
     target = Target((x, y, z), yaw, duration, relative=bool(relative), linear=bool(linear))
     return firmware.planner.go_to(target, firmware.seconds)
 
 
-def _arc(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _arc(firmware: Firmware, data: bytes) -> PlannerResult:
     _, sideways, clockwise, angle, first, last, ascent, duration = read_fields(_ARC, data)
     spiral = Spiral(angle, first, last, ascent, duration, bool(sideways), bool(clockwise))
     return firmware.planner.fly_piece(spiral_piece(firmware.planner.here, spiral), firmware.seconds)
 
 
-def _define(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _define(firmware: Firmware, data: bytes) -> PlannerResult:
     number, location, kind, offset, pieces = (int(one) for one in read_fields(_DEFINE, data))
     if number >= TRAJECTORIES:
-        return PlannerAnswer.UNKNOWN
+        return PlannerResult.UNKNOWN
     firmware.uploads.defined[number] = Uploaded(location, kind, offset, pieces)
-    return PlannerAnswer.OK
+    return PlannerResult.OK
 
 
-def _start(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _start(firmware: Firmware, data: bytes) -> PlannerResult:
     _, relative, backwards, number, scale = read_fields(_START, data)
     return _follow(firmware, int(number), scale, (bool(relative), False, bool(backwards)))
 
 
-def _start_2(firmware: Firmware, data: bytes) -> PlannerAnswer:
+def _start_2(firmware: Firmware, data: bytes) -> PlannerResult:
     _, relative, turned, backwards, number, scale = read_fields(_START_2, data)
     return _follow(firmware, int(number), scale, (bool(relative), bool(turned), bool(backwards)))
 
 
-def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool, bool]) -> PlannerAnswer:
+def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool, bool]) -> PlannerResult:
     """Fly an uploaded trajectory; `how`: from here, rotated, reversed."""
     one = firmware.uploads.defined.get(number)
     if one is None or one.location != IN_MEMORY or one.kind not in {POLY4D, COMPRESSED}:
-        return PlannerAnswer.OK
+        return PlannerResult.OK
     compressed = one.kind == COMPRESSED
     pieces = () if compressed and (scale != 1.0 or how[2]) else _uploaded(firmware.uploads.memory, one)
     if not pieces:
-        return PlannerAnswer.UNKNOWN
+        return PlannerResult.UNKNOWN
     place = _stored(firmware.uploads.memory, one)
     stored = StoredBytes(place, bytes(firmware.uploads.memory[place.start : place.stop]))
     trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2], stored=stored)
@@ -175,7 +175,7 @@ def _piece(memory: bytearray, at: int) -> Piece:
     return Piece(float(numbers[32]), numbers[:32].reshape(4, 8))
 
 
-_COMMANDS: dict[int, Callable[[Firmware, bytes], PlannerAnswer]] = {
+_COMMANDS: dict[int, Callable[[Firmware, bytes], PlannerResult]] = {
     0: _set_mask,
     1: _flying(lambda one, data: one.planner.take_off(_old_vertical(data), one.seconds)),
     2: _flying(lambda one, data: one.planner.land(_old_vertical(data), one.seconds)),

@@ -34,7 +34,7 @@ MOVING = (PlanState.FLYING, PlanState.LANDING)
 """A trajectory is being flown."""
 
 
-class PlannerAnswer(IntEnum):
+class PlannerResult(IntEnum):
     """Result of a command; values as errno on the wire."""
 
     OK = 0
@@ -103,25 +103,25 @@ class Planner:
         self._here = goal
         return goal
 
-    def stop(self) -> PlannerAnswer:
+    def stop(self) -> PlannerResult:
         """Drop the trajectory: motors off."""
         self.state = PlanState.IDLE
-        return PlannerAnswer.OK
+        return PlannerResult.OK
 
-    def take_off(self, end: Vertical, t: float) -> PlannerAnswer:
+    def take_off(self, end: Vertical, t: float) -> PlannerResult:
         """Take off at once, if idle."""
         if self.state != PlanState.IDLE:
-            return PlannerAnswer.WRONG_STATE
+            return PlannerResult.WRONG_STATE
         return self._vertical(end, t, PlanState.FLYING)
 
-    def land(self, end: Vertical, t: float) -> PlannerAnswer:
+    def land(self, end: Vertical, t: float) -> PlannerResult:
         """Land at once, unless landing already; the motors stop at the end."""
         if self.state == PlanState.LANDING:
-            return PlannerAnswer.WRONG_STATE
+            return PlannerResult.WRONG_STATE
         return self._vertical(end, t, PlanState.LANDING)
 
     @np.errstate(all="ignore")
-    def go_to(self, target: Target, t: float) -> PlannerAnswer:
+    def go_to(self, target: Target, t: float) -> PlannerResult:
         """Fly to a target at once."""
         start = self._now(t)
         pos, yaw = np.array(target.pos), target.yaw
@@ -139,7 +139,7 @@ class Planner:
         return self._fly(piece_between(begin, end, target.duration), t, PlanState.FLYING)
 
     @np.errstate(all="ignore")
-    def follow(self, trajectory: Piecewise, *, from_here: bool, turned: bool) -> PlannerAnswer:
+    def follow(self, trajectory: Piecewise, *, from_here: bool, turned: bool) -> PlannerResult:
         """Fly a trajectory, shifted to start at the present position and rotated to the present yaw.
 
         As in the firmware, the rotation is about the world's origin and does not apply to the shift: the
@@ -152,9 +152,9 @@ class Planner:
             turn = shortest_turn(wrap_yaw(first.yaw), wrap_yaw(self._here.yaw)) if turned else 0.0
             self._trajectory = replace(trajectory, shift=(x, y, z), turn=turn)
         self.state = PlanState.FLYING
-        return PlannerAnswer.OK
+        return PlannerResult.OK
 
-    def fly_piece(self, piece: Piece, t: float) -> PlannerAnswer:
+    def fly_piece(self, piece: Piece, t: float) -> PlannerResult:
         """Fly one piece at once."""
         return self._fly(piece, t, PlanState.FLYING)
 
@@ -173,14 +173,14 @@ class Planner:
             return self._trajectory.goal(t)
         return replace(self._here, acc=np.zeros(3), ang_vel_body=np.zeros(3))
 
-    def _vertical(self, end: Vertical, t: float, state: PlanState) -> PlannerAnswer:
+    def _vertical(self, end: Vertical, t: float, state: PlanState) -> PlannerResult:
         pos, yaw = self._here.pos, wrap_yaw(self._here.yaw)
         top = np.array([pos[0], pos[1], end.height])
         turn = shortest_turn(yaw, wrap_yaw(self._here.yaw if end.yaw is None else end.yaw))
         piece = piece_between(goal_at_rest(pos, yaw), goal_at_rest(top, yaw + turn), end.duration)
         return self._fly(piece, t, state)
 
-    def _fly(self, piece: Piece, t: float, state: PlanState) -> PlannerAnswer:
+    def _fly(self, piece: Piece, t: float, state: PlanState) -> PlannerResult:
         self._trajectory = Piecewise((piece,), t)
         self.state = state
-        return PlannerAnswer.OK
+        return PlannerResult.OK

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.flights.answer_ticks import answer_ticks
 from q2q_model.flights.joined_flight import check_clock
+from q2q_model.flights.output_ticks import output_ticks
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names
 from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
@@ -144,10 +144,10 @@ def _trace(topics: Mapping[str, Topic], at: Mapping[str, Array]) -> FlightTrace:
     )
 
 
-def _at_ticks(answers: Topic, topics: Mapping[str, Topic]) -> Topic:
-    """Return a topic of answers, stamped with the ticks of their frames."""
-    made = copy(answers)
-    made.stamps = answer_ticks(topics["truth"].stamps, topics["mocap"].stamps, answers.stamps)
+def _at_ticks(outputs: Topic, topics: Mapping[str, Topic]) -> Topic:
+    """Return a topic of outputs, stamped with the ticks of their frames."""
+    made = copy(outputs)
+    made.stamps = output_ticks(topics["truth"].stamps, topics["mocap"].stamps, outputs.stamps)
     return made
 
 

@@ -7,7 +7,7 @@ from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.experiments.licence.client_commands.client_command import Asked, CommandKind
 from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import absent_trajectory
 from q2q_sim.firmware.commander.commander import Priority
-from q2q_sim.firmware.commander.planner import PlannerAnswer
+from q2q_sim.firmware.commander.planner import PlannerResult
 from q2q_sim.firmware.firmware import Firmware
 
 _VERTICAL, _GO, _GO_2 = struct.Struct("<Bff?f"), struct.Struct("<BB5f"), struct.Struct("<BBB5f")
@@ -78,11 +78,11 @@ def _go_to(number: int, fields: bytes, refused: str) -> Asked:
 
 def _refusal(answers: list[Packet], firmware: Firmware) -> str:
     """Return why a command of the high-level commander has no effect; empty if it has."""
-    result = answers[-1].data[3] if answers and len(answers[-1].data) > 3 else PlannerAnswer.OK
+    result = answers[-1].data[3] if answers and len(answers[-1].data) > 3 else PlannerResult.OK
     if not firmware.supervisor.may_fly:
         return grounded(firmware)
-    if result != PlannerAnswer.OK:
-        return f"the vehicle answered {PlannerAnswer(result).name}"
+    if result != PlannerResult.OK:
+        return f"the vehicle answered {PlannerResult(result).name}"
     if firmware.commander.priority == Priority.CLIENT:
         return "setpoints have priority until notify_setpoint_stop"
     return ""

@@ -1,4 +1,4 @@
-"""Copies of what a user's code is given, and a check of the arrays that it answers with."""
+"""Copies of what a user's code is given, and a check of the arrays that it returns."""
 
 from dataclasses import Field, fields, replace
 from typing import Any, ClassVar, Protocol, TypeVar
@@ -22,15 +22,15 @@ def own_copy(given: Given) -> Given:
     return replace(given, **arrays)
 
 
-def array_answer(answer: object, shape: tuple[int, ...]) -> Array:
-    """Return numbers of a shape as an array.
+def checked_array(output: object, shape: tuple[int, ...]) -> Array:
+    """Return an output as an array of numbers of a shape.
 
     Raises:
-        ValueError: they are none; the message goes on after the name of what was answered.
+        ValueError: they are none; the message goes on after the name of the output.
     """
     needed = f"floats of shape {shape} are needed"
     try:
-        given = np.asarray(answer)
+        given = np.asarray(output)
     except (TypeError, ValueError) as error:
         raise ValueError(f"is no array ({type(error).__name__}: {error}): {needed}") from error
     if given.shape != shape or given.dtype.kind not in "fiu":

@@ -1,8 +1,8 @@
-"""Ticks at which the nodes answered frames with the stamps of other ticks.
+"""Ticks of outputs whose frames have the stamps of other ticks.
 
-The simulator stamps the truth with the time of its tick, and the nodes stamp their answers with the stamp of
+The simulator stamps the truth with the time of its tick, and the nodes stamp their outputs with the stamp of
 the frame. A clock jump, a late or a repeated frame makes that the time of another tick. In lockstep each tick
-has one frame and one answer of each node to it, so that the k-th is that of the k-th tick.
+has one frame and one output of each node for it, so that the k-th is that of the k-th tick.
 """
 
 import numpy as np
@@ -10,29 +10,29 @@ import numpy as np
 from q2q_model.flights.flight_ticks import GAP
 from q2q_model.signals.values import Array
 
-ANSWERS = ("reference", "reference_safe", "interference", "command")
+OUTPUTS = ("reference", "reference_safe", "interference", "command")
 """Topics of what was flown at a tick; state and mocap are about the time of their stamps."""
 MOST_AGAIN = 0.01
 """Largest fraction of ticks whose frames were sent again [-]."""
 
 
-def answer_ticks(truth: Array, frames: Array, answers: Array) -> Array:
-    """Return the tick of each answer [s], (K,): its own stamp, unless frames have those of other ticks.
+def output_ticks(truth: Array, frames: Array, outputs: Array) -> Array:
+    """Return the tick of each output [s], (K,): its own stamp, unless frames have those of other ticks.
 
-    A frame that is sent again, after an answer that was late, is answered again, under the same stamp.
+    A frame that is sent again, after an output that was late, is answered again, under the same stamp.
 
     Args:
         truth: stamps of the truth in the order of recording [s]; none without a simulator.
         frames: stamps of motion capture [s].
-        answers: stamps of the answers of one node on a topic in the order of recording [s], (K,).
+        outputs: stamps of the outputs of one node on a topic in the order of recording [s], (K,).
     """
-    surplus = len(answers) - len(truth)
-    again = np.diff(answers, prepend=np.nan) == 0.0
+    surplus = len(outputs) - len(truth)
+    again = np.diff(outputs, prepend=np.nan) == 0.0
     again &= np.cumsum(again) <= surplus
     each_has_one = again.sum() == surplus <= MOST_AGAIN * len(truth) and len(frames) >= len(truth)
     if each_has_one and _is_gapless(truth) and not np.array_equal(np.unique(frames), truth):
         return np.asarray(truth[np.cumsum(~again) - 1])
-    return answers
+    return outputs
 
 
 def _is_gapless(stamps: Array) -> bool:
