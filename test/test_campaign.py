@@ -15,13 +15,13 @@ from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, cut_document, 
 from q2q_sim.experiments.campaign.run_outcome import (
     CRASH,
     DIED,
-    TWIN,
+    MODE_AGREEMENT,
     RunOutcome,
     as_document,
     from_document,
     summary,
 )
-from q2q_sim.experiments.campaign.through_nodes import NodeFlights, twin_violation
+from q2q_sim.experiments.campaign.through_nodes import NodeFlights, mode_disagreement
 from q2q_sim.experiments.falsification import attack_record, bug_score, guided_campaign
 from q2q_sim.experiments.falsification.attack_case import read_case
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
@@ -77,7 +77,7 @@ def test_a_short_campaign_violates_nothing(tmp_path: Path) -> None:
     found = json.loads((tmp_path / "it.json").read_text())
     assert set(found) == KEYS
     assert (found["runs"], found["through_nodes"], found["violations"]) == (3, 1, 0)
-    assert found["by_policy"] == dict.fromkeys((*POLICIES, CRASH, TWIN), 0)
+    assert found["by_policy"] == dict.fromkeys((*POLICIES, CRASH, MODE_AGREEMENT), 0)
     assert found["seeds_of_violations"] == []
     assert found["seconds"] > 0.0
     assert not (tmp_path / "violations").exists()
@@ -143,6 +143,8 @@ def test_outcomes_survive_a_file_and_nonsense_is_refused() -> None:
     assert from_document(json.loads(json.dumps(as_document(one)))) == one
     with pytest.raises(ValueError, match="not an outcome of a run"):
         from_document({"seed": 1})
+    with pytest.raises(ValueError, match="unknown policy 'tlit'; known are separation, zone, "):
+        from_document(as_document(ended(2, replace(BROKEN, policy="tlit"))))
 
 
 def test_an_interrupted_campaign_goes_on_and_a_violation_is_reported(
@@ -235,8 +237,8 @@ def test_flight_after_flight_through_the_nodes_of_one_process_is_that_of_closed_
             flown("third", -1)
         again = flown("fourth", run.seed)
     pure = trace_in_lockstep(campaign_flight.fly_pure(short).topics)
-    assert twin_violation(first, pure) == twin_violation(again, pure) == ()
-    assert [one.policy for one in twin_violation(second, pure)] == [TWIN]
+    assert mode_disagreement(first, pure) == mode_disagreement(again, pure) == ()
+    assert [one.policy for one in mode_disagreement(second, pure)] == [MODE_AGREEMENT]
 
 
 def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
@@ -246,7 +248,7 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
 
     def fly(run: random_run.Run) -> AttackedFlight:
         flown.append(run.seed)
-        return AttackedFlight((BROKEN,) if run.seed == 37 else (), {"room": -float(len(flown))})
+        return AttackedFlight((BROKEN,) if run.seed == 37 else (), {"setpoint_error": -float(len(flown))})
 
     monkeypatch.setattr(
         parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
@@ -296,7 +298,7 @@ def test_a_bug_counts_as_found_only_by_a_run_that_the_sound_stack_keeps(
     def fly(run: random_run.Run) -> AttackedFlight:
         seeded = vars(bug.place)[bug.function] is not sound
         both = AttackedFlight((BROKEN,))  # also without the bug
-        return AttackedFlight((replace(BROKEN, policy="age"),)) if seeded and run.seed == 4 else both
+        return AttackedFlight((replace(BROKEN, policy="state_age"),)) if seeded and run.seed == 4 else both
 
     monkeypatch.setattr(bug_score, "fly_attacked", fly)
     one = bug_score.score_bugs(0, 10, 0)

@@ -194,8 +194,9 @@ def test_an_emergency_stop_and_a_blind_landing_are_reported() -> None:
 def test_what_was_not_recorded_is_not_judged_and_reported() -> None:
     nowhere = np.full_like(HOVER, np.nan)
     no_plan = output(flown(ref_pos=nowhere))
-    assert no_plan == "ok: 10.0 s flown to the end; not judged: floor and room (no reference recorded)"
-    assert "floor, room and distances" in output(flown(true_pos=nowhere))
+    unjudged = "floor and setpoint_error (no reference recorded)"
+    assert no_plan == f"ok: 10.0 s flown to the end; not judged: {unjudged}"
+    assert "floor, setpoint_error and distances" in output(flown(true_pos=nowhere))
     assert "missed ticks" in output(flown(status=np.full((TICKS, 2), np.nan)))
 
 

@@ -29,7 +29,7 @@ def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(
         return tell(self, vectors, margins)
 
     def judge(_: Run) -> AttackedFlight:
-        return AttackedFlight((), {"room": float(rng.random()), "floor": float(rng.random())})
+        return AttackedFlight((), {"setpoint_error": float(rng.random()), "floor": float(rng.random())})
 
     monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", record)
     runs = list(attack_runs(1, LENGTH, judge))
@@ -37,7 +37,7 @@ def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(
     assert len(runs) == 50
     assert learned in (
         [one.flight.margins[name] for some, name in zip((first, second), names, strict=True) for one in some]
-        for names in (("room", "floor"), ("floor", "room"))
+        for names in (("setpoint_error", "floor"), ("floor", "setpoint_error"))
     )
 
 

@@ -70,13 +70,15 @@ def test_only_a_push_beyond_the_thrust_excuses_a_vehicle_that_is_away(share: flo
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.01, 3.0])
 def test_a_margin_is_linear_in_the_worst_value_and_negative_where_the_policy_is_violated(share: float):
     flight = trace()
-    flight.true_pos[50, 0, 1] = -share * LIMITS.belief
+    flight.true_pos[50, 0, 1] = -share * LIMITS.state_error_max
     flight.roll[20, 1] = share * LIMITS.tilt_max
-    flight.state_age[30, 0] = share * LIMITS.fresh
+    flight.state_age[30, 0] = share * LIMITS.state_age_max
     found = margins(flight, AROUND)
-    for name in ("belief", "tilt", "age"):
+    for name in ("state_error", "tilt", "state_age"):
         assert found[name] == pytest.approx(1.0 - share)
-    assert found["room"] == pytest.approx(1.0 - share * LIMITS.belief / LIMITS.stray_room)
+    assert found["setpoint_error"] == pytest.approx(
+        1.0 - share * LIMITS.state_error_max / LIMITS.setpoint_error_max
+    )
     violated = {one.policy for one in judge(flight, AROUND)}
     assert violated == {name for name, margin in found.items() if margin < 0.0}
 
@@ -91,7 +93,7 @@ def test_vehicles_in_contact_and_in_the_zone_have_negative_margins():
 
 def test_what_is_not_judged_has_an_infinite_margin():
     flight = replace(trace(), state_status=np.full(SHAPE, float(TrackStatus.LOST)))
-    assert margins(flight, AROUND)["belief"] == np.inf
+    assert margins(flight, AROUND)["state_error"] == np.inf
     alone = replace(flight, names=("a",), true_pos=flight.true_pos[:, :1], sent_pos=flight.sent_pos[:, :1])
     columns = ("seen", "state_pos", "state_age", "state_status", "thrust", "roll", "pitch", "command_status")
     alone = replace(alone, **{name: getattr(flight, name)[:, :1] for name in columns})

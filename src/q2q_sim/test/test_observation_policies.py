@@ -25,7 +25,7 @@ from q2q_sim.monitors.policies import (
 
 def test_a_command_on_an_old_state_breaks_the_age_unless_it_says_so() -> None:
     old = changed(SwarmState, 3.0, 3.05, age=with_row(1, 0.06))
-    assert broken(old) == {"age"}
+    assert broken(old) == {"state_age"}
     says = changed(SwarmCommand, 3.0, 3.05, status=with_row(1, CommandStatus.DEGRADED))
     assert broken(lambda one: says(old(one))) == set()
 
@@ -40,9 +40,11 @@ def test_an_unseen_vehicle_flown_as_usual_breaks_the_action_after_60_ms() -> Non
         return late(gone(7)(one))
 
     unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-    assert "action" not in broken(lambda one: unmarked(gone(6)(one)))  # 0.06 s after it was last seen
-    assert "action" in broken(lambda one: unmarked(gone(7)(one)))
-    assert "action" not in broken(gone_and_marked)
+    assert "fallback_latency" not in broken(
+        lambda one: unmarked(gone(6)(one))
+    )  # 0.06 s after it was last seen
+    assert "fallback_latency" in broken(lambda one: unmarked(gone(7)(one)))
+    assert "fallback_latency" not in broken(gone_and_marked)
 
 
 def test_who_is_unseen_after_a_clock_jump_is_so_since_its_stamps_are_over() -> None:
@@ -51,7 +53,7 @@ def test_who_is_unseen_after_a_clock_jump_is_so_since_its_stamps_are_over() -> N
 
     def after(jump: Fault) -> bool:
         around = replace(AROUND, faults=(jump,))
-        return "action" in broken(lambda one: unmarked(gone(one)), around)
+        return "fallback_latency" in broken(lambda one: unmarked(gone(one)), around)
 
     assert not after(Fault("clock_jump", 2.9, 0.15, size=0.40))  # stamps up to 3.45
     assert after(Fault("clock_jump", 2.9, 0.15, size=0.30))  # up to 3.35: 0.15 s before it is seen again
@@ -63,7 +65,7 @@ def test_who_is_missing_is_not_judged_while_two_may_be_taken_for_each_other() ->
 
     def under(fault: Fault) -> bool:
         around = replace(AROUND, faults=(fault,))
-        return "action" in broken(lambda one: unmarked(gone(one)), around)
+        return "fallback_latency" in broken(lambda one: unmarked(gone(one)), around)
 
     names = received()[0].signal.names[:2]
     assert not under(Fault("swap", 2.0, 0.15, vehicles=names))  # over 0.95 s before the last frame without it
@@ -76,8 +78,10 @@ def test_a_vehicle_is_seen_by_any_frame_of_a_stamp_that_comes_again() -> None:
     blind = [changed(MocapFrame, 3.0, 3.2, pos=with_row(0, np.nan))(one) for one in received()]
     ahead = [one for one in received() if one.topic == "mocap" and 3.0 <= one.signal.t < 3.195]
     unmarked = changed(SwarmCommand, 2.9, 3.5, status=with_row(0, CommandStatus.OK))
-    assert "action" in {one.policy for one in judge(trace_of(map(unmarked, blind)), AROUND)}
-    assert "action" not in {one.policy for one in judge(trace_of(map(unmarked, [*ahead, *blind])), AROUND)}
+    assert "fallback_latency" in {one.policy for one in judge(trace_of(map(unmarked, blind)), AROUND)}
+    assert "fallback_latency" not in {
+        one.policy for one in judge(trace_of(map(unmarked, [*ahead, *blind])), AROUND)
+    }
 
 
 def silent_in(recorded: Iterable[RecordedSignal]) -> dict[str, float]:
@@ -138,9 +142,9 @@ def test_a_vehicle_on_the_ground_needs_no_commands_nor_one_that_comes_down_witho
     assert found == dict.fromkeys((SCENARIO.names[0], SCENARIO.names[2]), 5.0)
 
 
-def test_a_false_state_breaks_the_belief_unless_it_is_coasting_or_a_sensor_lies_steadily() -> None:
+def test_a_false_state_breaks_state_error_unless_it_is_coasting_or_a_sensor_lies_steadily() -> None:
     false = only("state", changed(SwarmState, 3.0, 3.05, pos=lambda pos: pos + np.array([0.0, 0.0, 0.12])))
-    assert broken(false) == {"belief"}
+    assert broken(false) == {"state_error"}
     coasting = only(
         "state", changed(SwarmState, 3.0, 3.05, status=lambda _: np.full(3, TrackStatus.COASTING))
     )
@@ -148,7 +152,7 @@ def test_a_false_state_breaks_the_belief_unless_it_is_coasting_or_a_sensor_lies_
     lie = replace(AROUND, faults=(Fault("jump", 2.8, 0.3, SCENARIO.names, 0.12),))
     assert broken(false, lie) == set()
     outlier = replace(AROUND, faults=(Fault("outlier", 2.8, 0.3, SCENARIO.names, 0.12),))
-    assert "belief" in broken(false, outlier)
+    assert "state_error" in broken(false, outlier)
 
 
 @pytest.mark.parametrize(("lost_s", "judged"), [(0.01, True), (0.4, True), (0.55, False)])

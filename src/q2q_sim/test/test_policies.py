@@ -40,7 +40,10 @@ def test_a_flight_without_faults_keeps_every_policy() -> None:
 
 def test_a_violation_says_what_was_measured_and_its_unit() -> None:
     texts = {policy: str(Violation(policy, "cf1", 8.97, 1.8932, 1.5)) for policy in POLICIES}
-    assert texts["room"] == "room: cf1 at 8.97 s: 1.893 m from its setpoint, at most 1.5 m is allowed"
+    assert (
+        texts["setpoint_error"]
+        == "setpoint_error: cf1 at 8.97 s: 1.893 m from its setpoint, at most 1.5 m is allowed"
+    )
     assert texts["silence"] == "silence: cf1 at 8.97 s: no command for 1.893 s, at most 1.5 s is allowed"
     assert [policy for policy, words in texts.items() if "allowed is 1.5" in words] == ["numbers"]
     not_finite = Violation("numbers", "cf1's thrust", float("nan"), float("nan"), 0.0)
@@ -57,7 +60,7 @@ def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() 
     near = only(
         "truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.10, 0.0])))
     )
-    assert {"separation", "room"} <= broken(near)
+    assert {"separation", "setpoint_error"} <= broken(near)
     apart = only(
         "truth", changed(SwarmState, 3.0, 3.1, pos=with_row(0, at.pos[1] + np.array([0.0, 0.20, 0.0])))
     )
@@ -75,8 +78,8 @@ def test_a_vehicle_that_lands_blind_is_sent_down_and_nowhere_else(
 ) -> None:
     away = only("truth", changed(SwarmState, 3.0, 3.1, pos=lambda pos: pos + np.array(off)))
     lands = changed(SwarmCommand, 2.0, 3.05, status=lambda _: np.full(3, CommandStatus.LAND))
-    assert "room" in broken(away)
-    assert ("room" in broken(lambda one: lands(away(one)))) == strays
+    assert "setpoint_error" in broken(away)
+    assert ("setpoint_error" in broken(lambda one: lands(away(one)))) == strays
 
 
 def test_a_vehicle_whose_marker_is_moved_may_be_so_much_farther() -> None:
@@ -87,17 +90,17 @@ def test_a_vehicle_whose_marker_is_moved_may_be_so_much_farther() -> None:
             AROUND, faults=(Fault("jump", start, 0.3, vehicles=received()[0].signal.names, size=size),)
         )
 
-    assert "room" in broken(away, around(0.2))
-    assert "room" not in broken(away, around(-0.4))
+    assert "setpoint_error" in broken(away, around(0.2))
+    assert "setpoint_error" not in broken(away, around(-0.4))
     earlier = around(-0.4, start=1.6)
-    assert "room" in broken(away, earlier)  # moved back 1.1 s before
+    assert "setpoint_error" in broken(away, earlier)  # moved back 1.1 s before
 
     def after_missing(until: float) -> set[str]:
         gone = changed(MocapFrame, 1.85, until, pos=lambda pos: np.full_like(pos, np.nan))
         return broken(lambda one: gone(away(one)), earlier)
 
-    assert "room" not in after_missing(2.15)  # where it was believed until then
-    assert "room" in after_missing(2.05)
+    assert "setpoint_error" not in after_missing(2.15)  # where it was believed until then
+    assert "setpoint_error" in after_missing(2.05)
 
 
 def test_a_vehicle_in_the_zone_breaks_it_only_where_it_was_sent_clear_of_it() -> None:
@@ -240,14 +243,15 @@ def test_a_bag_recorded_in_a_namespace_is_judged_and_one_without_a_clock_is_refu
     assert "messages on truth are stamped 0 s: stamp each" in capsys.readouterr().err
 
 
-UNSEEN = "separation, zone, room, floor"
-UNCOMMANDED = "thrust, tilt, age, action, silence"
+UNSEEN = "separation, zone, setpoint_error, floor"
+UNCOMMANDED = "thrust, tilt, state_age, fallback_latency, silence"
 
 
 @pytest.mark.parametrize(("topics", "status", "said"), [
-    ("mocap", 2, ("nothing to judge: record state or", f"{UNSEEN}, {UNCOMMANDED}, belief, return")),
-    ("mocap state reference_safe", 1, ("separation: cf1 and cf2", f"{UNCOMMANDED}, belief, return")),
-    ("mocap command", 0, ("keeps thrust, tilt, numbers, action, silence", f"{UNSEEN}, age, belief, return")),
+    ("mocap", 2, ("nothing to judge: record state or", f"{UNSEEN}, {UNCOMMANDED}, state_error, return")),
+    ("mocap state reference_safe", 1, ("separation: cf1 and cf2", f"{UNCOMMANDED}, state_error, return")),
+    ("mocap command", 0,
+     ("keeps thrust, tilt, numbers, fallback_latency, silence", f"{UNSEEN}, state_age, state_error, return")),
 ])  # fmt: skip
 def test_policies_of_which_a_bag_has_nothing_are_named_and_positions_are_the_filtered_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], topics: str, status: int, said: tuple[str, str]
@@ -273,7 +277,7 @@ def test_without_truth_a_vehicle_that_is_lost_is_nowhere() -> None:
         )
         return {one.policy for one in judge_bag(trace_of(map(at_origin, kept)), AROUND).violations}
 
-    assert {"separation", "room", "floor"} <= without_truth(TrackStatus.COASTING)
+    assert {"separation", "setpoint_error", "floor"} <= without_truth(TrackStatus.COASTING)
     assert without_truth(TrackStatus.LOST) == set()
 
 
@@ -302,6 +306,6 @@ def test_who_is_pushed_down_by_more_than_it_can_hold_is_not_judged_for_it() -> N
         around = replace(AROUND, faults=faults)
         held = left * vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
         assert {"floor"} <= broken(pushed(held - 0.01), around)
-        assert not {"floor", "room", "zone", "return"} & broken(pushed(held + 0.01), around)
+        assert not {"floor", "setpoint_error", "zone", "return"} & broken(pushed(held + 0.01), around)
     named = replace(AROUND, faults=(replace(sag, vehicles=("cf2", "cf3")),))
     assert "floor" in broken(pushed(0.95 * vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY), named)

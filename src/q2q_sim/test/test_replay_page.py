@@ -172,7 +172,7 @@ def test_a_page_says_what_was_not_judged_in_the_words_of_the_verdict(flight: Fli
     for one in (flight, unplanned):
         words = str(verdict_of(one, Circumstances(vehicle=TEXTBOOK_065)))
         assert replay_run(one, TEXTBOOK_065).verdict.endswith(f"; {words}")
-    assert words.endswith("not judged: floor and room (no reference recorded)")
+    assert words.endswith("not judged: floor and setpoint_error (no reference recorded)")
 
 
 def unknown_as(values: Array) -> Array:

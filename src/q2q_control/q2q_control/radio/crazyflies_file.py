@@ -135,9 +135,9 @@ def _check(vehicles: Sequence[Crazyflie]) -> None:
         check_vehicle_name(one.name)
         if not one.uri.startswith(SCHEMES):
             raise ValueError(f"{one.name}: uri = {one.uri!r}: {URI} is expected")
-        twins = [other.name for other, uri in zip(vehicles, reached, strict=True) if uri == own]
-        if len(twins) > 1:
-            raise ValueError(f"{' and '.join(twins)} have the same uri {one.uri}: each needs its own")
+        sharing = [other.name for other, uri in zip(vehicles, reached, strict=True) if uri == own]
+        if len(sharing) > 1:
+            raise ValueError(f"{' and '.join(sharing)} have the same uri {one.uri}: each needs its own")
 
 
 def params_set(document: object, name: str, *, by_type: bool) -> dict[str, float]:

@@ -5,7 +5,7 @@
 | a vehicle hit the floor | policy `floor` |
 | a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
 | two vehicles collided | policy `separation` |
-| a vehicle left its path | policy `room` |
+| a vehicle left its path | policy `setpoint_error` |
 | commands ended before the flight | a vehicle's last command older than the firmware's watchdog, 0.5 s |
 | ticks were missed | more than 1 % without a command in time, of a vehicle that ever had one |
 | the recording ends before the flight | a bag that was not closed (recording_end.py) |
@@ -30,16 +30,16 @@ from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.floor import floor, touches_floor
 from q2q_sim.monitors.policies.separation import separation
 from q2q_sim.monitors.policies.trace_from_arrays import trace_from_arrays
-from q2q_sim.monitors.policies.tracking import room
+from q2q_sim.monitors.policies.tracking import setpoint_error
 from q2q_sim.monitors.recording_end import recorded_duration
 
 MISSED_SHARE = 0.01
 """Largest fraction of ticks without a command in time [-]."""
 UNSEEN_S = 0.5
 """Time without a position of a vehicle from which it is reported [s]: longer than the dropouts of a room."""
-IN_FLIGHT = {"separation": separation, "floor": floor, "room": room}
+IN_FLIGHT = {"separation": separation, "floor": floor, "setpoint_error": setpoint_error}
 """Policies that decide on the outcome of a flight."""
-WORDS = {"separation": "collided", "floor": "hit the floor", "room": "left its path"}
+WORDS = {"separation": "collided", "floor": "hit the floor", "setpoint_error": "left its path"}
 
 EXCUSED = " (no command could prevent it: policies excuse it)"
 """Said of what the policies do not judge (q2q_sim.monitors.policies.exemptions)."""
@@ -142,9 +142,9 @@ def _once_if_of_all(values: Mapping[str, float]) -> Mapping[str, float]:
 
 def _unjudged(trace: FlightTrace, begin: float) -> Iterator[str]:
     if not np.isfinite(trace.true_pos).any():
-        yield "floor, room and distances (no state or truth recorded)"
+        yield "floor, setpoint_error and distances (no state or truth recorded)"
     elif not np.isfinite(trace.sent_pos).any():
-        yield "floor and room (no reference recorded)"
+        yield "floor and setpoint_error (no reference recorded)"
     if not np.isfinite(trace.command_status).any():
         yield "missed ticks (no command recorded)"
     if np.isfinite(trace.true_pos).any():

@@ -85,8 +85,8 @@ def judge_bag(trace: FlightTrace, circumstances: Circumstances) -> JudgedBag:
         return JudgedBag(judge(trace, circumstances), policies_without_evidence(trace))
     lost = (trace.state_status == TrackStatus.LOST)[..., None]
     filtered = replace(trace, true_pos=np.where(lost, np.nan, trace.state_pos))
-    policies = {name: policy for name, policy in POLICIES.items() if name != "belief"}
-    lacking = {*policies_without_evidence(filtered), "belief"}
+    policies = {name: policy for name, policy in POLICIES.items() if name != "state_error"}
+    lacking = {*policies_without_evidence(filtered), "state_error"}
     return JudgedBag(
         judge(filtered, circumstances, policies), tuple(name for name in POLICIES if name in lacking)
     )

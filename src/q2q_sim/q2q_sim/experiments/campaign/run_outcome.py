@@ -8,8 +8,10 @@ from q2q_sim.monitors.policies import POLICIES, Violation
 
 CRASH = "crash"
 """Name, in addition to the policies, of a run that raised an error: the worst violation."""
-TWIN = "twin"
+MODE_AGREEMENT = "mode_agreement"
 """Name, in addition to the policies, of a run through the nodes that differs from closed_loop."""
+NAMES = (*POLICIES, CRASH, MODE_AGREEMENT)
+"""Names of what a run can violate."""
 DIED = "died alone"
 """Description of a run whose process died, alone with it."""
 
@@ -44,11 +46,14 @@ def from_document(document: Mapping[str, object]) -> RunOutcome:
         violations = document["violations"]
         if not isinstance(violations, Sequence):
             raise ValueError(f"violations = {violations!r}: a list is expected")  # noqa: TRY004  a bad document
+        found = tuple(Violation(**one) for one in violations)
+        if unknown := {one.policy for one in found} - {*NAMES}:
+            raise ValueError(f"unknown policy {min(unknown)!r}; known are {', '.join(NAMES)}")
         return RunOutcome(
             seed=int(str(document["seed"])),
             through_nodes=bool(document["through_nodes"]),
             what=str(document["what"]),
-            violations=tuple(Violation(**one) for one in violations),
+            violations=found,
             seconds=float(str(document["seconds"])),
             air=str(document.get("air", "")),
         )
@@ -63,7 +68,7 @@ def summary(outcomes: Sequence[RunOutcome], seconds: float) -> dict[str, object]
         "runs": len(outcomes),
         "through_nodes": sum(one.through_nodes for one in outcomes),
         "violations": sum(bool(one.violations) for one in outcomes),
-        "by_policy": {policy: counts[policy] for policy in (*POLICIES, CRASH, TWIN)},
+        "by_policy": {policy: counts[policy] for policy in NAMES},
         "seeds_of_violations": sorted({one.seed for one in outcomes if one.violations}),
         "seconds": seconds,
     }

@@ -1,6 +1,6 @@
 """Runs of a campaign through the real nodes in lockstep, checked by the policies and against closed_loop.
 
-The nodes must reproduce closed_loop to TWIN_M under any fault; a deviation is a violation.
+The nodes must reproduce closed_loop to AGREEMENT_M under any fault; a deviation is a violation.
 """
 
 import os
@@ -23,7 +23,7 @@ from q2q_sim.experiments.campaign.campaign_flight import (
     write_scenario,
 )
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.campaign.run_outcome import TWIN, RunOutcome
+from q2q_sim.experiments.campaign.run_outcome import MODE_AGREEMENT, RunOutcome
 from q2q_sim.monitors.policies import FlightTrace, Violation, judge, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
@@ -32,7 +32,7 @@ from q2q_sim.node_flights.scenario_flight import fly
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.tools.judge_bags import trace_in
 
-TWIN_M = 1e-9
+AGREEMENT_M = 1e-9
 """Largest deviation of a flight through the nodes from closed_loop [m]: rounding of reordered sums."""
 APART_EVERY = 20
 """Period of runs with a process for each node; the others use one resident process."""
@@ -95,7 +95,7 @@ class NodeFlights:
         except Exception as error:  # noqa: BLE001 - a campaign looks for any error
             return (crash_violation(error),)
         found = judge(trace, circumstances_of(run))
-        return (*found, *twin_violation(trace, trace_in_lockstep(fly_pure(run).topics)))
+        return (*found, *mode_disagreement(trace, trace_in_lockstep(fly_pure(run).topics)))
 
     def _through(self, request: FlightRequest, bag: Path) -> None:
         folder = self._folder / "nodes"
@@ -114,14 +114,14 @@ class NodeFlights:
         shutil.copytree(self._folder, place)
 
 
-def twin_violation(through_nodes: FlightTrace, pure: FlightTrace) -> tuple[Violation, ...]:
+def mode_disagreement(through_nodes: FlightTrace, pure: FlightTrace) -> tuple[Violation, ...]:
     """Return the violation if a flight through the nodes deviates from closed_loop."""
     if through_nodes.true_pos.shape != pure.true_pos.shape:
         ticks = float(len(through_nodes.t) - len(pure.t))
-        return (Violation(TWIN, "number of ticks", float("nan"), ticks, 0.0),)
+        return (Violation(MODE_AGREEMENT, "number of ticks", float("nan"), ticks, 0.0),)
     apart = np.abs(through_nodes.true_pos - pure.true_pos).max(axis=(1, 2), initial=0.0)  # (T,)
-    bad = ~(apart <= TWIN_M)
+    bad = ~(apart <= AGREEMENT_M)
     if not bad.any():
         return ()
     first = int(np.flatnonzero(bad)[0])
-    return (Violation(TWIN, "truth", float(pure.t[first]), float(apart.max()), TWIN_M),)
+    return (Violation(MODE_AGREEMENT, "truth", float(pure.t[first]), float(apart.max()), AGREEMENT_M),)

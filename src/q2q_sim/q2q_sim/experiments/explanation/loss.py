@@ -16,7 +16,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.monitors.policies import Limits
 
 LossKind = Literal["distance", "height"]
-LOST = Limits().stray_room
+LOST = Limits().setpoint_error_max
 """[m]"""
 
 

@@ -6,20 +6,20 @@
 |---|---|---|
 | separation | every pair stays `separation` apart, by more than markers are displaced | true positions |
 | zone | a pair whose setpoints clear the zone by `stray` is not in it | true positions |
-| room | every vehicle stays within `stray_room` of its setpoint, or lands below it | true positions |
+| setpoint_error | every vehicle is within `setpoint_error_max` of its setpoint, or lands below it | truth |
 | floor | no vehicle with a setpoint above the floor touches it, unless it lands | true positions |
 | thrust | 0 <= U1 <= the vehicle's largest | commands |
 | tilt | thrust is commanded within tilt_max of the vertical | commands |
 | numbers | no state, setpoint or command is NaN or infinite | all |
-| age | a command with status OK is computed from a state younger than `fresh` | commands, states |
-| action | a vehicle not observed for 60 ms is flown by a fallback | frames, commands |
+| state_age | a command with status OK is of a state younger than `state_age_max` | commands, states |
+| fallback_latency | a vehicle not observed for 60 ms is flown by a fallback | frames, commands |
 | silence | live: no vehicle in the air is 60 ms without a new command (`ended` at the end) | commands |
-| belief | a state with status tracked is accurate to `belief`, unless a sensor has a steady error | states |
+| state_error | a state marked tracked is within `state_error_max`, unless a sensor errs steadily | states |
 | return | `settle` after the last fault all are within `back`, but for less than `passing` | truth |
 
-A vehicle that no command carries (overpowered), or none is known to (unforeseen), is not judged by zone,
-room, floor and return until `settle` after it, in the second case, in which it is flown blind, nor by
-separation.
+A vehicle that no command carries (overpowered), or none is known to (unforeseen), is not judged by
+zone, setpoint_error, floor and return until `settle` after it, in the second case, in which it is flown
+blind, nor by separation.
 """
 
 from q2q_sim.monitors.policies.flight_trace import FlightTrace, RecordedSignal, trace_in_lockstep, trace_of

@@ -16,21 +16,21 @@ ROUNDING = 1e-6
 """Ages are differences of stamps [s]."""
 
 
-def age(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
+def state_age(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally on too old a state."""
-    limit = circumstances.limits.fresh
+    limit = circumstances.limits.state_age_max
     excess = np.where(_as_usual(trace), trace.state_age - limit - ROUNDING, np.nan)
-    return worst_violations("age", trace, excess, (trace.state_age, limit))
+    return worst_violations("state_age", trace, excess, (trace.state_age, limit))
 
 
-def action(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
+def fallback_latency(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles flown normally though not in any frame for longer than a fallback may take.
 
     Stamps are the only clock: frames with jumping stamps cannot be dated, so the time without observation
     starts again after a clock jump. Vehicles whose names are exchanged are observed as each other: which of
     them is missing is unknown then.
     """
-    limit = circumstances.limits.action
+    limit = circumstances.limits.fallback_latency_max
     if not trace.seen.any():
         return []  # no motion capture in this recording
     t = trace.t[:, None]
@@ -39,7 +39,7 @@ def action(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     unseen = t - last
     reported = _as_usual(trace) & ~after_label_swap(trace, circumstances.faults)
     excess = np.where(reported, unseen - limit - ROUNDING, np.nan)
-    return worst_violations("action", trace, excess, (unseen, limit))
+    return worst_violations("fallback_latency", trace, excess, (unseen, limit))
 
 
 def silence(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
@@ -54,7 +54,7 @@ def silence(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]
     found = []
     for row, name in enumerate(trace.names):
         begin, silent = _silences(trace, row, circumstances.limits)
-        limit = np.full(len(begin), circumstances.limits.action)
+        limit = np.full(len(begin), circumstances.limits.fallback_latency_max)
         limit[-1:] = circumstances.limits.ended
         if len(begin):
             k = int((silent - limit).argmax())

@@ -11,28 +11,28 @@ from q2q_sim.monitors.policies.violations import Circumstances, Policy, Violatio
 POLICIES: Mapping[str, Policy] = {
     "separation": separation.separation,
     "zone": separation.zone,
-    "room": tracking.room,
+    "setpoint_error": tracking.setpoint_error,
     "floor": floor.floor,
     "thrust": command_bounds.thrust,
     "tilt": command_bounds.tilt,
     "numbers": command_bounds.numbers,
-    "age": ages.age,
-    "action": ages.action,
+    "state_age": ages.state_age,
+    "fallback_latency": ages.fallback_latency,
     "silence": ages.silence,
-    "belief": tracking.belief,
+    "state_error": tracking.state_error,
     "return": tracking.return_to_path,
 }
 """Policies by name."""
 NEEDS: Mapping[str, tuple[str, ...]] = {
     "separation": ("true_pos",),
     "zone": ("true_pos", "sent_pos"),
-    "room": ("true_pos", "sent_pos"),
+    "setpoint_error": ("true_pos", "sent_pos"),
     "floor": ("true_pos", "sent_pos"),
     "thrust": ("thrust",),
     "tilt": ("roll", "pitch"),
-    "age": ("state_age", "command_status"),
-    "action": ("seen", "command_status"),
-    "belief": ("true_pos", "state_pos", "state_status"),
+    "state_age": ("state_age", "command_status"),
+    "fallback_latency": ("seen", "command_status"),
+    "state_error": ("true_pos", "state_pos", "state_status"),
     "return": ("true_pos", "sent_pos", "command_status"),
 }
 """Arrays of the trace without which a policy judges nothing; the others need none."""

@@ -25,11 +25,11 @@ from q2q_sim.monitors.policies.separation import clearances
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
 MOST = {
-    "room": "stray_room",
+    "setpoint_error": "setpoint_error_max",
     "tilt": "tilt_max",
-    "age": "fresh",
-    "action": "action",
-    "belief": "belief",
+    "state_age": "state_age_max",
+    "fallback_latency": "fallback_latency_max",
+    "state_error": "state_error_max",
     "return": "back",
 }
 """Policies whose value must stay below a limit, and the limit's name."""
@@ -52,7 +52,14 @@ def margins(trace: FlightTrace, circumstances: Circumstances) -> Mapping[str, fl
 
 def _kept_by_none(limits: Limits) -> Limits:
     return replace(
-        limits, stray_room=0.0, tilt_max=0.0, fresh=0.0, action=0.0, belief=0.0, back=0.0, separation=FAR
+        limits,
+        setpoint_error_max=0.0,
+        tilt_max=0.0,
+        state_age_max=0.0,
+        fallback_latency_max=0.0,
+        state_error_max=0.0,
+        back=0.0,
+        separation=FAR,
     )
 
 

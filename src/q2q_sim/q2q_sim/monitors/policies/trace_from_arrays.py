@@ -11,7 +11,7 @@ def trace_from_arrays(flight: Flight) -> FlightTrace:
     """Return the trace in a flight's arrays.
 
     Positions are the true ones, else the filtered ones. A flight has neither recording times nor ages of
-    states, so the policies age, belief and silence do not apply.
+    states, so the policies state_age, state_error and silence do not apply.
     """
     unknown = np.full(flight.thrust.shape, np.nan)
     replanned = np.isfinite(flight.safe_pos)

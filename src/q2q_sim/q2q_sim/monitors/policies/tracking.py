@@ -1,4 +1,4 @@
-"""Policies on positions: within the room, true to the state estimate, back on the path after faults."""
+"""Policies on positions: near the setpoint, true to the state estimate, back on the path after faults."""
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
 
 
-def room(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
+def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles that flew away from their setpoints.
 
     A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
@@ -36,15 +36,15 @@ def room(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     stopped = without_feedback_lately(trace, limits.settle) | evading_lately(trace, limits.settle)
     for row in range(len(trace.names)):
         for begin, end in runs_of_true(stopped[:, row]):
-            late = begin + np.flatnonzero(off[begin:end, row] > limits.stray_room)
+            late = begin + np.flatnonzero(off[begin:end, row] > limits.setpoint_error_max)
             off_by = trace.true_pos[late, None, row] - trace.sent_pos[begin:end, row]  # (late, run, 3)
             apart = _distance(off_by, down[late, None, row])
             apart[late[:, None] < np.arange(begin, end)] = np.inf
             off[late, row] = np.fmin.reduce(apart, axis=1)
     off = np.maximum(off - marker_displacement(trace, circumstances.faults), 0.0)
-    limit = limits.stray_room
+    limit = limits.setpoint_error_max
     excess = np.where(helpless_lately(trace, circumstances), np.nan, off - limit)
-    return worst_violations("room", trace, excess, (off, limit))
+    return worst_violations("setpoint_error", trace, excess, (off, limit))
 
 
 def _distance(off_by: Array, down: Mask) -> Array:
@@ -54,14 +54,14 @@ def _distance(off_by: Array, down: Mask) -> Array:
     return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
-def belief(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
+def state_error(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the vehicles whose state was wrong under the status tracked."""
     off = np.linalg.norm(trace.state_pos - trace.true_pos, axis=2)
     trusted = (trace.state_status == TrackStatus.TRACKED) & ~with_sensor_error(
         trace, circumstances.faults, RECOVERY_S
     )
-    limit = circumstances.limits.belief
-    return worst_violations("belief", trace, np.where(trusted, off - limit, np.nan), (off, limit))
+    limit = circumstances.limits.state_error_max
+    return worst_violations("state_error", trace, np.where(trusted, off - limit, np.nan), (off, limit))
 
 
 def return_to_path(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:

@@ -27,18 +27,20 @@ class Limits:
     stray: float = tunable(
         0.3, "clearance of setpoints from the zone for which vehicles must stay out of it", unit="m", low=0.0
     )
-    stray_room: float = tunable(1.5, "largest distance from the setpoint", unit="m", low=0.0)
+    setpoint_error_max: float = tunable(1.5, "largest distance from the setpoint", unit="m", low=0.0)
     # DisturbanceParams: real rotors give up to 1.03 of the commanded thrust; commands are exact
     thrust_slack: float = tunable(1e-9, "thrust beyond its bounds", unit="N", low=0.0)
     tilt_max: float = tunable(0.36, "largest commanded angle to the vertical", unit="rad", low=0.0)
-    fresh: float = tunable(0.05, "largest age of the state behind a computed command", unit="s", low=0.0)
+    state_age_max: float = tunable(
+        0.05, "largest age of the state behind a computed command", unit="s", low=0.0
+    )
     # requirement: fallback within 60 ms of the fault; the firmware's watchdog waits LEVEL_AFTER_S
-    action: float = tunable(0.06, "from the fault to the fallback", unit="s", low=0.0)
+    fallback_latency_max: float = tunable(0.06, "from the fault to the fallback", unit="s", low=0.0)
     # nodes and recorder of a flight that is ended do not end together
     ended: float = tunable(
         LEVEL_AFTER_S, "without commands up to the end of the recording", unit="s", low=0.0
     )
-    belief: float = tunable(0.10, "error of a state with status tracked", unit="m", low=0.0)
+    state_error_max: float = tunable(0.10, "error of a state with status tracked", unit="m", low=0.0)
     settle: float = tunable(3.5, "from the last fault to the return", unit="s", low=0.0)
     back: float = tunable(0.25, "distance from the reference after the return", unit="m", low=0.0)
     # a vehicle that turns at 3 m/s^2 and 1.5 m/s has changed its direction
@@ -67,16 +69,17 @@ class Circumstances:
 WORDS: Mapping[str, str] = {
     "separation": "{0.value:.4g} m apart, at least {0.limit:.4g} m is allowed",
     "zone": "{0.value:.4g} m outside the zone (inside is negative), at least {0.limit:.4g} m is allowed",
-    "room": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
+    "setpoint_error": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
     "floor": "at a height of {0.value:.4g} m, more than {0.limit:.4g} m is allowed",
     "thrust": "{0.value:.4g} N commanded, 0 to {0.limit:.4g} N is allowed",
     "tilt": "{0.value:.4g} rad of commanded tilt, at most {0.limit:.4g} rad is allowed",
-    "age": "flown on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
-    "action": "flown normally {0.value:.4g} s after its last sample, at most {0.limit:.4g} s is allowed",
+    "state_age": "flown on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
+    "fallback_latency": "flown normally {0.value:.4g} s after its last sample, at most {0.limit:.4g} s "
+    "is allowed",
     "silence": "no command for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
-    "belief": "tracked {0.value:.4g} m off its true position, at most {0.limit:.4g} m is allowed",
+    "state_error": "tracked {0.value:.4g} m off its true position, at most {0.limit:.4g} m is allowed",
     "return": "still {0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
-    "twin": "{0.value:.4g} m apart by nodes and by closed_loop, at most {0.limit:.4g} m is allowed",
+    "mode_agreement": "{0.value:.4g} m apart by nodes and by closed_loop, at most {0.limit:.4g} m is allowed",
     "lost": "LOST at {0.value:.4g} m/s, at most {0.limit:.4g} m/s is allowed",
     "swap": "moved by {0.value:.4g} m, at most {0.limit:.4g} m is allowed",
     "told": "OK on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",

@@ -48,7 +48,7 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
         return StatedOutcome()
     if sum(fault.duration + 2.0 * TICK_S for fault in swaps) > filter_params(run.scenario).coast_s:
         return StatedOutcome()
-    allowed = Limits().belief + sum(abs(fault.size) for fault in faults if fault.kind == "jump")
+    allowed = Limits().state_error_max + sum(abs(fault.size) for fault in faults if fault.kind == "jump")
     off = _errors(ticks)
     found, margin = [], np.inf
     for fault in swaps:
