@@ -1,4 +1,4 @@
-"""A vehicle that was sent down is excused on the floor where that brought it down, and nowhere else."""
+"""A vehicle that was sent down is exempt on the floor where that brought it down, and nowhere else."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_a_fall_soon_after_an_order_to_land_is_named_where_it_was_not_sinking() 
 
 
 @pytest.mark.parametrize(
-    ("sinking", "left", "brakes", "is_excused"),
+    ("sinking", "left", "brakes", "is_exempt"),
     [
         (0.8, 0.6, 1.5, True),  # 0.7 m to stop from 0.8 m/s in 1.75 s
         (0.8, 0.8, 1.5, False),
@@ -66,13 +66,13 @@ def test_a_fall_soon_after_an_order_to_land_is_named_where_it_was_not_sinking() 
         (0.8, 0.6, 2.0, False),
     ],
 )
-def test_a_vehicle_found_as_it_sinks_is_excused_as_far_as_it_needs_to_stop(
-    sinking: float, left: float, brakes: float, is_excused: bool
+def test_a_vehicle_found_as_it_sinks_is_exempt_as_far_as_it_needs_to_stop(
+    sinking: float, left: float, brakes: float, is_exempt: bool
 ) -> None:
     sent, down = 7.0 - (1.2 - left) / sinking, 7.0 + brakes
     z = heights((sent, 1.2), (7.0, left), (down, 0.0), (down + 0.5, 0.0), (down + 1.0, 1.2))
     found = falls(z, commands(sent, 7.0))
-    assert found == ([] if is_excused else pytest.approx([down], abs=0.1))
+    assert found == ([] if is_exempt else pytest.approx([down], abs=0.1))
 
 
 @pytest.mark.parametrize("noise", [0.5e-3, 2e-3])

@@ -63,30 +63,30 @@ def test_what_goes_wrong_is_named_with_who_and_when(where: tuple[float, float, f
 
 
 def test_a_fall_that_no_command_prevents_is_a_failure_when_it_happens() -> None:
-    """The policies excuse it until 3.5 s after the push: a vehicle that lies there then has fallen before."""
+    """The policies exempt it until 3.5 s after the push: a vehicle that lies there then has fallen before."""
     push = np.zeros_like(HOVER)
     push[T < 3.0, 0, 2] = -20.0
-    while_excused, longer = (
+    while_exempt, longer = (
         replace(flown(moved(1.0, up, 0, (0.0, 0.0, 0.0))), true_eta=push) for up in (6.0, 9.0)
     )
-    said = "cf1 hit the floor at 1.0 s (no command could prevent it: policies excuse it)"
-    assert output(while_excused) == said
+    said = "cf1 hit the floor at 1.0 s (no command could prevent it: policies exempt it)"
+    assert output(while_exempt) == said
     assert output(longer) == "cf1 hit the floor at 1.0 s"
     judged = [one.t for one in judge(trace_from_arrays(longer), AROUND, IN_FLIGHT)]
     assert judged == pytest.approx([1.0])
 
 
-def test_a_failure_that_policies_excuse_does_not_hide_one_that_they_do_not() -> None:
+def test_a_failure_that_policies_exempt_does_not_hide_one_that_they_do_not() -> None:
     push = np.zeros_like(HOVER)
     push[T >= 5.9, 1, 2] = -20.0
     away = moved(2.0, 2.5, 1, (0.0, 2.7, 1.0))
-    away[(T >= 6.0) & (T < 6.5), 1] = (0.0, 1.0, 2.8)  # further, while no command could carry it
+    away[(T >= 6.0) & (T < 6.5), 1] = (0.0, 1.0, 2.8)  # further, while its thrust is exceeded
     assert (
         output(replace(flown(away), true_eta=push)) == "cf2 left its path at 2.0 s, 1.70 m from its setpoint"
     )
     away[T < 5.0] = HOVER[0]
-    excused = "cf2 left its path at 6.0 s, 1.80 m from its setpoint (no command could prevent it: "
-    assert output(replace(flown(away), true_eta=push)).startswith(excused)
+    exempt = "cf2 left its path at 6.0 s, 1.80 m from its setpoint (no command could prevent it: "
+    assert output(replace(flown(away), true_eta=push)).startswith(exempt)
 
 
 def test_a_vehicle_sent_to_the_floor_does_not_hit_it() -> None:

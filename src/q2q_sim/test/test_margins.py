@@ -51,7 +51,7 @@ def test_a_hover_has_the_margins_of_its_distance_alone():
 
 @pytest.mark.parametrize("share", [0.99, 1.01])
 @pytest.mark.parametrize("known", [True, False])
-def test_only_a_push_beyond_the_thrust_excuses_a_vehicle_that_is_away(share: float, known: bool):
+def test_only_a_push_beyond_the_thrust_exempts_a_vehicle_that_is_away(share: float, known: bool):
     """Off its path from 0.2 s on; pushed at 0.5 s; it has `settle` 0.3 s from there."""
     vehicle, flight = AROUND.vehicle, trace()
     flight.true_pos[20:, 0, 2] -= 2.0 * LIMITS.back
@@ -59,12 +59,12 @@ def test_only_a_push_beyond_the_thrust_excuses_a_vehicle_that_is_away(share: flo
     push[50, 0, 2] = -share * (vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY)
     around = replace(AROUND, limits=replace(LIMITS, settle=0.3, passing=0.01))
     judged = replace(flight, true_downwash=push) if known else flight
-    for late, excused in ((40, False), (55, share > 1.0 and known), (79, share > 1.0 and known), (81, False)):
+    for late, exempt in ((40, False), (55, share > 1.0 and known), (79, share > 1.0 and known), (81, False)):
         only = np.full(TICKS, np.nan)
         only[late] = 0.0  # judged at this tick alone
         one = replace(judged, sent_pos=judged.sent_pos + only[:, None, None])
         found = {each.policy for each in judge(one, around)} & {"return"}
-        assert found == (set() if excused else {"return"})
+        assert found == (set() if exempt else {"return"})
 
 
 @pytest.mark.parametrize("share", [0.5, 0.99, 1.01, 3.0])

@@ -169,7 +169,7 @@ def test_a_vehicle_that_does_not_come_back_breaks_the_return_once_it_had_its_tim
         assert ("return" in broken(only("truth", briefly))) == lasts
 
 
-def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_spare_does_not() -> None:
+def test_a_push_beyond_the_thrust_exempts_and_a_weak_controller_with_thrust_to_spare_does_not() -> None:
     """Run 15 on today's stock firmware: two wakes push the lowest of three by more than its thrust holds."""
     most = {"thrust_max": CRAZYFLIE_2_0.thrust_max}
     stock = {"firmware": "stock", "overrides": {"pid": GAINS | most, "mpc": most}, "faults": []}
@@ -189,7 +189,7 @@ def test_a_push_beyond_the_thrust_excuses_and_a_weak_controller_with_thrust_to_s
 
 
 @pytest.mark.parametrize(("sags", "judged"), [((0.15,), True), ((0.15, 0.1), False), ((0.09, 0.09), True)])
-def test_batteries_that_leave_too_little_thrust_to_come_back_excuse(
+def test_batteries_that_leave_too_little_thrust_to_come_back_exempt(
     sags: tuple[float, ...], judged: bool
 ) -> None:
     """Attack 377: 1 % of thrust to spare. Of the 1.32 times its weight, 0.81 stop a landing in time."""

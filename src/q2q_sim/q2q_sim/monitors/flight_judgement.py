@@ -12,7 +12,7 @@
 | the flight ended early | the length that was to be flown, in the bag's metadata (recording_end.py) |
 
 The other policies check guarantees of the stack (`policies BAG`), not the outcome of the flight. Policies
-excuse vehicles that no command carries; what happened to them is a failure here, with that reason. Times in
+exempt vehicles that no command can hold; what happened to them is a failure here, with that reason. Times in
 words are those since the first tick of the recording.
 """
 
@@ -41,7 +41,7 @@ IN_FLIGHT = {"separation": separation, "floor": floor, "setpoint_error": setpoin
 """Policies that decide on the outcome of a flight."""
 WORDS = {"separation": "collided", "floor": "hit the floor", "setpoint_error": "left its path"}
 
-EXCUSED = " (no command could prevent it: policies excuse it)"
+EXEMPT = " (no command could prevent it: policies exempt it)"
 """Said of what the policies do not judge (q2q_sim.monitors.policies.exemptions)."""
 
 
@@ -74,14 +74,14 @@ def verdict_of(
 
 
 def _broken(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
-    """Yield what policies find, falls when they began; and what they excuse, of whom they find nothing."""
-    broken = judge(trace, replace(circumstances, excuses_helpless=False), IN_FLIGHT)
-    with_excuses = judge(trace, circumstances, IN_FLIGHT) if broken else ()
-    judged = {(one.policy, one.who): one for one in with_excuses}
+    """Yield what policies find, falls when they began; and what they exempt, of whom they find nothing."""
+    broken = judge(trace, replace(circumstances, exempts_uncontrollable=False), IN_FLIGHT)
+    with_exemptions = judge(trace, circumstances, IN_FLIGHT) if broken else ()
+    judged = {(one.policy, one.who): one for one in with_exemptions}
     for one in broken:
         found = judged.get((one.policy, one.who))
         told = one if found is None or one.policy == "floor" else found
-        yield Finding(told.t, _words(told, begin) + (EXCUSED if found is None else ""))
+        yield Finding(told.t, _words(told, begin) + (EXEMPT if found is None else ""))
 
 
 def _words(broken: Violation, begin: float) -> str:

@@ -58,22 +58,22 @@ class Attack:
     """First run with a violation, if any."""
     policies: frozenset[str]
     """Policies that it violates."""
-    overpowered: int = 0
-    """Runs in which no command carried some vehicle."""
-    unforeseen: int = 0
+    thrust_exceeded: int = 0
+    """Runs in which the thrust of some vehicle was exceeded."""
+    unpredicted_downwash: int = 0
     """Runs in which one was flown blind in a downwash that nothing could predict."""
 
 
 def attack(seed: int, length: int, judge: Judge, air: str = "") -> Attack:
     """Return the outcome of an attack of at most `length` runs."""
-    runs = overpowered = unforeseen = 0
+    runs = thrust_exceeded = unpredicted_downwash = 0
     for attempt in attack_runs(seed, length, judge, air):
         runs += 1
-        overpowered += attempt.flight.overpowered
-        unforeseen += attempt.flight.unforeseen
+        thrust_exceeded += attempt.flight.thrust_exceeded
+        unpredicted_downwash += attempt.flight.unpredicted_downwash
         if attempt.flight.violations:
-            return Attack(runs, attempt.run, attempt.flight.policies, overpowered, unforeseen)
-    return Attack(runs, None, frozenset(), overpowered, unforeseen)
+            return Attack(runs, attempt.run, attempt.flight.policies, thrust_exceeded, unpredicted_downwash)
+    return Attack(runs, None, frozenset(), thrust_exceeded, unpredicted_downwash)
 
 
 def attack_runs(seed: int, length: int, judge: Judge, air: str = "") -> Iterator[AttackRun]:

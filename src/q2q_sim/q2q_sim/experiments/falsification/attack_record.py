@@ -31,9 +31,9 @@ class AttackRecord:
     seconds: float
     air: str = ""
     """Air named for the campaign; empty for that of the scenario."""
-    overpowered: int = 0
-    """Runs in which no command carried some vehicle: not judged by all policies."""
-    unforeseen: int = 0
+    thrust_exceeded: int = 0
+    """Runs in which the thrust of some vehicle was exceeded: not judged by all policies."""
+    unpredicted_downwash: int = 0
     """Runs in which one was flown blind in a downwash that nothing could predict: nor are they."""
     search: str = ""
     """SEARCH of the attack."""
@@ -56,9 +56,9 @@ def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> Attack
         write_case_page(small, outcome.violations, path.with_suffix(".html"))
         case = str(path)
     seconds = perf_counter() - began
-    overpowered, unforeseen = found.overpowered, found.unforeseen
+    thrust_exceeded, unpredicted_downwash = found.thrust_exceeded, found.unpredicted_downwash
     return AttackRecord(
-        seed, length, found.runs, policies, case, seconds, air, overpowered, unforeseen, SEARCH
+        seed, length, found.runs, policies, case, seconds, air, thrust_exceeded, unpredicted_downwash, SEARCH
     )
 
 

@@ -32,8 +32,8 @@ from q2q_sim.experiments.falsification.stated_properties.evasion_property import
 from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, run_ticks
 from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
 from q2q_sim.monitors.policies import Violation
-from q2q_sim.monitors.policies.exemptions.overpowered import overpowered
-from q2q_sim.monitors.policies.exemptions.unforeseen import unforeseen
+from q2q_sim.monitors.policies.exemptions.thrust_exceeded import thrust_exceeded
+from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import unpredicted_downwash
 from q2q_sim.monitors.policies.margins import margins
 
 RECORD = "record"
@@ -65,9 +65,9 @@ class AttackedFlight:
     violations: tuple[Violation, ...]
     margins: Mapping[str, float] = field(default_factory=dict)
     """Margins of the policies and properties that have one, within WORST of 0 [-]."""
-    overpowered: bool = False
+    thrust_exceeded: bool = False
     """Whether no command carried some vehicle at some time."""
-    unforeseen: bool = False
+    unpredicted_downwash: bool = False
     """Whether some vehicle was flown blind in a downwash that nothing could predict."""
 
     @property
@@ -94,8 +94,8 @@ def fly_attacked(run: Run) -> AttackedFlight:
     return AttackedFlight(
         violations=(*flown.violations, *found),
         margins={name: bounded_margin(one) for name, one in known.items()},
-        overpowered=bool(overpowered(flown.trace, circumstances).any()),
-        unforeseen=bool(unforeseen(flown.trace, circumstances).any()),
+        thrust_exceeded=bool(thrust_exceeded(flown.trace, circumstances).any()),
+        unpredicted_downwash=bool(unpredicted_downwash(flown.trace, circumstances).any()),
     )
 
 

@@ -76,8 +76,8 @@ def summary(attacks: Sequence[AttackRecord], scores: Sequence[BugScore]) -> dict
     return {
         "runs": sum(one.runs for one in attacks),
         "violations": sum(bool(one.policies) for one in attacks),
-        "overpowered": sum(one.overpowered for one in attacks),
-        "unforeseen": sum(one.unforeseen for one in attacks),
+        "thrust_exceeded": sum(one.thrust_exceeded for one in attacks),
+        "unpredicted_downwash": sum(one.unpredicted_downwash for one in attacks),
         "seeded_bugs": len(scores),
         "seeded_found": sum(one.guided > 0 for one in scores),
         "blind_found": sum(one.blind > 0 for one in scores),
@@ -104,14 +104,14 @@ def print_totals(total: dict[str, object]) -> None:
             f"{total['seeded_bugs']}, blind {total['blind_found']}"
         )
     print(f"violations: {total['violations']} in {total['runs']} runs")
-    if total["overpowered"]:
+    if total["thrust_exceeded"]:
         print(
-            f"in {total['overpowered']} of them no command could carry a vehicle, which was not judged then"
+            f"in {total['thrust_exceeded']} of them a vehicle had too little thrust, and was not judged then"
         )
-    if total["unforeseen"]:
+    if total["unpredicted_downwash"]:
         print(
-            f"in {total['unforeseen']} of them a vehicle without measurements met a downwash that nothing "
-            "could predict, and was not judged then"
+            f"in {total['unpredicted_downwash']} of them a vehicle without measurements met a downwash that "
+            "nothing could predict, and was not judged then"
         )
     cases = total["cases"]
     for case in cases if isinstance(cases, list) else ():

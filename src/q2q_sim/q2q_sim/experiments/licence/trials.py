@@ -47,7 +47,7 @@ class TrialKind(StrEnum):
     PUSH = "downwash"
 
 
-EXCUSED = frozenset((TrialKind.LOST, TrialKind.UNARMED))
+EXEMPT = frozenset((TrialKind.LOST, TrialKind.UNARMED))
 """Trials in which nothing is asked of the vehicle with the fault."""
 
 
@@ -82,9 +82,9 @@ class LicenceTrial:
                 return f"{self.kind}, {who}{when}"
 
     @property
-    def excused(self) -> int:
+    def exempt(self) -> int:
         """Return the row of the vehicle of which nothing is asked; -1 if there is none."""
-        return self.vehicle if self.kind in EXCUSED else -1
+        return self.vehicle if self.kind in EXEMPT else -1
 
     def capture_faults(self, names: Names) -> tuple[Fault, ...]:
         """Return the faults of motion capture."""

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Mask, Rows
 from q2q_sim.monitors.policies.exemptions.blind_descent import ends_blind_descent
 from q2q_sim.monitors.policies.exemptions.feedback_loss import sent_down_lately
-from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately
+from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import exempt_lately
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Limits, Violation
 
@@ -16,22 +16,22 @@ def floor(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the first floor contact of each vehicle that was not commanded to land or cut.
 
     Take-off and landing are not falls: there the setpoint itself is near the floor. Nor is it a fall that a
-    command could prevent if no command carries the vehicle (overpowered), or none is known to (unforeseen).
-    A vehicle that was sent down is excused where that brought it down (blind_descent). One that still lies
-    there when its excuse ends has fallen, at the time of the contact.
+    command could prevent if the vehicle is uncontrollable (thrust_exceeded, unpredicted_downwash). A vehicle
+    that was sent down is exempt where that brought it down (blind_descent). One that still lies there when
+    its exemption ends has fallen, at the time of the contact.
     """
     limits = circumstances.limits
     sent_down = sent_down_lately(trace, limits.settle)
-    helpless = helpless_lately(trace, circumstances)
+    exempt = exempt_lately(trace, circumstances)
 
-    def is_excused(contact: Rows, row: int) -> bool:
+    def is_exempt(contact: Rows, row: int) -> bool:
         is_brought = ends_blind_descent(trace, row, int(contact[0]), limits.settle)
-        return bool((helpless[contact, row] | (is_brought & sent_down[contact, row])).all())
+        return bool((exempt[contact, row] | (is_brought & sent_down[contact, row])).all())
 
     return [
         Violation("floor", name, float(trace.t[k]), float(trace.true_pos[k, row, 2]), limits.floor)
         for row, name in enumerate(trace.names)
-        for k in [int(one[0]) for one in _contacts(trace, row, limits) if not is_excused(one, row)][:1]
+        for k in [int(one[0]) for one in _contacts(trace, row, limits) if not is_exempt(one, row)][:1]
     ]
 
 

@@ -8,7 +8,10 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_sim.monitors.policies.exemptions.feedback_loss import evading_lately, without_feedback_lately
 from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement, with_sensor_error
-from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately, unforeseen_lately
+from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import (
+    exempt_lately,
+    unpredicted_downwash_lately,
+)
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
 from q2q_sim.monitors.proximity import in_zone_once, least_distances
@@ -29,7 +32,7 @@ def separation(trace: FlightTrace, circumstances: Circumstances) -> list[Violati
     """
     limit, pos = circumstances.limits.separation, trace.true_pos
     moved = marker_displacement(trace, circumstances.faults)
-    moved[unforeseen_lately(trace, circumstances)] = np.inf
+    moved[unpredicted_downwash_lately(trace, circumstances)] = np.inf
     found = []
     for i, j in np.argwhere(least_distances(pos) < limit).tolist():
         apart = np.linalg.norm(pos[:, i] - pos[:, j], axis=1) + moved[:, i] + moved[:, j]
@@ -44,7 +47,7 @@ def zone(trace: FlightTrace, circumstances: Circumstances) -> list[Violation]:
     """Return the ordered pairs in the zone though their setpoints clear it by `stray`.
 
     Vehicles flown blind drift, vehicles near them evade, vehicles with displaced markers follow them, and
-    vehicles that no command carries, or none is known to, sink: their pairs are exempt until `settle` later.
+    uncontrollable vehicles sink: their pairs are exempt until `settle` later.
     """
     found = []
     entered = in_zone_once(trace.true_pos, circumstances.zone)
@@ -66,7 +69,7 @@ def clearances(
     """
     settle = circumstances.limits.settle
     lost = without_feedback_lately(trace, settle) | evading_lately(trace, settle)
-    lost |= with_sensor_error(trace, circumstances.faults, settle) | helpless_lately(trace, circumstances)
+    lost |= with_sensor_error(trace, circumstances.faults, settle) | exempt_lately(trace, circumstances)
     for i, j in pairs:
         for one, other in ((i, j), (j, i)):
             real = circumstances.zone.signed_distance(_between(trace.true_pos, one, other))

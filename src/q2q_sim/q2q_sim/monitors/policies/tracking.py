@@ -16,7 +16,7 @@ from q2q_sim.monitors.policies.exemptions.sensor_errors import (
     marker_displacement,
     with_sensor_error,
 )
-from q2q_sim.monitors.policies.exemptions.unforeseen import helpless_lately
+from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import exempt_lately
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Violation, worst_violations
 
@@ -27,8 +27,8 @@ def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Vio
     A vehicle that lands blind goes to the floor, up to 2 m below its setpoint in these rooms: being lower is
     allowed then, and for `settle` after it while it climbs again. A blind vehicle stops, and one that evades
     it is held back, while their setpoints go on: until `settle` after it, the setpoints since count. A
-    displaced marker displaces the vehicle: the allowed distance grows by as much. A vehicle that no command
-    carries, or none is known to, sinks: it is not judged until `settle` after it.
+    displaced marker displaces the vehicle: the allowed distance grows by as much. An uncontrollable vehicle
+    sinks: it is not judged until `settle` after it.
     """
     limits = circumstances.limits
     down = sent_down_lately(trace, limits.settle)
@@ -43,7 +43,7 @@ def setpoint_error(trace: FlightTrace, circumstances: Circumstances) -> list[Vio
             off[late, row] = np.fmin.reduce(apart, axis=1)
     off = np.maximum(off - marker_displacement(trace, circumstances.faults), 0.0)
     limit = limits.setpoint_error_max
-    excess = np.where(helpless_lately(trace, circumstances), np.nan, off - limit)
+    excess = np.where(exempt_lately(trace, circumstances), np.nan, off - limit)
     return worst_violations("setpoint_error", trace, excess, (off, limit))
 
 
@@ -69,15 +69,14 @@ def return_to_path(trace: FlightTrace, circumstances: Circumstances) -> list[Vio
 
     A replanned motion that accelerates leaves its vehicle behind for a moment: what counts is the least
     distance within `passing`. Where positions or setpoints are missing for no longer, the last one counts.
-    No command carries a vehicle that is overpowered, and none is known to in an unforeseen downwash: it has
-    `settle` then.
+    A vehicle that is uncontrollable has `settle` then.
     """
     limits = circumstances.limits
-    pushed = helpless_lately(trace, circumstances)
+    exempt = exempt_lately(trace, circumstances)
     calm = trace.t > last_fault_end(trace, circumstances.faults) + limits.settle
     cut = (trace.command_status == CommandStatus.CUT).any(axis=0)  # landed, and stay on the ground
     off = np.linalg.norm(trace.true_pos - trace.sent_pos, axis=2)
-    judged = np.where(calm[:, None] & ~cut & ~pushed, off, -np.inf)
+    judged = np.where(calm[:, None] & ~cut & ~exempt, off, -np.inf)
     ticks = max(round(limits.passing / trace.tick), 1)
     lasting = _least_before(_across_gaps(judged, ticks), ticks)
     return worst_violations("return", trace, lasting - limits.back, (lasting, limits.back))

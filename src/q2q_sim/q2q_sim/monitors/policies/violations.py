@@ -62,8 +62,8 @@ class Circumstances:
     limits: Limits = field(default_factory=Limits)
     aware: bool = True
     """Whether controllers are given the predicted downwash."""
-    excuses_helpless: bool = True
-    """Whether vehicles that no command carries, or none is known to, are not judged."""
+    exempts_uncontrollable: bool = True
+    """Whether vehicles with too little thrust, or blind in an unpredicted downwash, are not judged."""
 
 
 WORDS: Mapping[str, str] = {

@@ -28,7 +28,7 @@ from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTic
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.exemptions.sensor_errors import RECOVERY_S
-from q2q_sim.monitors.policies.exemptions.unforeseen import PUSH
+from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import PUSH
 
 OF_SENSORS = ("jump", "swap")
 """Faults that mislead the last measurement."""

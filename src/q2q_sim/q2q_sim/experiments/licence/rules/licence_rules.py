@@ -43,7 +43,7 @@ from q2q_sim.experiments.licence.rules.motion_rules import (
     tumble_rule,
 )
 from q2q_sim.experiments.licence.rules.pair_rules import nearness
-from q2q_sim.experiments.licence.trials import EXCUSED, TrialKind
+from q2q_sim.experiments.licence.trials import EXEMPT, TrialKind
 
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
 
@@ -58,7 +58,7 @@ def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ..
     """Return the broken rules of a flight in the order of time."""
     found = [one for one in (_program(log), *nearness(log, limits)) if one is not None]
     for row in range(len(log.uris)):
-        if row != log.trial.excused:
+        if row != log.trial.exempt:
             checked = [rule(log, row, limits) for rule in RULES]
             found += [one for one in checked if one is not None]
     return tuple(sorted(found, key=lambda one: one.t))
@@ -66,11 +66,11 @@ def broken_rules(log: LicenceLog, limits: LicenceLimits) -> tuple[BrokenRule, ..
 
 def _program(log: LicenceLog) -> BrokenRule | None:
     end, trial = log.end, log.trial
-    rows = [row for row in range(len(log.uris)) if row != trial.excused]
+    rows = [row for row in range(len(log.uris)) if row != trial.exempt]
     if end.unknown:
         why = f"{end.unknown} is one more than {len(log.uris)}"
         return BrokenRule("program", end.t, "the program opens more vehicles than there are", why)
-    if trial.kind in EXCUSED:
+    if trial.kind in EXEMPT:
         return None
     if end.overdue:
         return BrokenRule("program", end.t, "the program does not end", end.waits)

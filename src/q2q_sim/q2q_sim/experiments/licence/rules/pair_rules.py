@@ -26,7 +26,7 @@ def nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | No
                 for row in (i, j)
                 if log.airborne[tick, row]
             )
-            lost = log.trial.kind == TrialKind.LOST and log.trial.excused in {i, j}
+            lost = log.trial.kind == TrialKind.LOST and log.trial.exempt in {i, j}
             yield BrokenRule("collision", t, f"{log.name(i)} and {log.name(j)} collide", why, remark=lost)
         elif log.trial.kind == TrialKind.NOMINAL:
             yield _exposure(log, (i, j), apart, limits)

@@ -7,8 +7,8 @@ After it, the vehicle is flown again, and no command to land explains that it co
 | symbol | name | meaning [unit] |
 |---|---|---|
 | t_d | left | last tick at which the newest command sent it down [s] |
-| z_d, v_d | | height and velocity of sinking then [m], [m/s]; excused where either is unknown |
-| T | settle | from the last fault to the return [s] (Limits); half of it stops a vehicle (overpowered) |
+| z_d, v_d | | height and velocity of sinking then [m], [m/s]; exempt where either is unknown |
+| T | settle | from the last fault to the return [s] (Limits); half of it stops a vehicle (thrust_exceeded) |
 """
 
 from math import nan

@@ -6,15 +6,15 @@ A vehicle without feedback knows of the push on it by prediction only. There is 
     it is below another, nearer than where it evades one, and the marker of either is displaced
 
 Both are conditions under which no command is known to keep it: such runs are counted, and their vehicles
-judged again `settle` later (helpless_lately), as those are that no command carries.
+judged again `settle` later (exempt_lately), as those are whose thrust is exceeded.
 """
 
 import numpy as np
 
 from q2q_model.signals.values import Mask
 from q2q_sim.monitors.policies.exemptions.feedback_loss import beneath, within_settle_time, without_feedback
-from q2q_sim.monitors.policies.exemptions.overpowered import overpowered
 from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement
+from q2q_sim.monitors.policies.exemptions.thrust_exceeded import thrust_exceeded
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances
 
@@ -22,7 +22,7 @@ PUSH = 0.1
 """Downwash that counts [m/s^2]: that at the edge of an identified zone, 5 cm after a second."""
 
 
-def unforeseen(trace: FlightTrace, circumstances: Circumstances) -> Mask:
+def unpredicted_downwash(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     """Return which vehicles without feedback nothing can predict the downwash of, at each tick, (T, n)."""
     unaided = without_feedback(trace)
     if not unaided.any():
@@ -34,18 +34,18 @@ def unforeseen(trace: FlightTrace, circumstances: Circumstances) -> Mask:
     return unaided & untold
 
 
-def unforeseen_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
-    """Return which vehicles are in an unforeseen downwash, or were less than `settle` [s] before, (T, n)."""
-    return _excused_lately(trace, circumstances, unforeseen(trace, circumstances))
+def unpredicted_downwash_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
+    """Return which vehicles are in an unpredicted downwash, or were less than `settle` [s] before, (T, n)."""
+    return _exempt_lately(trace, circumstances, unpredicted_downwash(trace, circumstances))
 
 
-def helpless_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
-    """Return which vehicles no command carries or is known to, or less than `settle` [s] before, (T, n)."""
-    helpless = overpowered(trace, circumstances) | unforeseen(trace, circumstances)
-    return _excused_lately(trace, circumstances, helpless)
+def exempt_lately(trace: FlightTrace, circumstances: Circumstances) -> Mask:
+    """Return which vehicles are uncontrollable, or were less than `settle` [s] before, (T, n)."""
+    uncontrollable = thrust_exceeded(trace, circumstances) | unpredicted_downwash(trace, circumstances)
+    return _exempt_lately(trace, circumstances, uncontrollable)
 
 
-def _excused_lately(trace: FlightTrace, circumstances: Circumstances, helpless: Mask) -> Mask:
-    """Return where helpless vehicles are excused, (T, n): nowhere if the circumstances excuse none."""
-    lately = within_settle_time(trace, helpless, circumstances.limits.settle)
-    return lately & circumstances.excuses_helpless
+def _exempt_lately(trace: FlightTrace, circumstances: Circumstances, uncontrollable: Mask) -> Mask:
+    """Return where uncontrollable vehicles are exempt, (T, n): nowhere if the circumstances exempt none."""
+    lately = within_settle_time(trace, uncontrollable, circumstances.limits.settle)
+    return lately & circumstances.exempts_uncontrollable

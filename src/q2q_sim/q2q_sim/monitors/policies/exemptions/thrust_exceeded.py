@@ -1,4 +1,4 @@
-"""Vehicles that no command carries: pushed down by more than the largest one holds, or too weak to come back.
+"""Vehicles whose thrust is exceeded: pushed down by more than the largest one, or too weak to come back.
 
     m (g - eta_z) > k U1_max                      k: share of the thrust that battery and rotors still give
     m (g + 2 v / settle) > k U1_max,  k < 1       found as it sinks at v = TOUCHDOWN_MAX, it has half of
@@ -21,8 +21,8 @@ from q2q_sim.monitors.policies.violations import Circumstances
 ROTORS = 4
 
 
-def overpowered(trace: FlightTrace, circumstances: Circumstances) -> Mask:
-    """Return which vehicles no command carries at each tick, (T, n)."""
+def thrust_exceeded(trace: FlightTrace, circumstances: Circumstances) -> Mask:
+    """Return which vehicles have too little thrust at each tick, (T, n)."""
     vehicle, left = circumstances.vehicle, thrust_left(trace, circumstances.faults)
     most = left * vehicle.rpyt_thrust_max / vehicle.mass
     pushed = GRAVITY - trace.true_downwash[..., 2] > most

@@ -8,11 +8,11 @@ import pytest
 from q2q_model.signals.values import CommandStatus
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Circumstances, FlightTrace, judge
-from q2q_sim.monitors.policies.exemptions.unforeseen import (
+from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import (
     PUSH,
-    helpless_lately,
-    unforeseen,
-    unforeseen_lately,
+    exempt_lately,
+    unpredicted_downwash,
+    unpredicted_downwash_lately,
 )
 
 TICKS = np.arange(1000) * 0.01
@@ -42,13 +42,13 @@ def displaced(name: str, start: float = 2.0, duration: float = 3.0) -> Circumsta
     return Circumstances(faults=(Fault("jump", start, duration, (name,), 0.2),))
 
 
-def test_it_is_unforeseen_by_a_controller_that_ignores_it_from_a_push_on_while_blind() -> None:
-    found = unforeseen(flight(), IGNORING)
+def test_it_is_unpredicted_by_a_controller_that_ignores_it_from_a_push_on_while_blind() -> None:
+    found = unpredicted_downwash(flight(), IGNORING)
     assert found[LOST, 0].all()
     assert found.sum() == 100
-    assert not unforeseen(flight(), Circumstances()).any()
-    assert not unforeseen(flight(0.99 * PUSH), IGNORING).any()
-    assert unforeseen(flight(1.01 * PUSH), IGNORING).any()
+    assert not unpredicted_downwash(flight(), Circumstances()).any()
+    assert not unpredicted_downwash(flight(0.99 * PUSH), IGNORING).any()
+    assert unpredicted_downwash(flight(1.01 * PUSH), IGNORING).any()
 
 
 @pytest.mark.parametrize(
@@ -64,29 +64,29 @@ def test_it_is_unforeseen_by_a_controller_that_ignores_it_from_a_push_on_while_b
     ],
     ids=["above", "far above", "too far", "below", "its own", "its own above", "later"],
 )
-def test_it_is_unforeseen_below_another_if_the_marker_of_either_is_displaced(
+def test_it_is_unpredicted_below_another_if_the_marker_of_either_is_displaced(
     cf2: tuple[float, float, float], around: Circumstances, found: bool
 ) -> None:
-    assert unforeseen(flight(cf2=cf2), around)[LOST, 0].all() == found
-    assert unforeseen(flight(cf2=cf2), around).any() == found
+    assert unpredicted_downwash(flight(cf2=cf2), around)[LOST, 0].all() == found
+    assert unpredicted_downwash(flight(cf2=cf2), around).any() == found
 
 
-def test_a_fall_or_a_contact_by_it_is_excused_until_it_had_its_time_and_no_other() -> None:
+def test_a_fall_or_a_contact_by_it_is_exempt_until_it_had_its_time_and_no_other() -> None:
     trace = flight()
-    for tick, excused in ((390, True), (700, True), (800, False)):
+    for tick, exempt in ((390, True), (700, True), (800, False)):
         fallen, touching = trace.true_pos.copy(), trace.true_pos.copy()
         fallen[tick, 0, 2], touching[tick, 1] = 0.0, touching[tick, 0] + [0.0, 0.0, 0.1]
         for pos, policy in ((fallen, "floor"), (touching, "separation")):
             flown = replace(trace, true_pos=pos)
             broken = {one.policy for one in judge(flown, IGNORING)}
-            assert (policy not in broken) == excused
+            assert (policy not in broken) == exempt
             assert policy in {one.policy for one in judge(flown, Circumstances())}
 
 
 def test_lately_is_until_settle_after_it() -> None:
-    lately = unforeseen_lately(flight(), IGNORING)
+    lately = unpredicted_downwash_lately(flight(), IGNORING)
     assert lately[300:749, 0].all()  # 3.5 s after 3.99 s
     assert lately.sum() == 449
-    np.testing.assert_array_equal(helpless_lately(flight(), IGNORING), lately)
-    heavy = helpless_lately(flight(push=20.0), Circumstances())  # no command carries it
+    np.testing.assert_array_equal(exempt_lately(flight(), IGNORING), lately)
+    heavy = exempt_lately(flight(push=20.0), Circumstances())  # beyond its thrust
     assert heavy[:, 0].all()
