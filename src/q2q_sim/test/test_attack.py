@@ -104,7 +104,7 @@ def test_an_attack_descends_the_margin_that_fell_most_in_the_run_where_it_is_lea
 
     def judge(run: Run) -> AttackedFlight:
         flown.append((run, distance(run)))
-        return AttackedFlight((), {"tilt": 0.01, "hold": distance(run)})
+        return AttackedFlight((), {"tilt": 0.01, "hold_too_long": distance(run)})
 
     length = SURVEY + 6 * GENERATION
     assert attack(3, length, judge).runs == length == len(flown)
@@ -120,10 +120,11 @@ def test_an_attack_descends_the_margin_that_fell_most_in_the_run_where_it_is_lea
 
 def test_margins_that_all_runs_share_are_not_descended():
     flights = [
-        AttackedFlight((), {"tilt": 0.0, "hold": 1.0 - 0.1 * k, "room": 0.9 - 0.2 * k}) for k in range(5)
+        AttackedFlight((), {"tilt": 0.0, "hold_too_long": 1.0 - 0.1 * k, "setpoint_error": 0.9 - 0.2 * k})
+        for k in range(5)
     ]
     surveyed = [attacks.AttackRun(draw_run(0), np.zeros(DIMENSION), flight) for flight in flights]
-    assert falling_policies(surveyed) == ("room", "hold")
+    assert falling_policies(surveyed) == ("setpoint_error", "hold_too_long")
 
 
 def test_an_attack_is_its_seed_and_ends_with_its_runs_or_a_violation():

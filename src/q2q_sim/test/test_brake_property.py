@@ -14,9 +14,9 @@ from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, 
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.falsification.attack_case import with_faults
-from q2q_sim.experiments.falsification.stated_properties.brake_property import FAST, SHARE, brake
-from q2q_sim.experiments.falsification.stated_properties.hidden_motion import learned_push
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.falsification.postconditions.brake_property import FAST, SHARE, brake
+from q2q_sim.experiments.falsification.postconditions.hidden_motion import learned_push
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks
 from q2q_sim.faults.faults import Fault
 
 LAST, BLIND, END = 350, 400, 450

@@ -18,13 +18,13 @@ from q2q_model.signals.values import (
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.falsification.attack_case import with_faults
-from q2q_sim.experiments.falsification.stated_properties.evasion_property import (
+from q2q_sim.experiments.falsification.postconditions.evasion_property import (
     CLEAR,
     LEAST_ACC,
     NEAR,
     evasion,
 )
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks
 from q2q_sim.faults.faults import Fault
 
 LOST, END = 350, 400

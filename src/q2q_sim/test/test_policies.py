@@ -48,10 +48,11 @@ def test_a_violation_says_what_was_measured_and_its_unit() -> None:
     assert [policy for policy, words in texts.items() if "allowed is 1.5" in words] == ["numbers"]
     not_finite = Violation("numbers", "cf1's thrust", float("nan"), float("nan"), 0.0)
     assert str(not_finite) == "numbers: cf1's thrust"
-    assert str(Violation("told", "cf1", 1.0, 0.07, 0.06)).endswith(
+    assert str(Violation("stale_reported_ok", "cf1", 1.0, 0.07, 0.06)).endswith(
         "OK on a state 0.07 s old, at most 0.06 s is allowed"
     )
-    assert str(Violation("repeat", "cf1", 1.0, 3.0, 0.0)) == "repeat: cf1 at 1.00 s: 3, allowed is 0"
+    repeated = Violation("repeat_reported_ok", "cf1", 1.0, 3.0, 0.0)
+    assert str(repeated) == "repeat_reported_ok: cf1 at 1.00 s: 3, allowed is 0"
 
 
 def test_two_vehicles_that_touch_break_the_separation_and_who_strays_the_room() -> None:

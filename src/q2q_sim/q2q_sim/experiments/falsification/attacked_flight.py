@@ -1,10 +1,10 @@
-"""One run of a guided campaign: its violations, and the margins of policies and stated properties.
+"""One run of a guided campaign: its violations, and the margins of policies and postconditions.
 
-In addition to the policies, properties are checked that the blocks state of their own output, and which
-random campaigns leave to other tests: filter_properties, guard_properties, brake_property,
+In addition to the policies, postconditions are checked, which the blocks state of their own output, and
+which random campaigns leave to other tests: filter_properties, guard_properties, brake_property,
 evasion_property, replanner_properties, and
 
-| property | statement |
+| violation | statement that it breaks |
 |---|---|
 | record | frames and commands of the run, read back from a bag, are those that were written |
 """
@@ -22,36 +22,36 @@ from q2q_model.signals.layout import Signal
 from q2q_model.signals.rows import SignalRows, rows_of_signals
 from q2q_sim.experiments.campaign.campaign_flight import NS, circumstances_of, crash_violation, fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification.stated_properties import (
+from q2q_sim.experiments.falsification.postconditions import (
     filter_properties,
     guard_properties,
     replanner_properties,
 )
-from q2q_sim.experiments.falsification.stated_properties.brake_property import brake
-from q2q_sim.experiments.falsification.stated_properties.evasion_property import evasion
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, run_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.postconditions.brake_property import brake
+from q2q_sim.experiments.falsification.postconditions.evasion_property import evasion
+from q2q_sim.experiments.falsification.postconditions.postcondition_outcome import PostconditionOutcome
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, run_ticks
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.exemptions.thrust_exceeded import thrust_exceeded
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import unpredicted_downwash
 from q2q_sim.monitors.policies.margins import margins
 
 RECORD = "record"
-"""Name of the recorder's property."""
-PROPERTIES: Mapping[str, Callable[[Run, RunTicks], StatedOutcome]] = {
-    "lost": filter_properties.lost,
-    "swap": filter_properties.swap,
-    "told": guard_properties.told,
-    "repeat": guard_properties.repeat,
-    "hold": guard_properties.hold,
+"""Name of the recorder's postcondition."""
+POSTCONDITIONS: Mapping[str, Callable[[Run, RunTicks], PostconditionOutcome]] = {
+    "lost_moving": filter_properties.lost_moving,
+    "swap_moved_track": filter_properties.swap_moved_track,
+    "stale_reported_ok": guard_properties.stale_reported_ok,
+    "repeat_reported_ok": guard_properties.repeat_reported_ok,
+    "hold_too_long": guard_properties.hold_too_long,
     "brake": brake,
     "evasion": evasion,
     "promise": replanner_properties.promise,
-    "stop": replanner_properties.stop,
-    "off_path": replanner_properties.off_path,
-    "held_acc": replanner_properties.held_acc,
+    "stop_enters_zone": replanner_properties.stop_enters_zone,
+    "off_path_unreported": replanner_properties.off_path_unreported,
+    "acc_held_too_long": replanner_properties.acc_held_too_long,
 }
-"""Stated properties by name."""
+"""Postconditions by name."""
 RECORDED = ("mocap", "command")
 """Topics of the bag that is read back: the first and the last of a tick."""
 WORST = 1e3
@@ -64,7 +64,7 @@ class AttackedFlight:
 
     violations: tuple[Violation, ...]
     margins: Mapping[str, float] = field(default_factory=dict)
-    """Margins of the policies and properties that have one, within WORST of 0 [-]."""
+    """Margins of the policies and postconditions that have one, within WORST of 0 [-]."""
     thrust_exceeded: bool = False
     """Whether no command carried some vehicle at some time."""
     unpredicted_downwash: bool = False
@@ -72,7 +72,7 @@ class AttackedFlight:
 
     @property
     def policies(self) -> frozenset[str]:
-        """Return the violated policies and properties."""
+        """Return the violated policies and postconditions."""
         return frozenset(one.policy for one in self.violations)
 
 
@@ -82,11 +82,11 @@ def fly_attacked(run: Run) -> AttackedFlight:
     if flown.trace is None:
         return AttackedFlight(flown.violations)
     ticks = run_ticks(flown.topics)
-    stated = {name: judged(run, ticks) for name, judged in PROPERTIES.items()}
-    found = [one for outcome in stated.values() for one in outcome.violations]
+    outcomes = {name: judged(run, ticks) for name, judged in POSTCONDITIONS.items()}
+    found = [one for outcome in outcomes.values() for one in outcome.violations]
     circumstances = circumstances_of(run)
     known = dict(margins(flown.trace, circumstances))
-    known |= {name: outcome.margin for name, outcome in stated.items()}
+    known |= {name: outcome.margin for name, outcome in outcomes.items()}
     try:
         found += _record(flown.topics)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error

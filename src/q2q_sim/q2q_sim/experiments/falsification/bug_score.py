@@ -1,7 +1,7 @@
 """Score of a search by seeded bugs: in how many runs it finds each, compared with blind drawing.
 
-Both have the same number of runs and the same properties to check. A bug is found by a run that violates a
-property with the bug that it does not violate without.
+Both have the same number of runs and the same checks. A bug is found by a run that violates a policy or
+postcondition with the bug that it does not violate without.
 """
 
 from collections.abc import Iterator

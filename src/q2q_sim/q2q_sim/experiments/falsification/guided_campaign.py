@@ -37,7 +37,7 @@ ATTACKS = "attacks.jsonl"
 
 
 def run(args: Namespace) -> int:
-    """Fly the requested guided campaign; return 1 if a property is violated.
+    """Fly the requested guided campaign; return 1 if a policy or postcondition is violated.
 
     Raises:
         ValueError: the air or a file of finished work is not valid or in use.

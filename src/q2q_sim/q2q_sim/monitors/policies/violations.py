@@ -80,16 +80,16 @@ WORDS: Mapping[str, str] = {
     "state_error": "tracked {0.value:.4g} m off its true position, at most {0.limit:.4g} m is allowed",
     "return": "still {0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
     "mode_agreement": "{0.value:.4g} m apart by nodes and by closed_loop, at most {0.limit:.4g} m is allowed",
-    "lost": "LOST at {0.value:.4g} m/s, at most {0.limit:.4g} m/s is allowed",
-    "swap": "moved by {0.value:.4g} m, at most {0.limit:.4g} m is allowed",
-    "told": "OK on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
-    "hold": "held or level for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
+    "lost_moving": "LOST at {0.value:.4g} m/s, at most {0.limit:.4g} m/s is allowed",
+    "swap_moved_track": "moved by {0.value:.4g} m, at most {0.limit:.4g} m is allowed",
+    "stale_reported_ok": "OK on a state {0.value:.4g} s old, at most {0.limit:.4g} s is allowed",
+    "hold_too_long": "held or level for {0.value:.4g} s, at most {0.limit:.4g} s is allowed",
     "evasion": "evades by {0.value:.4g} m/s^2, at least {0.limit:.4g} m/s^2 is allowed",
     "promise": "setpoints {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
-    "stop": "stops {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
-    "off_path": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
+    "stop_enters_zone": "stops {0.value:.4g} m outside the zone, at least {0.limit:.4g} m is allowed",
+    "off_path_unreported": "{0.value:.4g} m from its setpoint, at most {0.limit:.4g} m is allowed",
 }
-"""Value and limit of a violation (0) of each policy or stated property, with unit and meaning."""
+"""Value and limit of a violation (0) of each policy or postcondition, with unit and meaning."""
 PLAIN = "{0.value:.4g}, allowed is {0.limit:.4g}"
 """The same of properties whose values are counts or shares."""
 

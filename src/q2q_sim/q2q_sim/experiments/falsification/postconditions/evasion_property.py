@@ -1,6 +1,6 @@
 """What the guard states of vehicles below one that is lost, or little above it: they evade it.
 
-| property | statement |
+| violation | statement that it breaks |
 |---|---|
 | evasion | a vehicle below one that is lost, or up to RISE above it, is accelerated, and not towards it |
 
@@ -26,12 +26,12 @@ from q2q_control.failsafe.evasion.descent_evasion import REACH, RISE
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, CommandStatus, Mask, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification.stated_properties.hidden_motion import (
+from q2q_sim.experiments.falsification.postconditions.hidden_motion import (
     after_late_frame,
     misleading_measurement,
 )
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.postconditions.postcondition_outcome import PostconditionOutcome
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.monitors.policies import Violation
 from q2q_sim.monitors.policies.exemptions.feedback_loss import runs_of_true
 
@@ -81,10 +81,10 @@ class _Reaction(NamedTuple):
         return min(evades, 1.0 - self.towards / LEAST_ACC, 1.0)
 
 
-def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
+def evasion(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the vehicles that do not evade one that is lost (PID only)."""
     if run.options.controller != "pid":
-        return StatedOutcome()
+        return PostconditionOutcome()
     found, margin = [], np.inf
     faults, acc = run.scenario.faults, ticks.commanded_acc()
     known = ~(misleading_measurement(ticks, faults) | after_late_frame(ticks, faults))
@@ -96,7 +96,7 @@ def evasion(run: Run, ticks: RunTicks) -> StatedOutcome:
         if reaction.bad:
             away = reaction.change if reaction.change < LEAST_ACC else -reaction.towards
             found.append(Violation("evasion", ticks.names[one.i], float(ticks.t[one.tick]), away, LEAST_ACC))
-    return StatedOutcome(tuple(found), margin)
+    return PostconditionOutcome(tuple(found), margin)
 
 
 def _reaction(ticks: RunTicks, one: _Encounter, acc: Array) -> _Reaction:

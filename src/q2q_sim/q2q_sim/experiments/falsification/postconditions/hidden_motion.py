@@ -24,7 +24,7 @@ from scipy.signal import lfilter
 from q2q_control.failsafe.blind_flight.dead_reckoning import LAG_S, OBSERVER
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.faults.affected_vehicles import affected_vehicles
 from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies.exemptions.sensor_errors import RECOVERY_S

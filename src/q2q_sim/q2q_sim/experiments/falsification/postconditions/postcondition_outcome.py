@@ -1,4 +1,4 @@
-"""Outcome of one property of a run, and the vehicles that faults of some kinds affect."""
+"""Outcome of one postcondition of a run, and the vehicles that faults of some kinds affect."""
 
 import math
 from typing import NamedTuple
@@ -11,8 +11,8 @@ from q2q_sim.faults.faults import Fault
 from q2q_sim.monitors.policies import Violation
 
 
-class StatedOutcome(NamedTuple):
-    """Outcome of one property of a run."""
+class PostconditionOutcome(NamedTuple):
+    """Outcome of one postcondition of a run."""
 
     violations: tuple[Violation, ...] = ()
     margin: float = math.inf

@@ -1,11 +1,11 @@
 """What the safe replanner states of its own setpoints (q2q_planner.online.safe.safe_replanner).
 
-| property | statement |
+| violation | statement that it breaks |
 |---|---|
 | promise | setpoints without PROMISE_BROKEN are out of each other's zone |
-| stop | they are also while their vehicles stop from there, within the bounds of the replanner |
-| off_path | a vehicle measured outside the tube of its setpoint is PROMISE_BROKEN |
-| held_acc | an acceleration is flown for `hold`, then the vehicle brakes, unless a new one is chosen |
+| stop_enters_zone | they are also while their vehicles stop from there, within the bounds of the replanner |
+| off_path_unreported | a vehicle measured outside the tube of its setpoint is PROMISE_BROKEN |
+| acc_held_too_long | an acceleration is flown for `hold`, then the vehicle brakes or has a new one |
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ from q2q_model.signals.values import Array, Mask, SetpointStatus, SwarmSetpoint
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, motion_after
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_limited_motion_after
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.postconditions.postcondition_outcome import PostconditionOutcome
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.loop.flight_blocks import safe_replanner_params
 from q2q_sim.monitors.policies import Violation
 
@@ -45,17 +45,17 @@ class _Nearest(NamedTuple):
     t: float
 
 
-def promise(run: Run, ticks: RunTicks) -> StatedOutcome:
+def promise(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the deepest unreported entry of setpoints into the zone; the margin counts reported ones too."""
     if run.options.replan != "safe":
-        return StatedOutcome()
+        return PostconditionOutcome()
     params = safe_replanner_params(run.scenario)
     zone = Cylinder(params.eps, params.d)
     pos, kept = over_ticks(ticks.setpoints, "pos"), _kept(ticks.setpoints)
     silent = _nearest(zone, ticks.setpoints, pos, kept)
     every = _nearest(zone, ticks.setpoints, pos, np.ones_like(kept))
     bad = [Violation("promise", "the replanner", silent.t, silent.distance, 0.0)]
-    return StatedOutcome(tuple(bad if silent.distance < 0.0 else ()), every.distance / params.eps)
+    return PostconditionOutcome(tuple(bad if silent.distance < 0.0 else ()), every.distance / params.eps)
 
 
 def _kept(setpoints: Sequence[SwarmSetpoint]) -> Mask:
@@ -72,10 +72,10 @@ def _nearest(zone: Cylinder, setpoints: Sequence[SwarmSetpoint], pos: Array, kep
     return _Nearest(float(least[k]), setpoints[k].t)
 
 
-def stop(run: Run, ticks: RunTicks) -> StatedOutcome:
+def stop_enters_zone(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the deepest entry into the zone of two vehicles that stop from setpoints without a report."""
     if run.options.replan != "safe":
-        return StatedOutcome()
+        return PostconditionOutcome()
     params = safe_replanner_params(run.scenario)
     zone = Cylinder(params.eps, params.d)
     law = BrakingLaw(params.eps, params.d, params.acc_max, params.jerk_max)
@@ -85,8 +85,10 @@ def stop(run: Run, ticks: RunTicks) -> StatedOutcome:
         _nearest(zone, judged, _stopped(motions, s, law).reshape(*kept.shape, 3), kept) for s in STOP_S
     )
     bad = least.distance < -STOP_SLACK
-    found = (Violation("stop", "the replanner", least.t, least.distance, -STOP_SLACK),) if bad else ()
-    return StatedOutcome(found, (least.distance + STOP_SLACK) / params.eps)
+    found = (
+        (Violation("stop_enters_zone", "the replanner", least.t, least.distance, -STOP_SLACK),) if bad else ()
+    )
+    return PostconditionOutcome(found, (least.distance + STOP_SLACK) / params.eps)
 
 
 def _stopping(setpoints: Sequence[SwarmSetpoint]) -> Motions:
@@ -105,10 +107,10 @@ def _stopped(motions: Motions, s: float, law: BrakingLaw) -> Array:
     return motion_after(motions, s, law.brake)[0]
 
 
-def off_path(run: Run, ticks: RunTicks) -> StatedOutcome:
+def off_path_unreported(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the vehicles measured off their setpoints without a report."""
     if run.options.replan != "safe":
-        return StatedOutcome()
+        return PostconditionOutcome()
     params = safe_replanner_params(run.scenario)
     measured = over_ticks(ticks.states, "age") <= 0.0
     off = over_ticks(ticks.states, "pos") - over_ticks(ticks.setpoints, "pos")
@@ -116,9 +118,11 @@ def off_path(run: Run, ticks: RunTicks) -> StatedOutcome:
     silent = np.where(measured & ticks.newer[:, None] & _kept(ticks.setpoints), outside, 0.0)
     k, row = np.unravel_index(int(silent.argmax()), silent.shape)
     if silent[k, row] <= SLACK:
-        return StatedOutcome()
+        return PostconditionOutcome()
     who, t = ticks.names[row], float(ticks.t[k])
-    return StatedOutcome((Violation("off_path", who, t, float(silent[k, row]), SLACK),), -1.0)
+    return PostconditionOutcome(
+        (Violation("off_path_unreported", who, t, float(silent[k, row]), SLACK),), -1.0
+    )
 
 
 def _outside(off: Array, tracking: float, tracking_z: float) -> Array:
@@ -132,14 +136,14 @@ def _outside(off: Array, tracking: float, tracking_z: float) -> Array:
     return np.asarray(np.maximum(beside, above))
 
 
-def held_acc(run: Run, ticks: RunTicks) -> StatedOutcome:
+def acc_held_too_long(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the vehicles that move with one acceleration for longer than `hold`.
 
     Late frames, and those of a clock set back until that is known, get the newest setpoint again: no time
     passes for its motion.
     """
     if run.options.replan != "safe":
-        return StatedOutcome()
+        return PostconditionOutcome()
     params = safe_replanner_params(run.scenario)
     ticks_held = round(params.hold / TICK_S)
     pos, acc = over_ticks(ticks.setpoints, "pos"), over_ticks(ticks.setpoints, "acc")
@@ -151,9 +155,15 @@ def held_acc(run: Run, ticks: RunTicks) -> StatedOutcome:
     shifted = over_ticks(ticks.setpoints, "status")[1:] != SetpointStatus.NOMINAL
     windows = np.lib.stride_tricks.sliding_window_view(same & moves & shifted, ticks_held, axis=0)
     held = np.asarray(windows.all(axis=2))
-    return StatedOutcome(
+    return PostconditionOutcome(
         tuple(
-            Violation("held_acc", name, float(ticks.t[held[:, row].argmax()]), float(held[:, row].sum()), 0.0)
+            Violation(
+                "acc_held_too_long",
+                name,
+                float(ticks.t[held[:, row].argmax()]),
+                float(held[:, row].sum()),
+                0.0,
+            )
             for row, name in enumerate(ticks.names)
             if held[:, row].any()
         )

@@ -1,4 +1,4 @@
-"""Each stated property holds in the sound stack and is violated by the seeded bug that breaks it."""
+"""Each postcondition holds in the sound stack and is violated by the seeded bug that breaks it."""
 
 import math
 from dataclasses import replace
@@ -13,10 +13,14 @@ from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.falsification.attack_case import with_faults
 from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight, fly_attacked
+from q2q_sim.experiments.falsification.postconditions.filter_properties import swap_moved_track
+from q2q_sim.experiments.falsification.postconditions.replanner_properties import (
+    acc_held_too_long,
+    promise,
+    stop_enters_zone,
+)
+from q2q_sim.experiments.falsification.postconditions.run_ticks import run_ticks
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
-from q2q_sim.experiments.falsification.stated_properties.filter_properties import swap
-from q2q_sim.experiments.falsification.stated_properties.replanner_properties import held_acc, promise, stop
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import run_ticks
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import safe_replanner_params
 
@@ -69,17 +73,17 @@ def sound(case: str) -> AttackedFlight:
 @pytest.mark.parametrize(
     ("bug", "case", "broken"),
     [
-        ("long_coast", "upper lost", "lost"),
-        ("never_ambiguous", "swapped with a lost one", "swap"),
-        ("held_unreported", "reordered", "repeat"),
-        ("clock_never_reset", "set back", "hold"),
-        ("ages_unshifted", "set back while one is lost", "told"),
+        ("long_coast", "upper lost", "lost_moving"),
+        ("never_ambiguous", "swapped with a lost one", "swap_moved_track"),
+        ("held_unreported", "reordered", "repeat_reported_ok"),
+        ("clock_never_reset", "set back", "hold_too_long"),
+        ("ages_unshifted", "set back while one is lost", "stale_reported_ok"),
         ("no_braking", "upper lost", "brake"),
         ("braking_reversed", "upper lost", "brake"),
         ("no_evasion", "upper lost", "evasion"),
         ("evasion_reversed", "slow one lost", "evasion"),
-        ("hold_forgotten", "lost at the zone", "held_acc"),
-        ("break_unreported", "off its path", "off_path"),
+        ("hold_forgotten", "lost at the zone", "acc_held_too_long"),
+        ("break_unreported", "off its path", "off_path_unreported"),
     ],
 )
 def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: str, broken: str):
@@ -105,7 +109,7 @@ def test_an_acceleration_is_held_for_too_long_in_ticks_of_equal_length(
         for k, one in enumerate(ticks.setpoints)
     ]
     stamp = ticks.stamp + np.where(np.arange(len(ticks.stamp)) >= last, jump, 0.0)
-    found = held_acc(run, replace(ticks, setpoints=tuple(setpoints), stamp=stamp))
+    found = acc_held_too_long(run, replace(ticks, setpoints=tuple(setpoints), stamp=stamp))
     assert len(found.violations) == broken
 
 
@@ -132,7 +136,7 @@ def test_a_setpoint_from_which_a_stop_enters_the_zone_is_a_violation(speed: floa
     pos[1, 0], vel[1, 0] = params.eps + 0.3, -speed
     for status in (SetpointStatus.NOMINAL, SetpointStatus.PROMISE_BROKEN):
         nearing = replace(first, pos=pos, vel=vel, acc=np.zeros((2, 3)), status=np.full(2, status, np.uint8))
-        found = stop(run, replace(ticks, setpoints=(nearing, *ticks.setpoints[1:])))
+        found = stop_enters_zone(run, replace(ticks, setpoints=(nearing, *ticks.setpoints[1:])))
         assert bool(found.violations) == (broken and status == SetpointStatus.NOMINAL)
 
 
@@ -146,7 +150,7 @@ def test_a_swap_is_not_judged_while_one_marker_is_displaced_and_the_other_missin
         Fault("dropout", 4.1, 0.8, (missing,)),
     )
     run = with_faults(flown("upper lost"), faults)
-    assert math.isfinite(swap(run, run_ticks(fly_pure(run).topics)).margin) == judged
+    assert math.isfinite(swap_moved_track(run, run_ticks(fly_pure(run).topics)).margin) == judged
 
 
 @pytest.mark.parametrize(("missing", "judged"), [("cf2", False), ("cf1", True)])
@@ -156,4 +160,4 @@ def test_nor_while_the_room_itself_has_lost_the_other(missing: str, judged: bool
     ticks = run_ticks(fly_pure(run).topics)
     unseen = np.where([name == missing for name in ticks.names], 0.2, 0.0)
     states = tuple(replace(one, age=unseen) if 4.3 < one.t < 4.395 else one for one in ticks.states)
-    assert math.isfinite(swap(run, replace(ticks, states=states)).margin) == judged
+    assert math.isfinite(swap_moved_track(run, replace(ticks, states=states)).margin) == judged

@@ -1,9 +1,9 @@
 """What the mocap filter states of its own output (q2q_model.estimation.mocap_filter).
 
-| property | statement |
+| violation | statement that it breaks |
 |---|---|
-| lost | a vehicle with status LOST has velocity zero |
-| swap | a label swap that ends before a vehicle has coasted moves no track: TRACKED states stay true |
+| lost_moving | a vehicle with status LOST has velocity zero |
+| swap_moved_track | a label swap that ends before a vehicle has coasted moves no TRACKED state |
 
 A swap is not judged while a marker of one of its vehicles is displaced and the other vehicle is missing.
 """
@@ -13,11 +13,11 @@ import numpy as np
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, TrackStatus
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import (
-    StatedOutcome,
+from q2q_sim.experiments.falsification.postconditions.postcondition_outcome import (
+    PostconditionOutcome,
     affected_by_kinds,
 )
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.flight_blocks import filter_params
 from q2q_sim.monitors.policies import Limits, Violation
@@ -27,27 +27,27 @@ SETTLED_S = 1.0
 """Time at the start of a flight in which names may still be settled [s]."""
 
 
-def lost(_: Run, ticks: RunTicks) -> StatedOutcome:
+def lost_moving(_: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the lost vehicles that are said to move."""
     speed = np.linalg.norm(over_ticks(ticks.states, "vel"), axis=2)
     gone = over_ticks(ticks.states, "status") == TrackStatus.LOST
     moving = np.where(gone, speed, 0.0)
     k, row = np.unravel_index(int(moving.argmax()), moving.shape)
     if not moving[k, row] > 0.0:
-        return StatedOutcome()
-    return StatedOutcome(
-        (Violation("lost", ticks.names[row], float(ticks.t[k]), float(moving[k, row]), 0.0),), -1.0
+        return PostconditionOutcome()
+    return PostconditionOutcome(
+        (Violation("lost_moving", ticks.names[row], float(ticks.t[k]), float(moving[k, row]), 0.0),), -1.0
     )
 
 
-def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
+def swap_moved_track(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the tracks that a short label swap has moved; undetectable faults widen or end the judgement."""
     faults = run.scenario.faults
     swaps = [fault for fault in faults if fault.kind == "swap"]
     if any(fault.kind == "clock_jump" for fault in faults):
-        return StatedOutcome()
+        return PostconditionOutcome()
     if sum(fault.duration + 2.0 * TICK_S for fault in swaps) > filter_params(run.scenario).coast_s:
-        return StatedOutcome()
+        return PostconditionOutcome()
     allowed = Limits().state_error_max + sum(abs(fault.size) for fault in faults if fault.kind == "jump")
     off = _errors(ticks)
     found, margin = [], np.inf
@@ -61,8 +61,8 @@ def swap(run: Run, ticks: RunTicks) -> StatedOutcome:
             k = int(error.argmax())
             margin = min(margin, float(allowed - error[k]) / allowed)
             if error[k] > allowed:
-                found.append(Violation("swap", name, float(ticks.t[k]), float(error[k]), allowed))
-    return StatedOutcome(tuple(found), margin)
+                found.append(Violation("swap_moved_track", name, float(ticks.t[k]), float(error[k]), allowed))
+    return PostconditionOutcome(tuple(found), margin)
 
 
 def _ambiguous(swap: Fault, faults: tuple[Fault, ...], ticks: RunTicks) -> bool:

@@ -1,6 +1,6 @@
 """What the guard states of vehicles without measurements (q2q_control.failsafe.blind_flight): they brake.
 
-| property | statement |
+| violation | statement that it breaks |
 |---|---|
 | brake | a vehicle that flies level or lands blind faster than FAST is decelerated |
 
@@ -34,7 +34,7 @@ from q2q_control.failsafe.evasion.descent_evasion import DRIFT, DRIFT_FROM_S
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification.stated_properties.hidden_motion import (
+from q2q_sim.experiments.falsification.postconditions.hidden_motion import (
     after_late_frame,
     after_rotor_change,
     hidden_by_gusts,
@@ -42,8 +42,8 @@ from q2q_sim.experiments.falsification.stated_properties.hidden_motion import (
     last_measured,
     misleading_measurement,
 )
-from q2q_sim.experiments.falsification.stated_properties.run_ticks import RunTicks, over_ticks
-from q2q_sim.experiments.falsification.stated_properties.stated_outcome import StatedOutcome
+from q2q_sim.experiments.falsification.postconditions.postcondition_outcome import PostconditionOutcome
+from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks, over_ticks
 from q2q_sim.monitors.policies import Violation
 
 FAST = 0.4
@@ -66,7 +66,7 @@ class _Braking(NamedTuple):
     """Commanded deceleration, of that due [-]."""
 
 
-def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
+def brake(run: Run, ticks: RunTicks) -> PostconditionOutcome:
     """Return the vehicle without measurements that is braked the least."""
     found = _braking(ticks)
     judged = _judged(run, ticks)[: len(found.speed)]
@@ -75,7 +75,7 @@ def brake(run: Run, ticks: RunTicks) -> StatedOutcome:
     least = float(unmet[k, row])
     bad = (Violation("brake", ticks.names[row], float(ticks.t[k]), least, SHARE),) if least < SHARE else ()
     margin = np.maximum(1.0 - found.speed / found.fast, found.share / SHARE - 1.0)
-    return StatedOutcome(bad, float(np.minimum(margin[judged], 1.0).min(initial=np.inf)))
+    return PostconditionOutcome(bad, float(np.minimum(margin[judged], 1.0).min(initial=np.inf)))
 
 
 def _braking(ticks: RunTicks) -> _Braking:
