@@ -1,6 +1,6 @@
 """Plans with risk: how many vehicles a room holds, and how far vehicles stray in the flights of such plans.
 
-    python benchmarks/risk.py capacity --tube 0.08 0.06 --seeds 3
+    python benchmarks/risk.py capacity --tube 0.08 0.06 --draws 3
     python benchmarks/risk.py tube --tube 0.08 0.06 --flights 60 --vehicles 12
 
 `--tube` is that of the plans; `tube` measures one for plans with it. Both swap vehicles at random in a room
@@ -41,7 +41,7 @@ GAINS = {"pid": {"k_p_z": 10.0, "k_d_z": 5.0, "k_p_xy": 6.0, "k_d_xy": 4.0}}
 """Those of the real flights dc21."""
 SHORT, TUBE = 1, RiskTube(0.08, 0.06, 0.5 * ALPHA)
 """Flights of `scripts/bench`, and the tube of their plans: a guess."""
-EXAMPLE = """  python benchmarks/risk.py capacity --tube 0.08 0.06 --seeds 3
+EXAMPLE = """  python benchmarks/risk.py capacity --tube 0.08 0.06 --draws 3
   python benchmarks/risk.py tube --tube 0.08 0.06 --flights 60 --vehicles 12"""
 
 
@@ -176,7 +176,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure one of both."""
     made = CommandLine("risk", __doc__, EXAMPLE)
     made.add_argument("what", choices=("capacity", "tube"))
-    made.add_argument("--seeds", type=int, default=3, help="rooms of each zone (default 3)")
+    made.add_argument("--draws", type=int, default=3, help="random rooms of each zone (default 3)")
     made.add_argument("--first", type=int, default=0, help="seed of the first flight (default 0)")
     made.add_argument("--flights", type=int, default=60, help="how many flights (default 60)")
     made.add_argument("--vehicles", type=int, default=12, help="in each (default 12)")
@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     args = made.parse_args(arguments)
     tube = RiskTube(args.tube[0], args.tube[1], 0.5 * ALPHA)
     if args.what == "capacity":
-        rows = capacity_rows(range(args.seeds), tube)
+        rows = capacity_rows(range(args.draws), tube)
     else:
         seeds = range(args.first, args.first + args.flights)
         rows = tube_rows(flown(seeds, args.vehicles, tube, args.attitude), tube)

@@ -62,7 +62,7 @@ REFUSALS = (
     ("q2q_sim.commands.endurance --minutes 0.5", 1, "1 or more is allowed"),
     ("q2q_sim.commands.endurance --minutes inf", 2, "any finite number is allowed"),
     ("q2q_sim.commands.estimators none", 1, "no flight at none"),
-    ("q2q_sim.commands.estimators . --seeds 0", 2, "0: a whole number is expected, 1 or more"),
+    ("q2q_sim.commands.estimators . --draws 0", 2, "0: a whole number is expected, 1 or more"),
     ("q2q_sim.commands.explain none", 1, "no bag at none"),
     ("q2q_sim.commands.explain", 2, "either a bag or --score N"),
     ("q2q_sim.commands.explain . --orders 5", 1, "an even number of 4 or more"),

@@ -130,7 +130,7 @@ def test_the_page_of_an_unfinished_run_can_be_written_without_flying(
     made = numbers_of(ignoring=0.09)
     del made.flights[cell_name(STACK, "on board")]
     made.save(file)
-    asked = ["--seeds", "1", "--json", str(file), "--out", str(out), "--table-only"]
+    asked = ["--draws", "1", "--json", str(file), "--out", str(out), "--table-only"]
     assert main(asked) == 0
     written = out.read_text()
     assert "1 flight not flown" in written

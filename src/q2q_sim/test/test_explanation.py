@@ -38,7 +38,7 @@ FOUND = Explanation(
     rest=0.12,
     without_first=0.2,
     all_orders=False,
-    seeds=3,
+    draws=3,
 )
 
 
@@ -152,10 +152,10 @@ def test_first_causes_of_accidents_are_named_first() -> None:
     assert score_text([*found, wrong]) == "first cause named first in 2 of 3 accidents (67%)"
 
 
-def test_shares_and_rest_add_up_to_the_loss_and_other_seeds_widen_the_intervals() -> None:
-    own, both = (explain(short("stack3"), ExplanationParams(orders=4, seeds=n)) for n in (1, 2))
+def test_shares_and_rest_add_up_to_the_loss_and_other_draws_widen_the_intervals() -> None:
+    own, both = (explain(short("stack3"), ExplanationParams(orders=4, draws=n)) for n in (1, 2))
     assert sum(one.share for one in own.shares) + own.rest == pytest.approx(own.loss.size, abs=1e-12)
-    assert (own.all_orders, own.seeds, both.seeds) == (False, 1, 2)
+    assert (own.all_orders, own.draws, both.draws) == (False, 1, 2)
     for one, other in zip(own.shares, both.shares, strict=True):
         assert (one.cause, one.share) == (other.cause, other.share)
         assert one.low >= other.low
@@ -177,7 +177,7 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    ("all_orders", "seeds", "note"),
+    ("all_orders", "draws", "note"),
     [
         (False, 1, "The 95 % interval is that of other orders."),
         (True, 2, "The 95 % interval is that of other draws of noise, losses and gusts."),
@@ -185,11 +185,11 @@ def test_a_page_shows_the_sentence_first_and_both_flights(tmp_path: Path) -> Non
     ],
 )
 def test_a_page_says_what_its_intervals_are_of(
-    tmp_path: Path, *, all_orders: bool, seeds: int, note: str
+    tmp_path: Path, *, all_orders: bool, draws: int, note: str
 ) -> None:
     case = short("stack3")
     nothing = (CauseShare("latency", -1e-5, -2e-5, 1e-5),)
-    found = replace(FOUND, shares=nothing, all_orders=all_orders, seeds=seeds)
+    found = replace(FOUND, shares=nothing, all_orders=all_orders, draws=draws)
     page = write_page(found, RecordedCase(case, fly_flight_case(case), 0.0), "a bag", tmp_path).read_text()
     assert note in page
     assert "<td>0.0</td><td>0.0</td><td>0.0</td>" in page

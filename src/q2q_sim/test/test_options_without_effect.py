@@ -6,7 +6,7 @@ from q2q_sim.commands import campaign, explain
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("of", "height"), ("orders", "6"), ("seeds", "1"), ("out", "why")]
+    ("option", "value"), [("of", "height"), ("orders", "6"), ("draws", "1"), ("out", "why")]
 )
 def test_a_score_refuses_what_is_of_a_bag(
     option: str, value: str, capsys: pytest.CaptureFixture[str]

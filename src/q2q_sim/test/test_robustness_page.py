@@ -89,8 +89,8 @@ def test_numbers_of_other_draws_are_refused_and_nothing_is_flown(tmp_path: Path)
     kept = tmp_path / "numbers.json"
     save(KeptNumbers({}, FlightDraws(2, 2001)), kept)
     before = kept.read_bytes()
-    asked = Namespace(airs=["ring"], seeds=25, seed=7, json=kept, out=tmp_path / "page.md", table_only=False)
-    with pytest.raises(ValueError, match=r"is of --seeds 2 --seed 2001: give these, or another file"):
+    asked = Namespace(airs=["ring"], draws=25, seed=7, json=kept, out=tmp_path / "page.md", table_only=False)
+    with pytest.raises(ValueError, match=r"is of --draws 2 --seed 2001: give these, or another file"):
         run(asked)
     assert kept.read_bytes() == before
 

@@ -13,7 +13,7 @@ from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_sim.scenarios.choices import TABLE_ONLY
 
 EXAMPLE = """  ros2 run q2q_sim ablation --json docs/ablation.json --out docs/ablation.md --jobs 2
-  ros2 run q2q_sim ablation --seeds 2 --only stack3 --airs ring --json out/stack3.json --out out/stack3.md"""
+  ros2 run q2q_sim ablation --draws 2 --only stack3 --airs ring --json out/stack3.json --out out/stack3.md"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -32,7 +32,7 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("ablation", __doc__, EXAMPLE)
     made.add_argument(
-        "--seeds", type=whole_number(1, 5), default=4, metavar="N", help="draws with each model, 1 to 5"
+        "--draws", type=whole_number(1, 5), default=4, metavar="N", help="draws with each model, 1 to 5"
     )
     made.add_argument(
         "--json",

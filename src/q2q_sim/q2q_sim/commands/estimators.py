@@ -13,7 +13,7 @@ from q2q_model.commands.argument_types import output_file, whole_number
 from q2q_model.commands.command_line import CommandLine, Work, run_command
 from q2q_model.commands.recording_options import add_recordings
 
-EXAMPLE = "  ros2 run q2q_sim estimators flights/ --seeds 3 --json out/estimators.json"
+EXAMPLE = "  ros2 run q2q_sim estimators flights/ --draws 3 --json out/estimators.json"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -41,7 +41,7 @@ def parser() -> CommandLine:
     made = CommandLine("estimators", __doc__, EXAMPLE)
     add_recordings(made)
     made.add_argument(
-        "--seeds",
+        "--draws",
         type=whole_number(1),
         default=3,
         metavar="N",

@@ -19,7 +19,7 @@ EXAMPLE = """  ros2 run q2q_sim explain out/demo/bags/ignoring --out out/why --j
 FEWEST_ORDERS = 4
 """Two pairs, each with its reverse."""
 
-OF_BAG, OF_SCORE = ("--of", "--orders", "--seeds", "--out"), ("--seed",)
+OF_BAG, OF_SCORE = ("--of", "--orders", "--draws", "--out"), ("--seed",)
 """Options of the explanation of one bag, and of the score."""
 
 
@@ -67,7 +67,7 @@ def parser() -> CommandLine:
         help=f"orders in which causes are taken out, an even number of {FEWEST_ORDERS} or more (default 8)",
     )
     made.add_argument(
-        "--seeds",
+        "--draws",
         type=whole_number(1),
         default=3,
         metavar="N",

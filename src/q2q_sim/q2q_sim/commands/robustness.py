@@ -16,7 +16,7 @@ from q2q_sim.scenarios.choices import TABLE_ONLY
 MOST_DRAWS = 25
 AIRS = (ROOM, RECORDED, *SYNTHETIC, "paper")
 EXAMPLE = """  ros2 run q2q_sim robustness --json out/robustness.json --out docs/robustness.md
-  ros2 run q2q_sim robustness --airs ring bent --seeds 2 --json out/two.json --out out/two.md"""
+  ros2 run q2q_sim robustness --airs ring bent --draws 2 --json out/two.json --out out/two.md"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -38,7 +38,7 @@ def parser() -> CommandLine:
     made = CommandLine("robustness", __doc__, EXAMPLE)
     made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="airs to fly in")
     made.add_argument(
-        "--seeds",
+        "--draws",
         type=whole_number(1, MOST_DRAWS),
         default=2,
         metavar="N",

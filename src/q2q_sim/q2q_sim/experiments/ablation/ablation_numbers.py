@@ -85,7 +85,7 @@ def read_numbers(file: Path, draws: int) -> Numbers:
         raise ValueError(f"{file} is not an ablation ({wrong}): remove it, or give another --json") from wrong
     if found.draws != draws:
         raise ValueError(
-            f"{file} holds {found.draws} seeds, not {draws}: give another --json, or --seeds {found.draws}"
+            f"{file} holds {found.draws} draws, not {draws}: give another --json, or --draws {found.draws}"
         )
     return found
 

@@ -27,10 +27,10 @@ DPI = 160
 
 def run(given: Namespace) -> int:
     """Fly what is missing, write page and plot; return the exit status."""
-    if not 1 <= given.seeds <= 5 or given.jobs < 1:
-        raise ValueError(f"seeds = {given.seeds}, jobs = {given.jobs}: 1 to 5 seeds, 1 job or more")
+    if not 1 <= given.draws <= 5 or given.jobs < 1:
+        raise ValueError(f"draws = {given.draws}, jobs = {given.jobs}: 1 to 5 draws, 1 job or more")
     wanted = [(case, name) for case in CASES for name in NAMES if _is_wanted(given, case, name)]
-    numbers = read_numbers(given.json, given.seeds) if given.table_only else _filled(wanted, given)
+    numbers = read_numbers(given.json, given.draws) if given.table_only else _filled(wanted, given)
     if not numbers.flights:
         raise ValueError(f"{given.json} holds no flights: leave out {TABLE_ONLY}")
     words = [word for word in given.argv if word != TABLE_ONLY]
@@ -71,7 +71,7 @@ def _is_wanted(given: Namespace, case: Case, contender: str) -> bool:
 def _filled(wanted: Sequence[tuple[Case, str]], given: Namespace) -> Numbers:
     """Return the numbers in the file and those of missing flights, which are added to it."""
     with exclusive_file(given.json):
-        numbers = read_numbers(given.json, given.seeds)
+        numbers = read_numbers(given.json, given.draws)
         _fill(numbers, wanted, given)
     return numbers
 

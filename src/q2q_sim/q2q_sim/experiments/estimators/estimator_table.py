@@ -55,7 +55,7 @@ def _cells(one: ErrorSummary) -> list[str]:
     return [sizes[0], between, *sizes[1:], f"{one.diverged} of {one.replays}"]
 
 
-def errors_json(found: Sequence[ReplayedErrors], seeds: int) -> Json:
+def errors_json(found: Sequence[ReplayedErrors], draws: int) -> Json:
     """Return {"pooled": [...], "flights": [...]} with one entry for each condition and estimator.
 
     An error is null where the estimates diverged beyond all numbers.
@@ -73,7 +73,7 @@ def errors_json(found: Sequence[ReplayedErrors], seeds: int) -> Json:
         }
         for one in found
     ]
-    return {"seeds": seeds, "delay_s": DELAY * DT, "pooled": pooled, "flights": flights}
+    return {"draws": draws, "delay_s": DELAY * DT, "pooled": pooled, "flights": flights}
 
 
 def _numbers(one: ErrorSummary) -> dict[str, Json]:

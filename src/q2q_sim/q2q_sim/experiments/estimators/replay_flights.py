@@ -23,13 +23,13 @@ def replay_flights(recordings: Sequence[Recording], args: Namespace) -> int:
         motion = _motion(one)
         if motion is not None:
             print(f"estimators: {motion.name} ...", file=sys.stderr, flush=True)
-            found += replayed_errors(motion, range(args.seeds))
+            found += replayed_errors(motion, range(args.draws))
     if not found:
         raise ValueError("none of these flights can be replayed")
     for table in [error_table(found), *([flight_table_of(found)] if args.each else [])]:
         print_whole(table)
     if args.json:
-        write_json(errors_json(found, args.seeds), args.json)
+        write_json(errors_json(found, args.draws), args.json)
     return 0
 
 

@@ -18,7 +18,7 @@ def explain_bag(args: Namespace) -> int:
     recorded = recorded_case(args.bag)
     with Progress(console=Console(stderr=True)) as bar:
         task = bar.add_task("explain", total=1.0)
-        params = ExplanationParams(args.orders, args.seeds, args.of)
+        params = ExplanationParams(args.orders, args.draws, args.of)
         found = explain(recorded.case, params, lambda share: bar.update(task, completed=share))
     if args.json:
         write_json(explanation_json(found, recorded.difference), args.json)

@@ -8,8 +8,8 @@ The shares are Shapley values (q2q_sim.experiments.explanation.shapley) of the f
 | symbol | meaning |
 |---|---|
 | s_o | standard error over random orders; 0 if all are flown [m] |
-| s_s | standard deviation between seeds: noise, losses and gusts that were drawn; 0 if one is flown [m] |
-| t_o, t_s | Student's t of one degree of freedom less than there are orders, and seeds [-] |
+| s_s | standard deviation between draws of noise, losses and gusts; 0 if one is flown [m] |
+| t_o, t_s | Student's t of one degree of freedom less than there are orders, and draws [-] |
 
 The 2 is because the difference of two flights has the variance of both.
 """
@@ -50,8 +50,8 @@ class ExplanationParams:
 
     orders: int = 8
     """Orders of the causes, even and at least 4; all of them where there are no more."""
-    seeds: int = 3
-    """Seeds that are flown: the flight's own and those after it."""
+    draws: int = 3
+    """Draws of noise, losses and gusts that are flown: of the flight's own seed and those after it."""
     kind: LossKind = "distance"
     """What is split."""
 
@@ -59,8 +59,8 @@ class ExplanationParams:
         """Check the bounds."""
         if self.orders < 4 or self.orders % 2:
             raise ValueError(f"orders = {self.orders}: an even number of 4 or more is allowed")
-        if self.seeds < 1:
-            raise ValueError(f"seeds = {self.seeds}: 1 or more is allowed")
+        if self.draws < 1:
+            raise ValueError(f"draws = {self.draws}: 1 or more is allowed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +88,8 @@ class Explanation:
     """Loss without the first cause alone [m]; the whole loss if there is no cause."""
     all_orders: bool
     """Whether the shares are means over all orders of the causes, not over random ones."""
-    seeds: int
-    """Seeds that were flown."""
+    draws: int
+    """Draws that were flown."""
 
 
 def ignore_progress(_: float) -> None:
@@ -106,7 +106,7 @@ def explain(
     short = cut_case(case, end)
     causes = present_causes(short)
     orders = orders_of(causes, params.orders, stream(case.seed, "explanation orders"))
-    values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.seeds)]
+    values = [loss_without(replace(short, seed=case.seed + k), loss) for k in range(params.draws)]
     found = _all_shares(causes, orders, values, follow)
     exact = all_orders_fit(causes, params.orders)
     split = _split(causes, found, exact=exact)
@@ -118,7 +118,7 @@ def explain(
         rest=own(frozenset(causes)),
         without_first=own(frozenset() if first is None else frozenset({first})),
         all_orders=exact,
-        seeds=params.seeds,
+        draws=params.draws,
     )
 
 
@@ -142,18 +142,18 @@ def loss_without(case: FlightCase, loss: Loss) -> Value:
 
 
 def half_widths(found: Array, *, exact: bool) -> Array:
-    """Return w of each cause from its shares (seeds, orders, causes); `exact` means all orders."""
-    seeds, orders, causes = found.shape
+    """Return w of each cause from its shares (draws, orders, causes); `exact` means all orders."""
+    draws, orders, causes = found.shape
     none = np.zeros(causes)
     by_order = none if exact else stdtrit(orders - 1, UPPER) * standard_error(found[0])
-    by_seed = none if seeds == 1 else stdtrit(seeds - 1, UPPER) * found.mean(axis=1).std(axis=0, ddof=1)
-    return np.asarray(np.hypot(by_order, np.sqrt(2.0) * by_seed))
+    by_draw = none if draws == 1 else stdtrit(draws - 1, UPPER) * found.mean(axis=1).std(axis=0, ddof=1)
+    return np.asarray(np.hypot(by_order, np.sqrt(2.0) * by_draw))
 
 
 def _all_shares(
     causes: Sequence[str], orders: Sequence[Order], values: Sequence[Value], follow: Follow
 ) -> Array:
-    """Return the shares of the causes with each seed and in each order, (seeds, orders, causes)."""
+    """Return the shares of the causes of each draw and in each order, (draws, orders, causes)."""
     found = np.empty((len(values), len(orders), len(causes)))
     for k, value in enumerate(values):
         for row, order in enumerate(orders):
@@ -164,7 +164,7 @@ def _all_shares(
 
 def _split(causes: Sequence[str], found: Array, *, exact: bool) -> tuple[CauseShare, ...]:
     """Return the mean shares with the first seed and their intervals; `exact` means over all orders."""
-    means = found.mean(axis=1)  # (seeds, causes)
+    means = found.mean(axis=1)  # (draws, causes)
     wide = half_widths(found, exact=exact)
     split = [
         CauseShare(cause, float(mean), float(mean - one), float(mean + one))

@@ -49,7 +49,7 @@ def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path)
 def _interval_note(found: Explanation) -> str:
     """Return what the intervals are of."""
     sources = [] if found.all_orders else ["other orders"]
-    if found.seeds > 1:
+    if found.draws > 1:
         sources.append("other draws of noise, losses and gusts")
     if not sources:
         return "All orders were flown with one seed, so the shares have no interval."

@@ -7,7 +7,7 @@ from q2q_sim.experiments.explanation.accidents import INJECTIONS, accident
 from q2q_sim.experiments.explanation.explanation import ExplanationParams, explain
 from q2q_sim.node_flights.run_json import Json
 
-EFFORT = ExplanationParams(orders=4, seeds=1)
+EFFORT = ExplanationParams(orders=4, draws=1)
 """Effort at which an explanation is scored: the order of the causes needs no intervals."""
 
 

@@ -41,7 +41,7 @@ class KeptNumbers(NamedTuple):
 
 def run(given: Namespace) -> int:
     """Fly what is missing, keep the numbers after each flight, write the page; return the exit status."""
-    flights = asked_flights(given.airs, given.seeds, given.seed)
+    flights = asked_flights(given.airs, given.draws, given.seed)
     if given.table_only:
         found = _present(given)
     else:
@@ -60,18 +60,18 @@ def run(given: Namespace) -> int:
 
 def _present(given: Namespace) -> dict[str, Errors]:
     """Return the numbers in the file; raise ValueError if they are of other draws."""
-    numbers, asked = read(given.json), FlightDraws(given.seeds, given.seed)
+    numbers, asked = read(given.json), FlightDraws(given.draws, given.seed)
     kept = numbers.draws or asked
     if kept != asked:
         raise ValueError(
-            f"{given.json} is of --seeds {kept.each} --seed {kept.seed}: give these, or another file"
+            f"{given.json} is of --draws {kept.each} --seed {kept.seed}: give these, or another file"
         )
     return dict(numbers.errors)
 
 
 def _filled(flights: Sequence[PerturbedFlight], given: Namespace) -> dict[str, Errors]:
     """Return the numbers in the file and those of missing flights, which are added to it."""
-    found, asked = _present(given), FlightDraws(given.seeds, given.seed)
+    found, asked = _present(given), FlightDraws(given.draws, given.seed)
     wanted = {
         flight_key(one): one for pair in ((ignoring_flight(one), one) for one in flights) for one in pair
     }
