@@ -85,7 +85,7 @@ def scenario(data: bytes) -> None:
 def waypoints(data: bytes) -> None:
     """Read waypoints."""
     with suppress(ValueError):
-        read_waypoints(written(data, "waypoints.yaml"), FlightLimits(), "stop_and_go")
+        read_waypoints(written(data, "waypoints.yaml"), FlightLimits(), "stop")
 
 
 def cdr(data: bytes) -> None:
