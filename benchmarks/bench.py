@@ -1,8 +1,9 @@
-"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE] [--plots FOLDER] [--beside CHECKOUT]`.
+"""Run the benchmarks: `scripts/bench [AREA...] [--json FILE] [--plots FOLDER] [--baseline CHECKOUT]`.
 
 Each area is a module of this folder with `run() -> list[Row]`; its references are measured in the same run.
 Several areas run one after the other, each in a process of its own; one that fails loses its own rows only.
-`--plots` runs the area growth and draws it. `--beside` runs each area there, too, and shows both values.
+`--plots` runs the area growth and draws it. `--baseline` runs each area in that checkout, too, and shows both
+values.
 """
 
 import json
@@ -15,7 +16,7 @@ from importlib import import_module
 from pathlib import Path
 
 from area_process import AreaError, Bench
-from compare_checkout import bench_of, compare_rows, has_area, table_beside
+from compare_checkout import bench_of, compare_rows, comparison_table, has_area
 from q2q_model.commands.argument_types import output_file, output_folder
 from q2q_model.commands.command_line import CommandLine
 from row import Row
@@ -24,7 +25,7 @@ HERE = Path(__file__).parent
 DRAWN = "growth"
 """Area whose `run` takes a folder for its figures."""
 EXAMPLE = """  scripts/bench simulation
-  scripts/bench --json after.json --beside ../q2q_before"""
+  scripts/bench --json after.json --baseline ../q2q_before"""
 
 
 def areas() -> list[str]:
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if args.plots and DRAWN not in chosen:
         chosen.append(DRAWN)
     try:
-        if len(chosen) > 1 or args.beside:
+        if len(chosen) > 1 or args.baseline:
             return _run_apart(chosen, args)
         _write(_run(chosen[0], args.plots), args.json)
     except KeyboardInterrupt:
@@ -59,7 +60,7 @@ def _parser() -> CommandLine:
         "--plots", type=output_folder, metavar="FOLDER", help=f"run {DRAWN} and draw its figures there"
     )
     made.add_argument(
-        "--beside",
+        "--baseline",
         type=Path,
         metavar="CHECKOUT",
         help="another checkout of q2q, whose scripts/bench runs each area after ours",
@@ -74,8 +75,8 @@ def _refusal(args: Namespace) -> str | None:
             near = get_close_matches(area, areas(), n=1)
             hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(areas())}"
             return f"no area {area!r}; {hint}"
-    if args.beside and not (args.beside / "scripts" / "bench").is_file():
-        return f"no scripts/bench in {args.beside}: --beside takes the folder of a checkout of q2q"
+    if args.baseline and not (args.baseline / "scripts" / "bench").is_file():
+        return f"no scripts/bench in {args.baseline}: --baseline takes the folder of a checkout of q2q"
     return None
 
 
@@ -85,9 +86,9 @@ def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
     failed = []
     for area in chosen:
         plots = ("--plots", str(args.plots)) if args.plots and area == DRAWN else ()
-        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not args.beside)
+        ours = Bench((sys.executable, str(HERE / "bench.py"), *plots), tables=not args.baseline)
         try:
-            rows += _beside(area, ours.rows(area), args.beside) if args.beside else ours.rows(area)
+            rows += _compared(area, ours.rows(area), args.baseline) if args.baseline else ours.rows(area)
         except AreaError as error:
             print(f"bench: {error}", file=sys.stderr)
             failed.append(area)
@@ -97,7 +98,7 @@ def _run_apart(chosen: Sequence[str], args: Namespace) -> int:
     return int(bool(failed))
 
 
-def _beside(area: str, ours: list[Row], checkout: Path) -> list[Row]:
+def _compared(area: str, ours: list[Row], checkout: Path) -> list[Row]:
     """Run the area in another checkout; print both values of each row and return the rows."""
     from rich.console import Console
 
@@ -109,7 +110,7 @@ def _beside(area: str, ours: list[Row], checkout: Path) -> list[Row]:
         except AreaError as error:
             print(f"bench: in {checkout}: {error}", file=sys.stderr)
     both = compare_rows(ours, theirs)
-    Console().print(table_beside(area, both))
+    Console().print(comparison_table(area, both))
     return both
 
 
@@ -127,7 +128,7 @@ def _run(area: str, plots: Path | None) -> list[Row]:
     made = import_module(area).run
     rows: list[Row] = made(plots) if plots else made()
     table = Table(title=area)
-    for column in ("figure", "value", "unit", "beside", "ratio"):
+    for column in ("figure", "value", "unit", "reference", "ratio"):
         table.add_column(column, justify="right" if column in ("value", "ratio") else "left")
     for row in rows:
         ratio = "-" if row.ratio is None else f"{row.ratio:.3g}"

@@ -50,8 +50,8 @@ def _inside(entry: str, root: Path) -> bool:
 
 def compare_rows(ours: Sequence[Row], theirs: Sequence[Row]) -> list[Row]:
     """Return our rows with the values of theirs."""
-    there = {key: row.value for key, row in _keyed(theirs)}
-    return [replace(row, there=there.get(key)) for key, row in _keyed(ours)]
+    baseline = {key: row.value for key, row in _keyed(theirs)}
+    return [replace(row, baseline=baseline.get(key)) for key, row in _keyed(ours)]
 
 
 def _keyed(rows: Sequence[Row]) -> Iterator[tuple[Key, Row]]:
@@ -63,15 +63,15 @@ def _keyed(rows: Sequence[Row]) -> Iterator[tuple[Key, Row]]:
         yield (heading, row.name, seen[heading, row.name]), row
 
 
-def table_beside(area: str, rows: Sequence[Row]) -> "Table":
-    """Return the table of an area: value here, value there, and here over there."""
+def comparison_table(area: str, rows: Sequence[Row]) -> "Table":
+    """Return the table of an area: value here, baseline, and here over baseline."""
     from rich.table import Table
 
     table = Table(title=area)
-    for column in ("figure", "here", "there", "unit", "here / there"):
+    for column in ("figure", "here", "baseline", "unit", "here / baseline"):
         table.add_column(column, justify="left" if column in ("figure", "unit") else "right")
     for row in rows:
-        there = "-" if row.there is None else f"{row.there:.4g}"
-        ratio = f"{row.value / row.there:.3g}" if row.there else "-"
-        table.add_row(row.name, f"{row.value:.4g}", there, row.unit, ratio)
+        baseline = "-" if row.baseline is None else f"{row.baseline:.4g}"
+        ratio = f"{row.value / row.baseline:.3g}" if row.baseline else "-"
+        table.add_row(row.name, f"{row.value:.4g}", baseline, row.unit, ratio)
     return table

@@ -193,7 +193,7 @@ def _joint(count: int) -> list[Row]:
     begun = process_time()
     try:
         with _given_up_after(LONGEST):
-            found: AvoidancePlan | None = avoid_zones(swarm, ZONE, params=AvoidanceParams(starts=1))
+            found: AvoidancePlan | None = avoid_zones(swarm, ZONE, params=AvoidanceParams(initial_guesses=1))
     except (InfeasibleError, TimeoutError):
         found = None
     taken = process_time() - begun

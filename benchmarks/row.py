@@ -15,5 +15,5 @@ class Row:
     """What it is measured against."""
     ratio: float | None = None
     """Reference over ours in the same run: above 1 we are better."""
-    there: float | None = None
-    """Value of the same row in the checkout of `--beside`; None if it has no such row."""
+    baseline: float | None = None
+    """Value of the same row in the checkout of `--baseline`; None if it has no such row."""

@@ -57,7 +57,7 @@ def run(
     patch.setattr(bench, "HERE", here / "benchmarks")
     file = here / "out" / "rows.json"
     status = bench.main([*words, "--json", str(file)])
-    return status, [(one["name"], one["value"], one["there"]) for one in json.loads(file.read_text())]
+    return status, [(one["name"], one["value"], one["baseline"]) for one in json.loads(file.read_text())]
 
 
 def test_an_area_that_fails_loses_its_own_rows_only(
@@ -78,7 +78,7 @@ def test_both_values_are_in_the_table_and_the_rows(
 ):
     here = checkout(tmp_path / "here", {"air": [("tick", 2.0), ("new", 3.0)], "sea": [("b", 7.0)]})
     there = checkout(tmp_path / "there", {"air": [("old", 4.0), ("tick", 8.0)]})
-    status, rows = run(here, monkeypatch, "--beside", str(there))
+    status, rows = run(here, monkeypatch, "--baseline", str(there))
     assert status == 0
     assert rows == [("tick", 2.0, 8.0), ("new", 3.0, None), ("b", 7.0, None)]
     (line,) = [one for one in capfd.readouterr().out.splitlines() if "tick" in one]
@@ -90,7 +90,7 @@ def test_an_area_that_fails_there_is_reported_in_one_sentence(
 ):
     here = checkout(tmp_path / "here", {"air": [("a", 1.0)]})
     there = checkout(tmp_path / "there", {}, "air")
-    assert run(here, monkeypatch, "air", "--beside", str(there)) == (0, [("a", 1.0, None)])
+    assert run(here, monkeypatch, "air", "--baseline", str(there)) == (0, [("a", 1.0, None)])
     message = [line for line in capfd.readouterr().err.splitlines() if "failed" in line]
     assert message == [f"bench: in {there}: air failed with status 1: ValueError: no luck with air"]
 
@@ -100,7 +100,7 @@ def test_an_area_that_fails_here_is_not_run_there(
 ):
     here = checkout(tmp_path / "here", {"sea": [("b", 1.0)]}, "air")
     there = checkout(tmp_path / "there", {"air": [("a", 2.0)], "sea": [("b", 3.0)]})
-    assert run(here, monkeypatch, "--beside", str(there)) == (1, [("b", 1.0, 3.0)])
+    assert run(here, monkeypatch, "--baseline", str(there)) == (1, [("b", 1.0, 3.0)])
     assert f"air in {there}" not in capfd.readouterr().err
 
 
@@ -108,7 +108,7 @@ def test_equal_names_are_matched_below_their_headings_and_in_order():
     ours = [Row(name, value, "s") for name, value in (("ten", 1), ("  cost", 2), ("its", 3), ("its", 4))]
     names = (("two", 10), ("  cost", 20), ("ten", 30), ("  cost", 40), ("its", 50))
     theirs = [Row(name, value, "s") for name, value in names]
-    assert [row.there for row in compare_rows(ours, theirs)] == [30, 40, 50, None]
+    assert [row.baseline for row in compare_rows(ours, theirs)] == [30, 40, 50, None]
 
 
 def test_another_checkout_sees_no_path_of_ours():

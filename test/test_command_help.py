@@ -88,7 +88,7 @@ REFUSALS = (
     ("q2q_sim.commands.campaign --case README.md --runs 1", 2, "--runs has no effect with --case"),
     ("q2q_sim.commands.campaign --case README.md --guided", 2, "--guided has no effect with --case"),
     ("q2q_planner.commands.plan none.yaml --out x", 1, "no waypoint file at none.yaml"),
-    ("q2q_planner.commands.plan README.md --out x --warm none", 1, "no plan at none"),
+    ("q2q_planner.commands.plan README.md --out x --warm-start none", 1, "no plan at none"),
     ("q2q_model.commands.identify none --out x", 1, "no bag at none"),
     ("q2q_model.commands.identify bags --out x --topics none", 1, "no topic map at none"),
     ("q2q_model.commands.identify --out x", 2, "give either bags of recorded flights, or --live; see"),
@@ -102,7 +102,7 @@ REFUSALS = (
     ),
     ("q2q_control.commands.export_app --model nosuch --out x", 1, "measured_law"),
     ("bench smulation", 2, "did you mean simulation?"),
-    ("bench --beside none", 2, "no scripts/bench in none"),
+    ("bench --baseline none", 2, "no scripts/bench in none"),
 )
 SCRIPTS = ("bench", "campaign", "check", "demo", "docs", "fly", "licence", "paper", "setup", "site")
 

@@ -40,7 +40,7 @@ def test_swaps_around_a_flat_zone_are_proven(seed: int) -> None:
     """Every pair is outside of the zone between the samples of the search, too: seen by 10 000 samples."""
     count = 11
     swarm = random_swap(count, FLAT, ROOM, np.random.default_rng([seed, count]))
-    plan = avoid_zones(swarm, FLAT, params=AvoidanceParams(starts=1)).plan
+    plan = avoid_zones(swarm, FLAT, params=AvoidanceParams(initial_guesses=1)).plan
     t = np.linspace(0.0, ROOM.time, 10_000)
     pos = np.stack([curve.at(t)[:, :3] for curve in plan.trajectories])
     i, j = np.triu_indices(count, 1)

@@ -181,8 +181,10 @@ def test_a_plan_of_which_nothing_is_computed_is_not_said_to_be_inside(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(certificate, "MOST_STRETCHES", 0)
-    with pytest.raises(InfeasibleError, match=r"no pair is proven .* in any of 1 starts: .* more than 0$"):
-        avoid_zones(SECTION_4_1, PAPER, params=AvoidanceParams(starts=1, steps=2))
+    with pytest.raises(
+        InfeasibleError, match=r"no pair is proven .* in any of 1 initial guesses: .* more than 0$"
+    ):
+        avoid_zones(SECTION_4_1, PAPER, params=AvoidanceParams(initial_guesses=1, steps=2))
 
 
 def test_a_warm_start_ends_where_it_began() -> None:
@@ -290,12 +292,12 @@ def test_a_room_in_which_all_change_places_at_once_is_sorted_out() -> None:
         VehicleWaypoints(f"cf{row}", (Waypoint(0, tuple(a)), Waypoint(10, tuple(b))))
         for row, (a, b) in enumerate(ends)
     ]
-    found = avoid_zones(swarm, PAPER, params=AvoidanceParams(starts=1))
+    found = avoid_zones(swarm, PAPER, params=AvoidanceParams(initial_guesses=1))
     assert found.certificate.holds
     assert found.infimum < found.cost < 1.2 * found.infimum
 
 
 def test_the_search_is_the_same_twice() -> None:
-    params = AvoidanceParams(starts=3, seed=4)
+    params = AvoidanceParams(initial_guesses=3, seed=4)
     first, second = (avoid_zones(circle(4), Cylinder(0.2, 1.1), params=params) for _ in range(2))
     assert first.cost == second.cost

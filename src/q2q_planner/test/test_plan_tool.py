@@ -179,7 +179,7 @@ def test_the_zone_is_chosen_by_what_it_spares(
 ) -> None:
     out, facts = tmp_path / "plan.json", tmp_path / "facts.json"
     asked = [str(crossing), "--out", str(out), "--model", "paper_law", "--cut"]
-    assert main([*asked, "0.5", "--json", str(facts), "--starts", "1"]) == 0
+    assert main([*asked, "0.5", "--json", str(facts), "--initial-guesses", "1"]) == 0
     output = json.loads(facts.read_text())
     assert output["certified"] is True
     assert (
@@ -224,7 +224,7 @@ def test_a_zone_that_ends_at_the_range_of_its_model_says_so(crossing: Path, tmp_
 def test_a_warm_start_reads_a_plan(crossing: Path, tmp_path: Path) -> None:
     cold, warm = tmp_path / "cold.json", tmp_path / "warm.json"
     assert main([str(crossing), "--out", str(cold)]) == 0
-    assert main([str(crossing), "--warm", str(cold), "--out", str(warm)]) == 0
+    assert main([str(crossing), "--warm-start", str(cold), "--out", str(warm)]) == 0
     assert load_plan(warm).certified
 
 
@@ -233,7 +233,7 @@ def test_the_reduction_that_is_reported_is_that_of_the_plan_that_is_written_also
 ) -> None:
     other, out = tmp_path / "other.json", tmp_path / "plan.json"
     assert main([str(crossing), "--eps", "0.5", "--d", "1.5", "--out", str(other)]) == 0
-    asked = ["--model", "paper_law", "--cut", "0.5", "--starts", "1", "--warm", str(other)]
+    asked = ["--model", "paper_law", "--cut", "0.5", "--initial-guesses", "1", "--warm-start", str(other)]
     assert main([str(crossing), *asked, "--out", str(out)]) == 0
     free, avoiding = (_predicted_rms(plan) for plan in (_free_plan(crossing, tmp_path), load(out)))
     reduction = 100.0 * float((1.0 - avoiding / free).min())
@@ -356,8 +356,10 @@ def test_a_warm_start_without_a_search_is_refused(
     crossing: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     out = tmp_path / "plan.json"
-    words = refusal([str(crossing), "--no-avoid", "--warm", str(crossing), "--out", str(out)], capsys)
-    assert "--warm starts the search for a way around, which --no-avoid omits: give one of them" in words
+    words = refusal([str(crossing), "--no-avoid", "--warm-start", str(crossing), "--out", str(out)], capsys)
+    assert (
+        "--warm-start starts the search for a way around, which --no-avoid omits: give one of them" in words
+    )
     assert not out.exists()
 
 
@@ -367,7 +369,7 @@ def test_a_warm_start_without_a_search_is_refused(
         (["--out", "crossing.yaml"], "the waypoint file and --out are both "),
         (["--out", "plan.json", "--json", "plan.json"], "--out and --json are both "),
         (["--out", "plan.json", "--csv", "new/../crossing.yaml"], "the waypoint file and --csv are both "),
-        (["--out", "old.json", "--warm", "old.json"], "--warm and --out are both "),
+        (["--out", "old.json", "--warm-start", "old.json"], "--warm-start and --out are both "),
         (["--out", "plan.json", "--upload", "old.json"], "old.json is a file; give a folder"),
         (["--out", "plan.json", "--figures", "old.json"], "old.json is a file; give a folder"),
         (["--out", "plan.json", "--csv", "old.json/a.csv"], "old.json is a file; it cannot hold a.csv"),

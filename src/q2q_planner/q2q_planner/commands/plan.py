@@ -34,15 +34,15 @@ def _prepare(args: Namespace) -> Work:
         vehicle_by_name(args.vehicle)
     if args.model:
         check_model_name(args.model)
-    if args.warm and not args.avoid:
+    if args.warm_start and not args.avoid:
         raise UsageError(
-            "--warm starts the search for a way around, which --no-avoid omits: give one of them"
+            "--warm-start starts the search for a way around, which --no-avoid omits: give one of them"
         )
     require_existing("waypoint file", args.waypoints)
-    require_existing("plan", args.warm)
+    require_existing("plan", args.warm_start)
     written = {"--out": args.out, "--json": args.json, "--csv": args.csv}
     folders = {"--upload": args.upload, "--figures": args.figures}
-    require_apart({"the waypoint file": args.waypoints, "--warm": args.warm} | written, folders)
+    require_apart({"the waypoint file": args.waypoints, "--warm-start": args.warm_start} | written, folders)
     from q2q_planner.tools.plan_swarm import run
 
     return run
@@ -64,8 +64,10 @@ def parser() -> CommandLine:
         metavar=("X", "Y", "Z", "FAR_X", "FAR_Y", "FAR_Z"),
         help="box that all vehicles stay within, proven for every t: smallest and largest x, y, z [m]",
     )
-    made.add_argument("--starts", type=int, default=2, help="starting points of the search (default 2)")
-    made.add_argument("--warm", type=Path, metavar="PLAN", help="start the search from this plan")
+    made.add_argument(
+        "--initial-guesses", type=int, default=2, help="initial guesses that the search tries (default 2)"
+    )
+    made.add_argument("--warm-start", type=Path, metavar="PLAN", help="start the search from this plan")
     made.add_argument(
         "--inner-waypoints",
         choices=("stop", "pass"),

@@ -90,7 +90,7 @@ def plan_swap(
     """
     try:
         plan = avoid_zones(
-            swarm, zone, params=AvoidanceParams(steps=STEPS, starts=1, within=room.within)
+            swarm, zone, params=AvoidanceParams(steps=STEPS, initial_guesses=1, within=room.within)
         ).plan
         check_feasible(plan, swarm, *thrust)
     except (InfeasibleError, NotFlyableError):

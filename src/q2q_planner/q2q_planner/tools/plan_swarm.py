@@ -66,7 +66,7 @@ def make_plan(
 
 def _params_of(asked: Namespace) -> AvoidanceParams:
     """Return the parameters of the search; raise ValueError if `--within` is no box."""
-    return AvoidanceParams(starts=asked.starts, within=tuple(asked.within or ()))
+    return AvoidanceParams(initial_guesses=asked.initial_guesses, within=tuple(asked.within or ()))
 
 
 def as_json(made: Planned) -> dict[str, float | bool | None]:
@@ -95,7 +95,7 @@ def run(asked: Namespace) -> int:
     if asked.upload:
         check_upload_of(swarm, asked.upload, (asked.out, asked.json, asked.csv))
     before = process_time()
-    warm = plan_file.load(asked.warm) if asked.warm else None
+    warm = plan_file.load(asked.warm_start) if asked.warm_start else None
     zone, words = zone_of(asked, swarm, _params_of(asked), warm)
     made = make_plan(asked, swarm, zone, warm, before)
     reserve = 0.0 if asked.risk is None else terms_of(asked).hold

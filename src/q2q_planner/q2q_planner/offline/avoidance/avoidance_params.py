@@ -14,8 +14,10 @@ class AvoidanceParams:
     pieces: int = tunable(5, "pieces between two waypoints; more give a freer curve", low=2, high=40)
     margin: float = tunable(2e-4, "distance kept from the zone", unit="m", low=1e-6, high=1.0)
     steps: int = tunable(40, "most convex steps from one start", low=1, high=1000)
-    starts: int = tunable(2, "starts tried: as the pairs pass, mirrored, then at random", low=1, high=100)
-    seed: int = tunable(0, "seed of the random starts", low=0)
+    initial_guesses: int = tunable(
+        2, "initial guesses tried: as the pairs pass, mirrored, then at random", low=1, high=100
+    )
+    seed: int = tunable(0, "seed of the random initial guesses", low=0)
     within: tuple[float, ...] = tunable(
         (), "box that all vehicles stay within: smallest x, y, z, largest x, y, z; none if empty", unit="m"
     )

@@ -47,7 +47,7 @@ class AvoidancePlan:
     infimum: float
     """(18) without avoidance."""
     steps: int
-    """Convex steps of all starts."""
+    """Convex steps of all initial guesses."""
 
 
 def avoid_zones(
@@ -103,7 +103,7 @@ def _starts(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -
         yield Start(np.ones(pairs), warm)
         return
     generator = np.random.default_rng(params.seed)
-    for start in range(params.starts):
+    for start in range(params.initial_guesses):
         yield Start(_sides(start, pairs, generator), problem.free)
 
 
@@ -119,7 +119,7 @@ def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:
 
 def _explanation(found: Sequence[Attempt]) -> str:
     apart = [attempt for attempt in found if attempt.proof.holds]
-    best = f"in the best of {len(found)} starts; move a waypoint there or allow more time"
+    best = f"in the best of {len(found)} initial guesses; move a waypoint there or allow more time"
     if apart:
         nearest = max(
             (attempt.wall_proof for attempt in apart if attempt.wall_proof), key=lambda one: one.clearance
@@ -129,7 +129,8 @@ def _explanation(found: Sequence[Attempt]) -> str:
     proof = max((attempt.proof for attempt in found), key=lambda proof: proof.clearance)
     first, second = proof.pair or ("", "")
     if proof.not_computed:
-        return f"no pair is proven to be kept apart, in any of {len(found)} starts: {proof.not_computed}"
+        tried = f"in any of {len(found)} initial guesses"
+        return f"no pair is proven to be kept apart, {tried}: {proof.not_computed}"
     return (
         f"{first} and {second} cannot be kept apart: {-proof.clearance:.3g} m inside each other's zone at "
         f"t = {proof.t:.2f} s {best}"
