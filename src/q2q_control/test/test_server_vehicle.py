@@ -131,4 +131,4 @@ def test_each_vehicle_has_armed_by_its_status_or_after_a_time_if_it_reports_none
 
 def test_parameters_are_read_once_a_period() -> None:
     both = ReportedVehicles((vehicle(),))
-    assert [both.read_due(t) for t in (5.0, 5.0 + 0.5 * READ_S, 5.0 + READ_S)] == [True, False, True]
+    assert [both.poll_read(t) for t in (5.0, 5.0 + 0.5 * READ_S, 5.0 + READ_S)] == [True, False, True]

@@ -51,9 +51,9 @@ def test_a_listener_that_fails_loses_neither_publication_nor_the_next_signal() -
 def test_a_topic_from_outside_is_read_once_for_all() -> None:
     bus, received = LocalBus(("state",)), []
     assert [
-        bus.needs_subscription("mocap"),
-        bus.needs_subscription("mocap"),
-        bus.needs_subscription("state"),
+        bus.claim_subscription("mocap"),
+        bus.claim_subscription("mocap"),
+        bus.claim_subscription("state"),
     ] == [True, False, False]
     assert not bus.carries("mocap")
     for name in ("filter", "trajectory"):

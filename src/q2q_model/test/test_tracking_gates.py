@@ -73,7 +73,7 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_an_absent_vehicle(
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([4.0, 4.125])
     pos = np.array([[place, 0.0, 0.0], [np.nan] * 3])
     absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))
-    output = Reacquisition(2, LIMITS).ambiguous(4.25, pos, resting(last, when), absent)
+    output = Reacquisition(2, LIMITS).update_ambiguous(4.25, pos, resting(last, when), absent)
     assert output.tolist() == [doubtful, False]
 
 
@@ -90,7 +90,7 @@ def test_a_refused_sample_is_doubtful_where_an_absent_vehicle_would_be_by_its_la
     )
     pos = np.array([[0.75, 0.0, 0.0], [np.nan] * 3])
     absent = Unmatched(absent=np.array([False, True]), rejected=np.array([True, False]))
-    assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, last, absent).tolist() == [doubtful, False]
+    assert Reacquisition(2, LIMITS).update_ambiguous(4.25, pos, last, absent).tolist() == [doubtful, False]
 
 
 @pytest.mark.parametrize(("place", "doubtful"), [(1.25, True), (0.75, False)])
@@ -100,7 +100,7 @@ def test_a_refused_sample_is_doubtful_where_it_is_nearer_to_another_that_is_refu
     last, when = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.full(2, 4.125)
     pos = np.array([[place, 0.0, 0.0], [9.0, 0.0, 0.0]])
     refused = Unmatched(absent=np.zeros(2, dtype=bool), rejected=np.ones(2, dtype=bool))
-    assert Reacquisition(2, LIMITS).ambiguous(4.25, pos, resting(last, when), refused).tolist() == [
+    assert Reacquisition(2, LIMITS).update_ambiguous(4.25, pos, resting(last, when), refused).tolist() == [
         doubtful,
         False,
     ]
@@ -114,7 +114,7 @@ def test_a_doubt_lasts_while_another_vehicle_is_missing_and_no_longer() -> None:
     exchanged, vanished, returned = Unmatched(none, both), Unmatched(~first, first), Unmatched(none, first)
 
     def doubtful(pos: Array, unmatched: Unmatched) -> bool:
-        return bool(rivals.ambiguous(4.25, pos, resting(last, when), unmatched)[0])
+        return bool(rivals.update_ambiguous(4.25, pos, resting(last, when), unmatched)[0])
 
     assert not doubtful(far, vanished)
     assert doubtful(near, exchanged)

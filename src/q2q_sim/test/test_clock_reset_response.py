@@ -48,7 +48,7 @@ def followed(stamps: list[float]) -> set[str]:
         state = mocap_filter.update(frame(t))
         guard.update(state, setpoint(t), None)
         player.update(frame(t))
-        late = replanner.is_wrong(t)
+        late = replanner.reject_stamp(t)
     assert player.played is not None
     follow = {
         "mocap filter": mocap_filter.report.clock_resets == 1,

@@ -94,16 +94,16 @@ def test_a_command_for_a_vehicle_that_does_not_exist_is_refused_by_name() -> Non
 def test_a_lost_tick_is_asked_for_again_and_then_given_up_and_the_next_ones_sooner() -> None:
     resend = ResendTimer(period_s=0.25, timeout_s=10.0)
     resend.begin(0.0)
-    assert not resend.is_due(0.2)
-    assert resend.is_due(0.3)
-    assert not resend.is_due(0.4)
-    assert not resend.has_expired(9.9)
-    assert resend.has_expired(10.0)
+    assert not resend.poll_resend(0.2)
+    assert resend.poll_resend(0.3)
+    assert not resend.poll_resend(0.4)
+    assert not resend.poll_expiry(9.9)
+    assert resend.poll_expiry(10.0)
     resend.begin(10.0)
-    assert resend.has_expired(10.3)
+    assert resend.poll_expiry(10.3)
     resend.answered()
     resend.begin(11.0)
-    assert not resend.has_expired(20.0)
+    assert not resend.poll_expiry(20.0)
 
 
 def test_the_flight_clock_reports_percentiles_of_the_ticks_that_were_answered() -> None:

@@ -21,7 +21,7 @@ class ReportedVehicles:
     read_at: float = -math.inf
     """Time of the last read of their parameters [s]."""
 
-    def read_due(self, t: float) -> bool:
+    def poll_read(self, t: float) -> bool:
         """Return whether to read parameters at time t [s]; if so, the period starts again."""
         if t - self.read_at < READ_S:
             return False

@@ -143,7 +143,7 @@ class Guard:
     ) -> SwarmCommand:
         """Return the command of the tick; `interference` None ignores downwash."""
         last = self._last
-        if last is not None and (setpoint.t <= last.t or self._clock_reset.is_ahead(setpoint.t, last.t)):
+        if last is not None and (setpoint.t <= last.t or self._clock_reset.reject_ahead(setpoint.t, last.t)):
             repeated = self._repeated(last, setpoint.t)
             if repeated is not None:
                 return repeated
@@ -201,7 +201,7 @@ class Guard:
         counted = self._timed and self._missing is not None  # by the timer
         if not counted:
             self._braking.wait()
-        if t < last.t and self._clock_reset.rise(t):
+        if t < last.t and self._clock_reset.confirm_reset(t):
             self._set_back(last, t)
             return None
         if stalled_s > self._params.level_s + ROUNDING and not self._timed:

@@ -68,7 +68,7 @@ class ServerVehicles:
             if future.done() and future.exception() is None:
                 one.take_parameters(_known(one, future.result().values))
         self._answers = [answer for answer in self._answers if not answer[1].done()]
-        if self._parameters.service_is_ready() and self._vehicles.read_due(now):
+        if self._parameters.service_is_ready() and self._vehicles.poll_read(now):
             self._answers = [
                 (one, self._parameters.call_async(_question(one))) for one in self._vehicles.vehicles
             ]

@@ -104,7 +104,7 @@ class InteractionPredictor:
         sum_over_sources(pairs, outputs, states, self._bounds[0] > 0.0, sums)
 
     def _remember(self, state: SwarmState, now: Array) -> None:
-        is_wrong = self._order.is_wrong(state.t)
+        rejected = self._order.reject_stamp(state.t)
         if self._order.was_set:
             self._names = ()  # the history begins again
         if state.names != self._names:
@@ -112,7 +112,7 @@ class InteractionPredictor:
             rows = index_of(state.names, self._names)
             self._history = self._history.reordered(rows) if self._names else fresh
             self._names = state.names
-        if not is_wrong and state.t > self._history.newest:
+        if not rejected and state.t > self._history.newest:
             self._history.push(state.t, now)
 
     def _outputs(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:

@@ -108,9 +108,9 @@ class MocapFilter:
         check_shapes(frame)
         if self._last is not None:
             behind = self._last.t - frame.t
-            if behind < -SAME_INSTANT and not self._old.is_ahead(frame.t, self._last.t):
+            if behind < -SAME_INSTANT and not self._old.reject_ahead(frame.t, self._last.t):
                 self._old.reset()
-            elif behind > SAME_INSTANT and self._old.rise(frame.t):
+            elif behind > SAME_INSTANT and self._old.confirm_reset(frame.t):
                 self._counts["clock_resets"] += 1
                 self._set_back(self._last.t - self._old.first)
             else:

@@ -42,7 +42,7 @@ class ClockResetDetector:
         """Return the oldest of the old stamps [s]; infinite without one."""
         return self._first
 
-    def is_ahead(self, t: float, newest: float) -> bool:
+    def reject_ahead(self, t: float, newest: float) -> bool:
         """Take a stamp t [s] that may be newer; return whether it is too far ahead of `newest` [s].
 
         It is not once stamps have gone on from there for long enough: at a low rate, with the second one.
@@ -52,7 +52,7 @@ class ClockResetDetector:
         self._ahead = min(self._ahead, t)
         return t - self._ahead < PATIENCE_S - ROUNDING
 
-    def rise(self, t: float) -> bool:
+    def confirm_reset(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""
         if t < self._first:
             self._before = self._newest

@@ -34,8 +34,8 @@ class LocalBus:
         """Return whether a topic's publisher is in this process."""
         return topic in self._topics
 
-    def needs_subscription(self, topic: str) -> bool:
-        """Return whether the caller must subscribe to a topic: it is external and has no subscriber yet."""
+    def claim_subscription(self, topic: str) -> bool:
+        """Claim the subscription of an external topic; return whether the caller is the first."""
         known = topic in self._topics or topic in self._subscribed
         self._subscribed.add(topic)
         return not known

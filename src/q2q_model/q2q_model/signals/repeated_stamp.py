@@ -40,12 +40,12 @@ class StampOrder:
         self.set_back = 0.0
         """By how much it was set back then [s]; 0 if it was not."""
 
-    def is_wrong(self, t: float) -> bool:
-        """Take a stamp t [s]; return whether it is late, or too far ahead, of the same clock."""
+    def reject_stamp(self, t: float) -> bool:
+        """Take a stamp t [s]; return whether it is rejected: late, or too far ahead, of the same clock."""
         newest, old = self._newest, self._old
         self.was_set, self.set_back = False, 0.0
         if newest > -inf and not 0.0 <= t - newest <= AHEAD_S:
-            if not old.rise(t) if t < newest else old.is_ahead(t, newest):
+            if not old.confirm_reset(t) if t < newest else old.reject_ahead(t, newest):
                 return True
             self.was_set, self.set_back = True, newest - old.first if t < newest else 0.0
         self._newest = t

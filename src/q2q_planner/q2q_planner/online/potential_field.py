@@ -114,7 +114,7 @@ class PotentialField:
         """
         if is_repeated(self._answer, setpoint.t, setpoint.names):
             return self._answer
-        if self._order.is_wrong(setpoint.t):
+        if self._order.reject_stamp(setpoint.t):
             error = match_rows(self._error, setpoint.names)
             return _shifted(
                 setpoint, error, swarm_repulsion(setpoint.pos + error.pos, self.params), self.params

@@ -81,7 +81,7 @@ class PlanPlayer:
         last = self._last
         if last is None:
             self._order.reset()
-        is_late = self._order.is_wrong(frame.t)
+        is_late = self._order.reject_stamp(frame.t)
         if last and self._order.was_set:
             self._follow_clock(frame.t, last.t)
         if self.played and last and is_late and not 0.0 <= last.t - frame.t <= SET_BACK_S:

@@ -45,7 +45,7 @@ class AwaitedTick:
 
     def unanswered(self, now: float) -> RawMessage | None:
         """Return the tick if it is to be played again at wall time now [s]."""
-        return self.awaited if self.awaited is not None and self._resend.is_due(now) else None
+        return self.awaited if self.awaited is not None and self._resend.poll_resend(now) else None
 
 
 def played_tick_topics(played: Iterable[str], awaited: str) -> set[str]:

@@ -23,15 +23,15 @@ class ResendTimer:
         """Record that the tick was answered."""
         self._limit = self._timeout_s
 
-    def has_expired(self, now: float) -> bool:
-        """Return whether the tick is missed."""
+    def poll_expiry(self, now: float) -> bool:
+        """Return whether the tick is missed; if so, the next ones wait for `resend_period_s` only."""
         if now - self._since < self._limit:
             return False
         self._limit = self._period_s
         return True
 
-    def is_due(self, now: float) -> bool:
-        """Return whether the tick's frame should be published again."""
+    def poll_resend(self, now: float) -> bool:
+        """Return whether to publish the tick's frame again; if so, the period starts again."""
         if now - self._asked < self._period_s:
             return False
         self._asked = now

@@ -159,9 +159,9 @@ class RoomFlight:
         if self._tick is None:
             return self._first_tick() if self._started else NOTHING
         now = self._wall_clock()
-        if not self._lockstep or self._resend.has_expired(now):
+        if not self._lockstep or self._resend.poll_expiry(now):
             return self._advance()
-        return Output((_frame(self._tick),)) if self._resend.is_due(now) else NOTHING
+        return Output((_frame(self._tick),)) if self._resend.poll_resend(now) else NOTHING
 
     def _advance(self) -> Output:
         self.health.ticks += 1

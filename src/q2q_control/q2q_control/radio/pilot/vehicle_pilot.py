@@ -155,7 +155,7 @@ class VehiclePilot:
             if one.phase is not Phase.OFFLINE:
                 self._enter(Phase.OFFLINE, t)
             return
-        if one.cut_again(t, locked=health.locked):
+        if one.poll_cut(t, locked=health.locked):
             self._link.cut()  # the first may be lost on the way, or the link was down
         if one.phase is Phase.OFFLINE:
             self._resume(health, t)

@@ -81,8 +81,8 @@ class VehicleRecord:
         """Note that its motors are cut at time t [s]."""
         self.cut_at, self.cut_left, self.lost = t, CUT_AGAIN_S, None
 
-    def cut_again(self, t: float, *, locked: bool) -> bool:
-        """Return whether to send the cut of its motors again at time t [s], at which it is connected."""
+    def poll_cut(self, t: float, *, locked: bool) -> bool:
+        """Return whether to cut its motors again at time t [s], connected; count down the time for that."""
         connected_s = 0.0 if self.phase is Phase.OFFLINE else max(0.0, t - self.watched_at)
         self.watched_at = t
         self.cut_left = 0.0 if locked else max(0.0, self.cut_left - connected_s)

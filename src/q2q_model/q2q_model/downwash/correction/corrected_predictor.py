@@ -74,7 +74,7 @@ class ResidualCorrector:
 
     def update(self, prediction: Interference) -> Interference:
         """Return a prediction corrected by what has been measured."""
-        if self._order.is_wrong(prediction.t):
+        if self._order.reject_stamp(prediction.t):
             return prediction
         last = self._predicted.last
         if last is not None and prediction.t < last.t:

@@ -66,8 +66,8 @@ class Reacquisition:
         steady = one["gap"] <= 0.5 * (t - one["first_time"]) + SAME_INSTANT
         return np.asarray(rejected & lasted & steady & (one["samples"] >= CONFIRM_SAMPLES))
 
-    def ambiguous(self, t: float, pos: Array, last: LastSample, unmatched: Unmatched) -> Mask:
-        """Note and return which samples at pos [m] (n, 3) may be of another vehicle with a wrong name, (n,).
+    def update_ambiguous(self, t: float, pos: Array, last: LastSample, unmatched: Unmatched) -> Mask:
+        """Update and return which samples at pos [m] (n, 3) may be of another vehicle, misnamed, (n,).
 
         A candidate that was ambiguous remains so while any other vehicle is without an accepted sample. Swaps
         end before a vehicle has coasted.

@@ -211,7 +211,7 @@ class PositionTracks:
             return unmatched.rejected
         tracks, params = self._tracks, self._params
         last = LastSample(tracks.state[:, 0], tracks.state[:, 1], tracks.time, ~at.lost)
-        ambiguous = self._reacquisition.ambiguous(t, at.samples, last, unmatched)
+        ambiguous = self._reacquisition.update_ambiguous(t, at.samples, last, unmatched)
         ambiguous &= ~tracks.confirmed | _may_borrow(tracks)
         longest = max(params.coast_s, params.reacquire_s)
         patience = np.where(ambiguous | at.repeated, longest, params.reacquire_s)

@@ -142,7 +142,7 @@ class TickWiring(Generic[Made]):
                 self.health.refuse(f"{topic}: {refusal}")
 
         self._bus.listen(topic, take)
-        if self._bus.needs_subscription(topic):
+        if self._bus.claim_subscription(topic):
             receive = listener(topic, signal, partial(self._bus.post, topic), self.health.refuse)
             self._node.create_subscription(MESSAGES[signal], topic, receive, TICK, raw=True)
 

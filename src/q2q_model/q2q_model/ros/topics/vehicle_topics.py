@@ -37,7 +37,7 @@ class VehicleTopics:
 
         Nothing is published under a wrong stamp: software that takes these topics expects them to rise.
         """
-        if self._order.is_wrong(state.t) or not self._writers.due(state.t, stamp_ns, state.names):
+        if self._order.reject_stamp(state.t) or not self._writers.due(state.t, stamp_ns, state.names):
             return
         vel_body = rotate_inverse(state.quat, state.vel)  # (n, 3), Odometry's child frame
         for row in np.flatnonzero(state.status != LOST):

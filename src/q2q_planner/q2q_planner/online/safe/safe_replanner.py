@@ -127,7 +127,7 @@ class SafeReplanner:
         last = self._answer
         if is_repeated(last, setpoint.t, setpoint.names):
             return last
-        if self._order.is_wrong(setpoint.t) and last is not None:
+        if self._order.reject_stamp(setpoint.t) and last is not None:
             return answer_for_all(setpoint, last)
         if self._order.set_back > 0.0:
             self._set_back(self._order.set_back)

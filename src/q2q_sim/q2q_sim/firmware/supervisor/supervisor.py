@@ -144,10 +144,10 @@ class Supervisor:
     def _conditions(self, look: SupervisorInput, parameters: Parameters) -> Condition:
         age = look.now_ms - look.setpoint_ms
         starved = self.is_starved(look.now_ms)
-        self.tumbled = self._is_tumbled(look) and parameters.flag("supervisor.tmblChckEn")
+        self.tumbled = self._update_tumbled(look) and parameters.flag("supervisor.tmblChckEn")
         flags = {
             Condition.ARMED: self.armed,
-            Condition.IS_FLYING: self._has_thrust(look),
+            Condition.IS_FLYING: self._update_thrust(look),
             Condition.TUMBLED: self.tumbled,
             Condition.SETPOINT_OLD: age > LEVEL_MS,
             Condition.SETPOINT_DEAD: age > CUT_MS,
@@ -166,12 +166,12 @@ class Supervisor:
         waited = look.now_ms - self._entered_ms
         return self.state == state and waited > parameters[f"supervisor.{name}"]
 
-    def _has_thrust(self, look: SupervisorInput) -> bool:
+    def _update_thrust(self, look: SupervisorInput) -> bool:
         if look.motors_running:
             self._thrust_ms = look.now_ms
         return self._thrust_ms is not None and look.now_ms - self._thrust_ms < FLYING_MS
 
-    def _is_tumbled(self, look: SupervisorInput) -> bool:
+    def _update_tumbled(self, look: SupervisorInput) -> bool:
         falling = max(abs(axis) for axis in look.acc) < FREE_FALL_ACC
         if falling or look.acc[2] >= TILT_ACC:
             self._tilt_ms = None
