@@ -90,15 +90,15 @@ def test_the_bridge_begins_no_flight_by_two_controllers_but_would_land() -> None
 def test_what_is_wrong_with_writers_is_a_doubt_of_health_until_it_is_not() -> None:
     node, health = SharedRoom(), Health()
     inputs = PublisherConflicts(node, ("command", "state"), health)
-    assert inputs.look() == ""
+    assert inputs.update() == ""
     node.writers = {"command": ("pid_2", "pid"), "state": ("mocap_filter",)}
-    assert inputs.look() == inputs.look() == TWO
+    assert inputs.update() == inputs.update() == TWO
     assert list(health.doubts.values()) == [TWO, ""]
     assert node.lines == [TWO]
     node.writers = {"command": ("pid", "pid")}
-    assert inputs.look() == TWO.replace("pid_2", "pid") + "; one that was killed counts until DDS drops it"
+    assert inputs.update() == TWO.replace("pid_2", "pid") + "; one that was killed counts until DDS drops it"
     node.writers = {"command": ("pid",)}
-    assert inputs.look() == ""
+    assert inputs.update() == ""
     assert list(health.doubts.values()) == ["", ""]
 
 

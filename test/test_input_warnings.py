@@ -87,9 +87,9 @@ def test_it_says_nothing_of_topics_that_are_switched_off(node: Node) -> None:
 
 
 def test_names_that_are_not_of_vehicles_are_reported_once(node: Node) -> None:
-    look = warn_of_unknown_names(node, "mocap", ("cf1", "cf2"))
+    warn = warn_of_unknown_names(node, "mocap", ("cf1", "cf2"))
     for names in (("cf1",), ("cf1", "wand"), ("cf2", "cf1"), ("wand", "cf1")):
-        look(0, frame(*names))
+        warn(0, frame(*names))
     assert warnings(node) == ["mocap: wand ignored: vehicles are cf1, cf2"]
 
 
@@ -99,19 +99,19 @@ def test_without_vehicles_every_name_is_one(node: Node) -> None:
 
 
 def test_vehicles_that_a_topic_lacks_are_reported_once(node: Node) -> None:
-    look = warn_of_missing_names(node, "state", ("CF1", "cf2"))
+    warn = warn_of_missing_names(node, "state", ("CF1", "cf2"))
     for names in (("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2")):
-        look(0, frame(*names))
+        warn(0, frame(*names))
     assert warnings(node) == ["state: CF1 missing: it has cf1, cf2"]
 
 
 def test_setpoints_of_vehicles_that_no_state_has_are_reported_once_and_only_after_a_state(node: Node) -> None:
     names = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?")
-    names.look(0, frame("cf7", "cf1"))
+    names.update(0, frame("cf7", "cf1"))
     assert warnings(node) == []
     for measured in (("cf1", "cf2"), ("cf1", "cf2"), ("cf2", "cf1"), ("cf1", "cf2", "cf7")):
         names.take_source(measured)
-        names.look(0, frame("cf7", "cf1"))
+        names.update(0, frame("cf7", "cf1"))
     message = "reference_safe: cf7 not in state, which has cf1, cf2: is the plan for these vehicles?"
     assert warnings(node) == [message]
 
@@ -120,13 +120,13 @@ def test_stamps_that_stand_still_are_reported_once_and_moving_ones_never(node: N
     health = Health()
     stamps = StalledStampWarning(node, "mocap", health)
     for stamp_ns in range(2 * FRAMES):
-        stamps.look(stamp_ns, frame("cf1"))
+        stamps.update(stamp_ns, frame("cf1"))
     assert (warnings(node), [*health.doubts.values()]) == ([], [""])
     for _ in range(3 * FRAMES):
-        stamps.look(0, frame("cf1"))
+        stamps.update(0, frame("cf1"))
     message = f"mocap: {FRAMES} frames stamped 0 s: stamp each with its time of capture"
     assert (warnings(node), [*health.doubts.values()]) == ([message], [message])
-    stamps.look(1, frame("cf1"))
+    stamps.update(1, frame("cf1"))
     assert [*health.doubts.values()] == [""]
 
 

@@ -93,7 +93,7 @@ def test_references_that_the_plan_does_not_have_are_reported_once_and_kept_in_he
     if plan_first:
         names.take_source(("x", "cf2"))
     for _ in range(3):
-        names.look(0, setpoint(("cf1", "cf2")))
+        names.update(0, setpoint(("cf1", "cf2")))
     assert plan_first or node.lines == []  # no plan has come: nothing is missing from it
     names.take_source(("x", "cf2"))
     assert node.lines == ["cf1 not in plan, which has x, cf2: flown without looking ahead"]

@@ -163,7 +163,7 @@ def test_a_second_writer_of_an_input_is_reported_once_and_graded_until_it_is_gon
     message = "reference_safe: 2 nodes write it (replanner, replanner_2); 1 may: stop the others"
     for names, found in ((1, ""), (2, message), (2, message), (1, ""), (2, message)):
         graph.writers[:] = ["replanner_2", "replanner"][-names:]
-        health.ticks, health.doubts["reference_safe"] = 5, writers.look()
+        health.ticks, health.doubts["reference_safe"] = 5, writers.update()
         assert health.doubts["reference_safe"] == found
         after = health_report(Health(), health)
         assert (after.level, after.summary) == ((Level.WARN, message) if found else (Level.OK, "5 ticks"))

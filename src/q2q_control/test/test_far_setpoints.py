@@ -32,25 +32,25 @@ def test_who_the_failsafe_brought_down_is_reported_until_it_is_back_and_asked_fo
     lost = np.array([TrackStatus.LOST, TrackStatus.TRACKED], dtype=np.uint8)
     landing = at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), status=lost)
     landed, near = at((0.0, 0.0, 1.5), (0.0, 0.0, 0.0)), at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    assert monitor.look(landing, setpoint, ("cf1",)) == ("", False)
+    assert monitor.update(landing, setpoint, ("cf1",)) == ("", False)
     message = "far from their setpoints, brought down by the failsafe: cf1 1.5 m"
-    assert [monitor.look(landed, setpoint) for _ in range(2)] == [(message, True), (message, False)]
+    assert [monitor.update(landed, setpoint) for _ in range(2)] == [(message, True), (message, False)]
     both = at((0.0, 0.0, 1.5), (0.0, 2.0, 0.0))
     asked = "far from their setpoints: cf2 2.0 m: does the plan begin where they fly?"
-    assert monitor.look(both, setpoint) == (f"{asked}; {message}", True)
-    assert monitor.look(near, setpoint) == ("", False)
-    assert monitor.look(landed, setpoint)[0].endswith("cf1 1.5 m: does the plan begin where they fly?")
+    assert monitor.update(both, setpoint) == (f"{asked}; {message}", True)
+    assert monitor.update(near, setpoint) == ("", False)
+    assert monitor.update(landed, setpoint)[0].endswith("cf1 1.5 m: does the plan begin where they fly?")
 
 
 def test_the_same_vehicles_are_new_once_until_they_are_back() -> None:
     monitor, setpoint = FarSetpointMonitor(), swarm(NAMES)[1]
     near, far = at((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), at((0.0, 0.0, 2.34), (0.0, 0.0, 0.0))
     message = "far from their setpoints: cf1 2.3 m: does the plan begin where they fly?"
-    assert [monitor.look(one, setpoint) for one in (near, far, far)] == [
+    assert [monitor.update(one, setpoint) for one in (near, far, far)] == [
         ("", False),
         (message, True),
         (message, False),
     ]
-    assert monitor.look(at((0.0, 0.0, 2.0), (5.0, 0.0, 0.0)), setpoint)[1]
-    assert not monitor.look(far, setpoint)[1]
-    assert [monitor.look(one, setpoint)[1] for one in (near, far)] == [False, True]
+    assert monitor.update(at((0.0, 0.0, 2.0), (5.0, 0.0, 0.0)), setpoint)[1]
+    assert not monitor.update(far, setpoint)[1]
+    assert [monitor.update(one, setpoint)[1] for one in (near, far)] == [False, True]

@@ -84,17 +84,17 @@ def test_motors_that_were_cut_stay_cut() -> None:
 @pytest.mark.parametrize(("steps", "begins"), BEGINS)
 def test_commands_begin_to_be_flown_once_a_flight(steps: list[Step], begins: Step | None) -> None:
     hand_over = HandOver()
-    assert [step for step in steps if hand_over.take(step.value)] == ([] if begins is None else [begins])
+    assert [step for step in steps if hand_over.update(step.value)] == ([] if begins is None else [begins])
 
 
 def test_a_controller_that_is_started_in_flight_has_nothing_to_forget() -> None:
-    assert not HandOver().take(Step.FLIGHT.value)
+    assert not HandOver().update(Step.FLIGHT.value)
 
 
 def test_a_controller_that_flies_vehicles_of_one_procedure_does_not_start_anew_for_another() -> None:
     hand_overs = HandOvers()
     taken = [
-        hand_overs.take(name, step.value)
+        hand_overs.update(name, step.value)
         for name, step in (
             ("a", Step.CHECKED), ("b", Step.CHECKED), ("a", Step.GLIDE),
             ("b", Step.HOVER), ("b", Step.GLIDE), ("b", Step.LANDING), ("b", Step.CONNECTED),
@@ -106,12 +106,12 @@ def test_a_controller_that_flies_vehicles_of_one_procedure_does_not_start_anew_f
 
 def test_a_procedure_whose_node_has_gone_flies_no_vehicle() -> None:
     hand_overs = HandOvers()
-    hand_overs.take("a", Step.FLIGHT.value)
+    hand_overs.update("a", Step.FLIGHT.value)
     begins, flying = [], []
     for step, publishing in ((Step.CHECKED, {"a", "b"}), (Step.GLIDE, {"a", "b"}), (Step.CHECKED, {"b"}),
                              (Step.GLIDE, {"b"})):  # fmt: skip
         hand_overs.end_absent(publishing)
-        begins.append(hand_overs.take("b", step.value))
+        begins.append(hand_overs.update("b", step.value))
         flying.append(hand_overs.flying)
     assert begins == [False, False, False, True]
     assert flying == [True, True, False, True]
@@ -124,19 +124,19 @@ def test_a_procedure_that_is_back_begins_a_flight_from_the_ground_only(
     back: list[Step], begins: list[bool]
 ) -> None:
     hand_overs = HandOvers()
-    hand_overs.take("a", Step.FLIGHT.value)
+    hand_overs.update("a", Step.FLIGHT.value)
     hand_overs.end_absent({"a"})
     hand_overs.end_absent(set())
-    assert [hand_overs.take("a", step.value) for step in back] == begins
+    assert [hand_overs.update("a", step.value) for step in back] == begins
     assert hand_overs.flying
 
 
 def test_a_procedure_of_a_bag_that_another_node_plays_goes_on_to_fly() -> None:
     hand_overs = HandOvers()
-    hand_overs.take("a", Step.FLIGHT.value)
+    hand_overs.update("a", Step.FLIGHT.value)
     hand_overs.end_absent({"bag_play"})
     assert hand_overs.flying
-    assert not hand_overs.take("b", Step.GLIDE.value)
+    assert not hand_overs.update("b", Step.GLIDE.value)
 
 
 def test_vehicles_fly_while_those_of_any_procedure_do() -> None:
@@ -145,6 +145,6 @@ def test_vehicles_fly_while_those_of_any_procedure_do() -> None:
     for name, step in (
         ("a", Step.CHECKED), ("a", Step.FLIGHT), ("b", Step.CHECKED), ("a", Step.LANDING), ("b", Step.HOVER),
     ):  # fmt: skip
-        hand_overs.take(name, step.value)
+        hand_overs.update(name, step.value)
         flying.append(hand_overs.flying)
     assert flying == [True, False, True, True, False, True]

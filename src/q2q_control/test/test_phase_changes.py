@@ -14,7 +14,7 @@ def command(t: float, *status: int, names: Names = NAMES) -> SwarmCommand:
 
 
 def reported(changes: PhaseChanges, one: SwarmCommand) -> list[str]:
-    return [str(change) for change in changes.take(one)]
+    return [str(change) for change in changes.update(one)]
 
 
 def test_each_phase_is_reported_when_it_begins_and_when_the_controller_flies_again() -> None:
@@ -29,7 +29,7 @@ def test_each_phase_is_reported_when_it_begins_and_when_the_controller_flies_aga
         ["cf1: failsafe CUT"],
     ]
     assert (changes.active, changes.cut, str(changes)) == (True, ("cf1",), "cf1: failsafe CUT")
-    changes.take(command(6 * TICK, CUT, LAND))
+    changes.update(command(6 * TICK, CUT, LAND))
     assert changes.brought_down == ("cf2", "cf1")
 
 
@@ -87,7 +87,7 @@ def test_a_cut_is_reported_again_in_a_new_flight_beside_the_same_controller() ->
 
 def test_phases_are_those_of_names_not_of_rows() -> None:
     changes = PhaseChanges()
-    changes.take(command(0.0, HOLD, OK))
+    changes.update(command(0.0, HOLD, OK))
     assert reported(changes, command(0.01, OK, HOLD, names=("cf2", "cf1"))) == []
     assert reported(changes, command(0.02, LAND, names=("cf3",))) == ["cf3: failsafe LAND"]
 

@@ -37,7 +37,7 @@ def reported(start: float, *setpoints: SwarmSetpoint) -> list[tuple[str, bool]]:
     """Return what is reported of a plan with each setpoint after it."""
     monitor = PlanMismatchMonitor()
     monitor.take_plan(plan(start))
-    return [monitor.look(one) for one in setpoints]
+    return [monitor.update(one) for one in setpoints]
 
 
 @pytest.mark.parametrize(("t", "x"), [(8.0, 0.0), (10.0, 0.0), (12.0, 2.0), (14.0, 4.0), (14.99, 4.0)])
@@ -54,7 +54,7 @@ def test_a_plan_of_another_place_is_reported_with_the_vehicles_that_are_far_from
 
 def test_only_the_first_setpoint_after_a_plan_that_runs_is_compared_with_it() -> None:
     here, far = setpoint(12.0, 2.0, 2.0), setpoint(12.01, 2.0, 9.0)
-    assert PlanMismatchMonitor().look(far) == ("", False)  # without a plan
+    assert PlanMismatchMonitor().update(far) == ("", False)  # without a plan
     assert reported(10.0, here, far) == [("", False), ("", False)]
 
 
@@ -95,4 +95,4 @@ def test_the_next_plan_is_reported_anew() -> None:
     monitor, elsewhere = PlanMismatchMonitor(), setpoint(12.0, 2.0, -3.0)
     for _ in range(2):
         monitor.take_plan(plan(10.0))
-        assert [monitor.look(elsewhere)[1] for _ in range(2)] == [True, False]
+        assert [monitor.update(elsewhere)[1] for _ in range(2)] == [True, False]

@@ -20,7 +20,7 @@ DT = 0.01
 
 def reported(wrong: FrameWarnings, ticks: int) -> list[str]:
     warnings = MocapWarnings()
-    return [line for k in range(ticks) if (line := warnings.take(k * DT, wrong))]
+    return [line for k in range(ticks) if (line := warnings.update(k * DT, wrong))]
 
 
 def test_a_fault_is_warned_of_once_it_lasts_with_its_vehicles() -> None:
@@ -42,10 +42,10 @@ def test_a_fault_is_warned_of_once_it_lasts_with_its_vehicles() -> None:
 def test_its_end_is_reported_and_interrupted_faults_are_not() -> None:
     warnings, flicker = MocapWarnings(), MocapWarnings()
     for k in range(100):
-        warnings.take(k * DT, FrameWarnings(exchanged=PAIR))
-        assert flicker.take(k * DT, FrameWarnings(exchanged=PAIR) if k % 20 else NOTHING) == ""
+        warnings.update(k * DT, FrameWarnings(exchanged=PAIR))
+        assert flicker.update(k * DT, FrameWarnings(exchanged=PAIR) if k % 20 else NOTHING) == ""
     assert warnings.text
-    assert "again" in warnings.take(1.0, NOTHING)
+    assert "again" in warnings.update(1.0, NOTHING)
     assert warnings.text == ""
 
 

@@ -23,21 +23,21 @@ def setpoint(t: float, *, broken: bool = False, nan: bool = False) -> SwarmSetpo
 def test_a_warning_is_reported_once_until_it_has_been_over_for_a_while() -> None:
     warnings = SetpointWarnings()
     lines = [
-        warnings.take(setpoint(0.01 * k, broken=100 <= k < 200 or k == 400)) for k in range(int(1e2 * 16))
+        warnings.update(setpoint(0.01 * k, broken=100 <= k < 200 or k == 400)) for k in range(int(1e2 * 16))
     ]
     assert {k: line for k, line in enumerate(lines) if line} == {
         100: "promise broken: cf2",
         401 + round(100 * SETTLED_S): "setpoints have been sound for 10 s",
     }
-    assert warnings.take(setpoint(30.0, broken=True)) == "promise broken: cf2"
+    assert warnings.update(setpoint(30.0, broken=True)) == "promise broken: cf2"
 
 
 def test_a_clock_that_is_set_back_makes_no_time_of_sound_setpoints() -> None:
     """Sound from 8 s on, set back to 2 s at 12 s: 3.985 s of them, and 10 ms with each that follows."""
     warnings = SetpointWarnings()
-    assert warnings.take(setpoint(8.0, broken=True))
+    assert warnings.update(setpoint(8.0, broken=True))
     after = [*(8.005 + 0.01 * k for k in range(399)), *(2.0 + 0.01 * k for k in range(1200))]
-    over = [k for k, t in enumerate(after) if warnings.take(setpoint(t))]
+    over = [k for k, t in enumerate(after) if warnings.update(setpoint(t))]
     assert over == [399 + 602]  # 3.985 s + 6.02 s
 
 
@@ -46,14 +46,14 @@ def test_a_clock_that_is_set_back_makes_no_time_of_sound_setpoints() -> None:
 def test_a_wrong_stamp_makes_no_time_of_sound_setpoints(off: float, broken: int, unsound: float) -> None:
     """Also if the last warning came under it; the steps to and from it count as `unsound` time [s]."""
     warnings, stamps = SetpointWarnings(), [2e6 + 0.01 * k + (off if k == 100 else 0.0) for k in range(1300)]
-    over = [k for k, t in enumerate(stamps) if "sound" in warnings.take(setpoint(t, broken=k == broken))]
+    over = [k for k, t in enumerate(stamps) if "sound" in warnings.update(setpoint(t, broken=k == broken))]
     assert over == [pytest.approx(100 * (SETTLED_S + unsound), abs=1.0)]  # ticks
 
 
 def test_setpoints_that_are_not_finite_are_named_beside_broken_promises() -> None:
     warnings = SetpointWarnings()
-    assert warnings.take(setpoint(0.0, broken=True, nan=True)) == (
+    assert warnings.update(setpoint(0.0, broken=True, nan=True)) == (
         "promise broken: cf2; no finite setpoint: cf1"
     )
-    warnings.take(setpoint(0.01))
+    warnings.update(setpoint(0.01))
     assert warnings.text == ""

@@ -109,18 +109,18 @@ def test_what_vehicles_refuse_is_reported_with_its_count_and_cause_until_they_re
     pilot = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]))
     one, other = pilot.fleet.vehicles
     warnings = ClientWarnings(pilot.fleet.vehicles)
-    assert warnings.look() == ""
+    assert warnings.poll() == ""
     for bad in (b"\x7c\x03" + bytes(16), b"\xac\x00"):
         one.handle(bad)
     for client in range(MOST_CLIENTS + 3):
         other.handle(b"\xfc", client)
     refused = f"CRTP of {one.name}: packets refused: 2 (port 10: not served)"
     displaced = f"CRTP of {other.name}: clients displaced: 3 (at most 8: stop the others)"
-    assert warnings.look() == f"{refused}; {displaced}"
+    assert warnings.poll() == f"{refused}; {displaced}"
     one.handle(b"\xfc")
-    assert warnings.look() == ""
+    assert warnings.poll() == ""
     one.handle(b"\xac\x00")
-    assert warnings.look() == refused.replace("2", "1")
+    assert warnings.poll() == refused.replace("2", "1")
     assert other.refusals.count == 0  # its packets were taken
 
 

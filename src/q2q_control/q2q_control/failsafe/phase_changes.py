@@ -71,7 +71,7 @@ class PhaseChanges:
         """Return the vehicles in each phase in words; empty if there are none."""
         return "; ".join(str(PhaseChange(one, names)) for one in _PHASES if (names := self._having(one)))
 
-    def take(self, command: SwarmCommand) -> tuple[PhaseChange, ...]:
+    def update(self, command: SwarmCommand) -> tuple[PhaseChange, ...]:
         """Return the changes that come with a command and are to be reported."""
         phases = _PHASE_OF[command.status]
         if phases.any():

@@ -37,7 +37,7 @@ class HandOver:
         """Whether vehicles are in the air, and not landing."""
         self._gone = False
 
-    def take(self, step: str) -> bool:
+    def update(self, step: str) -> bool:
         """Take a reported step; return whether commands begin to be flown in it.
 
         After a landing they go on to be flown, where setpoints could not be stopped.
@@ -74,8 +74,8 @@ class HandOvers:
         for reporter in (self._by_reporter.keys() & self._published) - publishing:
             self._by_reporter[reporter].end()
 
-    def take(self, reporter: str, step: str) -> bool:
+    def update(self, reporter: str, step: str) -> bool:
         """Take a step of a procedure; return whether commands begin to be flown, and of no other yet are."""
         own = self._by_reporter[reporter]
         others_flown = any(one.flown for one in self._by_reporter.values() if one is not own)
-        return own.take(step) and not others_flown
+        return own.update(step) and not others_flown

@@ -38,7 +38,9 @@ class FarSetpointMonitor:
         self._reported: frozenset[str] = frozenset()
         self._brought_down: set[str] = set()  # by the failsafe, and not back since
 
-    def look(self, state: SwarmState, setpoint: SwarmSetpoint, brought_down: Names = ()) -> tuple[str, bool]:
+    def update(
+        self, state: SwarmState, setpoint: SwarmSetpoint, brought_down: Names = ()
+    ) -> tuple[str, bool]:
         """Return who is far from its setpoint, empty if nobody is, and whether these are new.
 
         Args:

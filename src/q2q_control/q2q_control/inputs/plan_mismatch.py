@@ -52,7 +52,7 @@ class PlanMismatchMonitor:
         self._plan, self._over = plan, None
         self._message, self._is_new = "", True
 
-    def look(self, setpoint: SwarmSetpoint) -> tuple[str, bool]:
+    def update(self, setpoint: SwarmSetpoint) -> tuple[str, bool]:
         """Return what is wrong with the plan, empty if nothing is, and whether it was not reported before."""
         plan = self._plan
         if plan is None:

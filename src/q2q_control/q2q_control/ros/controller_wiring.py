@@ -94,7 +94,7 @@ def wire_controller(
         wiring.listen(topic, warn_of_missing_names(node, topic, params.vehicles))
     unmeasured = AbsentNames(node, "state", "reference_safe: {}: is the plan for these vehicles?")
     wiring.listen("state", lambda _, state: unmeasured.take_source(state.names))
-    wiring.listen("reference_safe", unmeasured.look)
+    wiring.listen("reference_safe", unmeasured.update)
     fallback = declare(node, FallbackParams())
     guarded = GuardedCommands(controller, fallback, vehicle.hover_thrust, live=params.live)
     guarded.wire(node, wiring)

@@ -94,7 +94,7 @@ class Crazyswarm:
         services = self._wire_procedure()
         self._wire_commands()
         services.refuse_flights(
-            lambda: self._commands.conflicts() or self._inputs.look() or self._executor.refusal()
+            lambda: self._commands.conflicts() or self._inputs.update() or self._executor.refusal()
         )
 
     def _wire_commands(self) -> None:
@@ -124,7 +124,7 @@ class Crazyswarm:
         self._commands.unlock()
 
     def _facts(self) -> dict[str, str]:
-        self._inputs.look()
+        self._inputs.update()
         return {}
 
     def _take(self, topic: str, stamp_ns: int, value: Signal) -> None:

@@ -85,7 +85,7 @@ class GuardedCommands:
     def _follow(self, status: DiagnosticStatus) -> None:
         """Reset the controller when commands begin to be flown."""
         self._end_absent_procedures()
-        if self._hand_overs.take(status.name, status.message):
+        if self._hand_overs.update(status.name, status.message):
             self._guard.begin_flight()
 
     def _end_absent_procedures(self) -> None:
@@ -98,7 +98,7 @@ class GuardedCommands:
         if not self._hand_overs.flying:
             self._far, self._wiring.health.doubts["setpoints"] = FarSetpointMonitor(), ""
         elif self._flown is not None:
-            message, new = self._far.look(*self._flown, self._changes.brought_down)
+            message, new = self._far.update(*self._flown, self._changes.brought_down)
             self._wiring.health.doubts["setpoints"] = message
             if new:
                 self._node.get_logger().warning(message)
@@ -130,7 +130,7 @@ class GuardedCommands:
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         command = self._guard.cut_all()
         if command is not None:
-            self._changes.take(command)  # logged here, for all vehicles in one line
+            self._changes.update(command)  # logged here, for all vehicles in one line
         self._send(command)
         self._wiring.health.failure = EMERGENCY_CUT
         self._node.get_logger().error(EMERGENCY_CUT)
@@ -139,7 +139,7 @@ class GuardedCommands:
     def _log_changes(self, command: SwarmCommand) -> None:
         """Log the fallback phases that begin with a command; keep the present ones."""
         log, health = self._node.get_logger(), self._wiring.health
-        for change in self._changes.take(command):
+        for change in self._changes.update(command):
             if change.phase is CommandStatus.CUT:
                 log.error(cut_reason(change.names, emergency=self._guard.emergency))
             else:

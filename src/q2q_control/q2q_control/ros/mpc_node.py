@@ -137,12 +137,12 @@ def _receive_plans(node: Node, block: Mpc, wiring: TickWiring[SwarmCommand]) -> 
 
     def compare(_: int, reference: Signal) -> None:
         if isinstance(reference, SwarmSetpoint):
-            wiring.health.doubts[MISMATCH], is_new = mismatch.look(reference)
+            wiring.health.doubts[MISMATCH], is_new = mismatch.update(reference)
             if is_new:
                 node.get_logger().warning(f"{wiring.health.doubts[MISMATCH]} flown without looking ahead")
 
     came = expect_latched(node, node.create_subscription(Plan, PLAN, take, LATCHED))
-    wiring.listen("reference_safe", unplanned.look)
+    wiring.listen("reference_safe", unplanned.update)
     wiring.listen("reference_safe", compare)
     wiring.expect_one_publisher(PLAN)
 

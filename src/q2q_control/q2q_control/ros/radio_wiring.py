@@ -72,12 +72,12 @@ class RadioNode:
             self._topics.publish(name, link.health(), link.pose)
 
     def _facts(self) -> dict[str, str]:
-        self._inputs.look()
+        self._inputs.update()
         return self._vehicles.phases()
 
     def _conflicts(self) -> str:
         others = self._topics.other_radios()
-        return f"another radio node runs: {others}" if others else self._inputs.look()
+        return f"another radio node runs: {others}" if others else self._inputs.update()
 
     def _on_emergency(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
         self._services.emergency()

@@ -26,7 +26,7 @@ class MocapWarnings:
         """Lasting faults of the last frame; empty if there are none."""
         self._since: dict[tuple[str, str], float] = {}  # kind and vehicle: stamp of the first such frame [s]
 
-    def take(self, t: float, wrong: FrameWarnings) -> str:
+    def update(self, t: float, wrong: FrameWarnings) -> str:
         """Return what to log of a frame at t [s]; empty if nothing has changed."""
         if not (any(wrong) or self._since):
             return ""

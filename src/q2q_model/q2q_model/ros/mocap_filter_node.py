@@ -56,7 +56,7 @@ def build(node: Node) -> TickWiring[SwarmState]:
     wiring.after_publish(warning_log(node, wiring.health, block))
     wiring.warm_up(spare.update, spare.reset, own.vehicles)  # keeps the counts of `block` at zero
     wiring.listen("mocap", warn_of_unknown_names(node, "mocap", own.vehicles))
-    wiring.listen("mocap", StalledStampWarning(node, "mocap", wiring.health).look)
+    wiring.listen("mocap", StalledStampWarning(node, "mocap", wiring.health).update)
     wiring.start(block.update)
     return wiring
 
@@ -66,7 +66,7 @@ def warning_log(node: Node, health: Health, block: MocapFilter) -> Callable[[int
     warnings = MocapWarnings()
 
     def log(_: int, state: SwarmState) -> None:
-        if line := warnings.take(state.t, block.warnings):
+        if line := warnings.update(state.t, block.warnings):
             node.get_logger().warning(line)
         health.doubts["mocap"] = warnings.text
         health.doubts["names"] = CHANGING_NAMES if block.refuses_names else ""

@@ -21,7 +21,7 @@ class SetpointWarnings:
         self._t = -np.inf  # stamp of the last setpoints [s]
         self._warned = -np.inf  # that of the last ones with a warning, until it is reported as over [s]
 
-    def take(self, setpoint: SwarmSetpoint) -> str:
+    def update(self, setpoint: SwarmSetpoint) -> str:
         """Return what to log of new setpoints; empty if nothing has changed."""
         self.text = setpoint_warning(setpoint)
         step, self._t = setpoint.t - self._t, setpoint.t

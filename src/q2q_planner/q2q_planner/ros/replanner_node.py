@@ -66,7 +66,7 @@ def _warning_log(node: Node, health: Health) -> Callable[[int, SwarmSetpoint], N
     warnings = SetpointWarnings()
 
     def log(_: int, setpoint: SwarmSetpoint) -> None:
-        if line := warnings.take(setpoint):
+        if line := warnings.update(setpoint):
             node.get_logger().warning(line)
         health.doubts["reference_safe"] = warnings.text
 

@@ -14,13 +14,13 @@ class _Counts(NamedTuple):
 
 
 class ClientWarnings:
-    """Refusals of a fleet since the last look."""
+    """Refusals of a fleet since the last poll."""
 
     def __init__(self, vehicles: Sequence[CrtpVehicle]) -> None:
         self._vehicles = vehicles
         self._reported = [_Counts()] * len(vehicles)
 
-    def look(self) -> str:
+    def poll(self) -> str:
         """Return what each vehicle has refused since the last call, and why; empty if nothing."""
         before = self._reported
         self._reported = [_Counts(one.refusals.count, one.displaced) for one in self._vehicles]

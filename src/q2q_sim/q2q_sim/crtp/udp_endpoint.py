@@ -88,7 +88,7 @@ class CrtpEndpoint:
 
     def warnings(self) -> str:
         """Return what the vehicles have refused of clients since the last call; empty if nothing."""
-        return self._warnings.look()
+        return self._warnings.poll()
 
     def __enter__(self) -> Self:
         """Return the endpoint."""

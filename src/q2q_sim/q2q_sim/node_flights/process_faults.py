@@ -24,7 +24,7 @@ from q2q_sim.processes.processes import NodeSpec, Processes
 
 MIDDLEWARE = "dds."
 """Names of Fast DDS's threads begin so: receivers, events, asynchronous writer."""
-LOOKS = 20
+POLLS = 20
 """Polls of the flight director (50 ms each) from a fault to the return."""
 
 
@@ -70,7 +70,7 @@ def fly_with_process_faults(
         running.director.follow_clock()
         running.director.start()
         try:
-            timing = running.director.wait_summary(lambda ticks: _look(progresses, ticks))
+            timing = running.director.wait_summary(lambda ticks: _poll(progresses, ticks))
         finally:
             for one in progresses:
                 one.release()
@@ -79,11 +79,11 @@ def fly_with_process_faults(
     return timing
 
 
-def _look(progresses: Sequence["_Progress"], ticks: int) -> None:
+def _poll(progresses: Sequence["_Progress"], ticks: int) -> None:
     """Advance the first fault that is not over."""
     for one in progresses:
         if not one.done:
-            one.look(ticks)
+            one.poll(ticks)
             return
 
 
@@ -93,22 +93,22 @@ class _Progress:
     def __init__(self, processes: Processes, spec: NodeSpec, fault: ProcessFault) -> None:
         self._processes, self._spec, self._fault = processes, spec, fault
         self._frozen: FrozenThreads | None = None
-        self._looks = -1
+        self._polls = -1
         """Polls since the fault began; below 0 before it."""
 
     @property
     def done(self) -> bool:
         """Return whether the fault is over, including the return of the node."""
-        return self._looks >= (LOOKS if self._fault.comes_back else 0)
+        return self._polls >= (POLLS if self._fault.comes_back else 0)
 
-    def look(self, ticks: int) -> None:
+    def poll(self, ticks: int) -> None:
         """Begin the fault at its tick, and bring the node back some polls later."""
-        if self._looks < 0 and ticks < self._fault.tick:
+        if self._polls < 0 and ticks < self._fault.tick:
             return
-        self._looks += 1
-        if self._looks == 0:
+        self._polls += 1
+        if self._polls == 0:
             self._begin()
-        elif self._looks == LOOKS:
+        elif self._polls == POLLS:
             self._come_back()
 
     def _begin(self) -> None:

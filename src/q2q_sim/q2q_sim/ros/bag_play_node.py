@@ -111,7 +111,7 @@ class Player:
 
     def _look(self) -> Mapping[str, str]:
         """Look for other writers of what this node writes, or waits for; return no values."""
-        self._conflicts.look()
+        self._conflicts.update()
         return {}
 
     def _writer(self, topic: str, kind: str) -> Publisher:

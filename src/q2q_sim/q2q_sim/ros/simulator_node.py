@@ -152,7 +152,7 @@ class Simulator:
             if doubt and doubt != doubts.get(kind):
                 self._node.get_logger().warning(doubt)
             doubts[kind] = doubt
-        doubts |= {COMMAND: self._controllers.look(), CLOCK: self._clocks.look()}
+        doubts |= {COMMAND: self._controllers.update(), CLOCK: self._clocks.update()}
         if self._crtp is None:
             return self._flight.clock.recent()
         doubts[CRTP] = self._crtp.warnings()

@@ -36,7 +36,7 @@ def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Ca
     warned: set[Names] = {()}
     last: Names | None = None
 
-    def look(_: int, signal: Signal) -> None:
+    def warn(_: int, signal: Signal) -> None:
         nonlocal last
         if signal.names is last:
             return
@@ -46,7 +46,7 @@ def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Ca
             warned.add(different)
             node.get_logger().warning(f"{topic}: {', '.join(different)} {why(last)}")
 
-    return look
+    return warn
 
 
 class AbsentNames:
@@ -68,7 +68,7 @@ class AbsentNames:
             self._there = names
             self._compare()
 
-    def look(self, _: int, setpoint: Signal) -> None:
+    def update(self, _: int, setpoint: Signal) -> None:
         """Take a setpoint."""
         if setpoint.names != self._asked:
             self._asked = setpoint.names
@@ -92,7 +92,7 @@ class StalledStampWarning:
         self._node, self._topic, self._health = node, topic, health
         self._stamp_ns, self._frames = -1, 0
 
-    def look(self, stamp_ns: int, _: Signal) -> None:
+    def update(self, stamp_ns: int, _: Signal) -> None:
         """Take the stamp of a message."""
         self._frames = self._frames + 1 if stamp_ns == self._stamp_ns else 0
         self._stamp_ns = stamp_ns

@@ -21,7 +21,7 @@ class TopicConflict:
         self._node, self.topic, self._most = node, topic, most
         self._warned: set[str] = set()
 
-    def look(self) -> str:
+    def update(self) -> str:
         """Return what is wrong with the publishers now, empty if nothing is; warn of it the first time."""
         resolved = self._node.resolve_topic_name(self.topic)  # rclpy does not remap what it counts
         if self._node.count_publishers(resolved) <= 1:
@@ -47,8 +47,8 @@ class PublisherConflicts:
         """Watch the publishers of some topics, of which `most` are right; `health` has what is wrong."""
         self._topics, self._health = [TopicConflict(node, topic, most) for topic in topics], health
 
-    def look(self) -> str:
+    def update(self) -> str:
         """Return what is wrong with the publishers now, empty if nothing is; warn of it the first time."""
-        found = {one.topic: one.look() for one in self._topics}
+        found = {one.topic: one.update() for one in self._topics}
         self._health.doubts |= {f"{topic} writers": text for topic, text in found.items()}
         return "; ".join(filter(None, found.values()))

@@ -65,7 +65,7 @@ class TickWiring(Generic[Made]):
         self._checks: list[Callable[[], object]] = []
         self.expect_one_publisher(*inputs)
         self.check_each_second(
-            PublisherConflicts(node, (topic,), self.health, inf if shares_output else 1).look
+            PublisherConflicts(node, (topic,), self.health, inf if shares_output else 1).update
         )
         publish_health(node, self.health, self._facts)
 
@@ -101,7 +101,7 @@ class TickWiring(Generic[Made]):
 
     def expect_one_publisher(self, *topics: str) -> None:
         """Report once per second the topics that several nodes write."""
-        self.check_each_second(PublisherConflicts(self._node, topics, self.health).look)
+        self.check_each_second(PublisherConflicts(self._node, topics, self.health).update)
 
     def check_each_second(self, check: Callable[[], object]) -> None:
         """Call `check` before each report on `/diagnostics`: what it finds wrong is for `health`."""
