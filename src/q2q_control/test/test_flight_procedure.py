@@ -162,7 +162,7 @@ def test_a_glide_whose_setpoints_rest_short_of_the_first_points_fails() -> None:
     bench.wait(0.1)
     assert bench.procedure.step is Step.GLIDE
     bench.pos = bench.setpoint_pos = FIRST - up(0.05)  # a replanner holds them off
-    bench.wait(bench.params.patience_s + 0.5)
+    bench.wait(bench.params.step_timeout_s + 0.5)
     answer = bench.answer()
     assert not answer.granted
     assert "rest elsewhere" in answer.reason
@@ -172,7 +172,7 @@ def test_a_glide_whose_setpoints_rest_short_of_the_first_points_fails() -> None:
 def test_setpoints_that_never_rest_are_reported_and_a_second_land_lands() -> None:
     bench = up_to(Step.FLIGHT)
     bench.setpoint_vel = np.full((2, 3), 0.01)
-    assert "do not come to rest" in bench.asked(Call.HOLD, bench.params.patience_s + 0.5).reason
+    assert "do not come to rest" in bench.asked(Call.HOLD, bench.params.step_timeout_s + 0.5).reason
     assert bench.call(Call.LAND) is None
     bench.wait(1.0)
     assert bench.procedure.step is Step.GLIDE

@@ -139,9 +139,9 @@ def test_a_refused_call_leaves_a_single_act_under_way() -> None:
 def test_a_single_act_without_outcome_fails_after_the_patience() -> None:
     piloted, _ = flight()
     piloted.begin_single(Act.ARM, "arm", 0.0)
-    piloted.update(FlightProcedureParams().patience_s)
+    piloted.update(FlightProcedureParams().step_timeout_s)
     assert piloted.replies() == []
-    piloted.update(FlightProcedureParams().patience_s + 0.1)
+    piloted.update(FlightProcedureParams().step_timeout_s + 0.1)
     ((request, reply),) = piloted.replies()
     assert (request, reply.granted) == (Act.ARM, False)
     assert piloted.begin_single(Act.DISARM, "disarm", 6.0) is None

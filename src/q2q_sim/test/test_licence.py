@@ -200,7 +200,7 @@ def test_a_deadlock_and_a_wait_outside_the_clock_are_reported_with_their_lines(t
     (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))
     assert flight.findings[0].why == "it waits on line 14"
     outside = hop(tmp_path, "import select\n    select.select([], [], [], 60.0)")
-    order = FlightOrder(outside, params, LicenceTrial(), (), (), 30.0, patience=3.0)
+    order = FlightOrder(outside, params, LicenceTrial(), (), (), 30.0, timeout=3.0)
     (flight,) = fly_trials([order], LicenceOptions(), until=float("inf"))
     assert flight.findings[0].why.endswith("for input, a socket or a process on line 13")
 
@@ -302,7 +302,7 @@ def test_the_tick_after_a_program_is_not_interrupted_by_looks_at_it(tmp_path: Pa
     file = tmp_path / "slow.py"
     file.write_text(SLOW_TICKS)
     params = LicenceParams(((0.0, 0.0, 0.0),))
-    order = FlightOrder(Program(file), params, LicenceTrial(), (), (), 30.0, patience=5.0)
+    order = FlightOrder(Program(file), params, LicenceTrial(), (), (), 30.0, timeout=5.0)
     (flight,) = fly_trials([order], LicenceOptions(), until=inf)
     assert flight.log is not None
     assert flight.log.end.unknown == "radio://0/80/2M/E7E7E7E7E2"

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from q2q_model.signals.clock_resets import PATIENCE_S
+from q2q_model.signals.clock_resets import CONFIRM_S
 from q2q_model.tunable import check_bounds, tunable
 
-LONGEST_HOLD_S = PATIENCE_S
+LONGEST_HOLD_S = CONFIRM_S
 """Time for which a vehicle's last command is repeated before it levels [s], unless set otherwise: until old
 stamps are known to be of a clock that was set back."""
 

@@ -22,7 +22,7 @@ brakes once it flies level (q2q_control.failsafe.blind_flight). Measured vehicle
 reports as LOST move aside, also if another controller flies it: that takes the same fallback. Measured again,
 a vehicle returns to the height of its setpoint before it follows that (q2q_control.failsafe.evasion).
 
-A tick that is not newer than the last one, or far ahead for less than PATIENCE_S:
+A tick that is not newer than the last one, or far ahead for less than CONFIRM_S:
 
 | its stamp | what it gets |
 |---|---|

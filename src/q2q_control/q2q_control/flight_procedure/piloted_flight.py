@@ -67,7 +67,7 @@ class PilotedFlight:
     ) -> None:
         self._executor, self._plan_executor = executor, plan_executor
         self._procedure = FlightProcedure(*params)
-        self._dry_run, self._patience_s = params[0].dry_run, params[0].patience_s
+        self._dry_run, self._step_timeout_s = params[0].dry_run, params[0].step_timeout_s
         self._view = FlightView(names)
         self._single: Act | None = None
         self._single_at = -math.inf
@@ -170,8 +170,8 @@ class PilotedFlight:
 
     def _conclude_single(self, outcome: Reply | None, t: float) -> None:
         """Answer the single act with its outcome; one that is late is a failure."""
-        if outcome is None and t - self._single_at > self._patience_s:
-            outcome = Reply(granted=False, reason=f"no answer in {self._patience_s:g} s")
+        if outcome is None and t - self._single_at > self._step_timeout_s:
+            outcome = Reply(granted=False, reason=f"no answer in {self._step_timeout_s:g} s")
         if outcome is not None:
             self._answer_single(outcome)
 

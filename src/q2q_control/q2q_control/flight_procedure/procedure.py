@@ -83,7 +83,7 @@ class FlightProcedure:
         Returns:
             how long to wait until all are down at the latest [s].
         """
-        seconds = self._flight.order(Act.LAND, observation).duration + self._flight.params.patience_s
+        seconds = self._flight.order(Act.LAND, observation).duration + self._flight.params.step_timeout_s
         if self.step in FLYING | {Step.ARMING}:
             self.state.answer(granted=False, reason="the node ends: landing")
             self._flight.lands_after_glide = False

@@ -59,7 +59,7 @@ class FlightProcedureParams:
         0.15, "distance at which a vehicle has reached its setpoint", unit="m", low=0.01, high=1.0
     )
     settle_s: float = tunable(0.5, "time at rest until a step is done", unit="s", low=0.0, high=10.0)
-    patience_s: float = tunable(
+    step_timeout_s: float = tunable(
         5.0, "time beyond its duration after which a step has failed", unit="s", low=0.1, high=60.0
     )
     voltage_start: float = tunable(

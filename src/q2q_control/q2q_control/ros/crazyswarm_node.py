@@ -20,7 +20,7 @@ pass, without crazyflie_interfaces nothing is flown: a warning says so, and with
 start. Set `legacy_hz:=0` on the controller if this node sends `cmd_vel_legacy`. `--dry-run` sends nothing.
 
 A node that is ended in flight (SIGINT, SIGTERM) stops the stream and lets the vehicles land where they are,
-by the server; it waits until they are down, for the duration of the landing and `patience_s` at most. The
+by the server; it waits until they are down, for the duration of the landing and `step_timeout_s` at most. The
 server must outlive it: without it the vehicles fall 2 s after the last setpoint.
 """
 

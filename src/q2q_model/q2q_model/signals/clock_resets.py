@@ -1,9 +1,9 @@
 """Detection of a clock that was set back or ahead, as opposed to late frames and wrong stamps.
 
 Late frames are few, or newer ones come in between. Old stamps of which the newest increases CONFIRM_STAMPS
-times and for PATIENCE_S are the new time, also when frames between them come in another order. A frame from
+times and for CONFIRM_S are the new time, also when frames between them come in another order. A frame from
 before is none of them, whether it is delivered again or late: one whose stamp is nearer to those before.
-Stamps further ahead than AHEAD_S are wrong, unless they go on from there for PATIENCE_S, as after a gap.
+Stamps further ahead than AHEAD_S are wrong, unless they go on from there for CONFIRM_S, as after a gap.
 """
 
 from math import inf
@@ -18,7 +18,7 @@ stamps have risen and tracks are found again, for 0.3 s at most: by 0.8 s or mor
 (land_s of q2q_control.failsafe.fallback_phases)."""
 ROUNDING = 1e-9
 """Rounding of stamps in float64 [s]."""
-PATIENCE_S = 0.1
+CONFIRM_S = 0.1
 """Time for which old stamps, or those far ahead, must have increased [s]: as long as a command holds
 (q2q_control.failsafe.fallback_params), and longer than the bursts in which a network delivers frames."""
 
@@ -50,7 +50,7 @@ class ClockResetDetector:
         if not t - newest > AHEAD_S:
             return False
         self._ahead = min(self._ahead, t)
-        return t - self._ahead < PATIENCE_S - ROUNDING
+        return t - self._ahead < CONFIRM_S - ROUNDING
 
     def confirm_reset(self, t: float) -> bool:
         """Take an old stamp t [s]; return whether the newest of them has increased for long enough."""
@@ -63,7 +63,7 @@ class ClockResetDetector:
             if not self._was_late:
                 self._newest = t
                 self._count += 1
-        return self._count >= CONFIRM_STAMPS and self._newest - self._first >= PATIENCE_S - ROUNDING
+        return self._count >= CONFIRM_STAMPS and self._newest - self._first >= CONFIRM_S - ROUNDING
 
     def _is_late(self, t: float) -> bool:
         """Return whether a stamp is of the time before; two in a row are not: frames may have been lost."""

@@ -15,7 +15,7 @@ import yaml
 from q2q_model.tunable import ParameterValue
 from q2q_sim.processes.fork_server import NodeStart, start_forked
 
-END_PATIENCE_S = 60.0
+END_TIMEOUT_S = 60.0
 """Time from the first SIGINT to SIGKILL [s]: a recorder of a busy machine writes what it still has."""
 AGAIN_S = 10.0
 """Time after which SIGINT is sent again [s]: a node that is just being forked ignores it."""
@@ -179,7 +179,7 @@ def _interrupt(process: BaseProcess) -> None:
 
 
 def _wait(process: BaseProcess) -> int:
-    deadline = monotonic() + END_PATIENCE_S
+    deadline = monotonic() + END_TIMEOUT_S
     while process.exitcode is None and monotonic() < deadline:
         process.join(AGAIN_S)
         _interrupt(process)

@@ -10,8 +10,8 @@ from q2q_model.node.reply import Reply
 class ProcedureState:
     """Step of a flight, its pending call and order, and queues of orders, replies and log lines."""
 
-    def __init__(self, settle_s: float, patience_s: float) -> None:
-        self._patience_s = patience_s
+    def __init__(self, settle_s: float, step_timeout_s: float) -> None:
+        self._step_timeout_s = step_timeout_s
         self.step = Step.OFFLINE
         self.since = -np.inf
         """Time at which the step began [s]."""
@@ -52,13 +52,13 @@ class ProcedureState:
 
     def late(self, duration: float, t: float) -> bool:
         """Return whether a step of this duration [s] has failed by time t [s]."""
-        return t - max(self.since, self._moving_at) > duration + self._patience_s
+        return t - max(self.since, self._moving_at) > duration + self._step_timeout_s
 
     def overdue(self, order: Order, t: float) -> Reply | None:
         """Return the failure of an order without outcome; None while it may still come."""
-        if t - self._ordered <= self._patience_s:
+        if t - self._ordered <= self._step_timeout_s:
             return None
-        return Reply(granted=False, reason=f"{order}: no answer in {self._patience_s:g} s")
+        return Reply(granted=False, reason=f"{order}: no answer in {self._step_timeout_s:g} s")
 
     def take_orders(self) -> tuple[Order, ...]:
         """Return and clear the orders to execute."""

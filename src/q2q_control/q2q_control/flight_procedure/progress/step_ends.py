@@ -97,7 +97,7 @@ def _stopped(flight: ActiveFlight, observation: Observation, t: float) -> None:
     flight.down |= {one.name for one in observation.vehicles if one.locked or not one.connected}
     well = all(one.connected and one.locked is False for one in observation.vehicles)
     restarted = flight.state.settled.update(well and flight.down >= set(observation.names), t)
-    if restarted and t - flight.state.since > flight.params.patience_s:
+    if restarted and t - flight.state.since > flight.params.step_timeout_s:
         flight.state.enter(Step.CONNECTED, t, "vehicles were restarted")
 
 

@@ -8,7 +8,7 @@ from q2q_sim.experiments.licence.licence_log import escaped
 from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.trials import LicenceTrial
 
-PATIENCE_S = 140.0
+PROGRAM_TIMEOUT_S = 140.0
 """Wall time after which a flight that waits outside Python's clock is ended [s]."""
 
 
@@ -44,5 +44,5 @@ class FlightOrder:
     """Vehicles of a crazyflies.yaml, which are all; empty for stock ones at the URIs that a scan answers."""
     survey: bool = False
     """Only up to the first command that asks for flight."""
-    patience: float = PATIENCE_S
+    timeout: float = PROGRAM_TIMEOUT_S
     """[s]"""

@@ -16,7 +16,7 @@ from time import monotonic
 
 from q2q_model.counted import counted
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, Start
-from q2q_sim.experiments.licence.flight_order import PATIENCE_S, FlightOrder, Program
+from q2q_sim.experiments.licence.flight_order import PROGRAM_TIMEOUT_S, FlightOrder, Program
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_log import LicenceLog
 from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
@@ -39,7 +39,7 @@ DYING_S = 5.0
 """Longest time from the end of a process's output to its own [s]."""
 LONGER_S = 30.0
 """Time that a program may take longer with a fault than without [s]."""
-STUCK_S = PATIENCE_S + 10.0
+STUCK_S = PROGRAM_TIMEOUT_S + 10.0
 """Wall time after which the process of a flight is ended from outside [s]."""
 
 

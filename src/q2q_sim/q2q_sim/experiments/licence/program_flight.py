@@ -71,7 +71,7 @@ class _Flight:
         patch_threading(self._scheduler)
         self._connect()
         signal.signal(signal.SIGALRM, self._end_if_outside)
-        signal.setitimer(signal.ITIMER_REAL, self._order.patience, LOOK_S)
+        signal.setitimer(signal.ITIMER_REAL, self._order.timeout, LOOK_S)
         threading.excepthook = self._note_thread
         self._watch_callbacks()
         watch_main_thread(self._scheduler)
