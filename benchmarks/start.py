@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 REPEATS = 3
 LOOK_S = 0.01
 """How often a node is asked whether it is ready [s]."""
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 SCENARIO = "table6"
 REFERENCE = "python -c pass"
 HEAVY = 'python -c "import rclpy, numba"'
@@ -112,11 +112,9 @@ def _ready(package: str, name: str, folder: Path) -> float:
     try:
         while not client.service_is_ready():  # wait_for_service looks every 0.25 s only
             sleep(LOOK_S)
-            if process.poll() is not None or perf_counter() - began > PATIENCE_S:
+            if process.poll() is not None or perf_counter() - began > TIMEOUT_S:
                 raise RuntimeError(f"{name} did not get ready")
-        rclpy.spin_until_future_complete(
-            watcher, client.call_async(Trigger.Request()), timeout_sec=PATIENCE_S
-        )
+        rclpy.spin_until_future_complete(watcher, client.call_async(Trigger.Request()), timeout_sec=TIMEOUT_S)
         return perf_counter() - began
     finally:
         process.send_signal(signal.SIGINT)

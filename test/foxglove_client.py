@@ -34,9 +34,9 @@ class Received:
 class FoxgloveClient:
     """Connection; a context manager."""
 
-    def __init__(self, port: int, patience_s: float) -> None:
-        """Connect; every wait ends with TimeoutError after `patience_s` [s]."""
-        self._socket = socket.create_connection(("127.0.0.1", port), patience_s)
+    def __init__(self, port: int, timeout_s: float) -> None:
+        """Connect; every wait ends with TimeoutError after `timeout_s` [s]."""
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout_s)
         key = base64.b64encode(os.urandom(16)).decode()
         self._socket.sendall(HANDSHAKE.format(key=key).encode())
         self._stream = self._socket.makefile("rb")

@@ -151,17 +151,17 @@ class ProcedureRoom:
         for _ in range(round(seconds / TICK_S)):
             self.tick()
 
-    def call(self, call: Call | str, patience: float = 40.0) -> Reply:
+    def call(self, call: Call | str, timeout: float = 40.0) -> Reply:
         """Call a service and let time pass until it answers."""
         assert self.node is not None
         service = self.node.services[call.value if isinstance(call, Call) else call]
         before = len(service.sent)
         service.call()
-        left = round(patience / TICK_S)
+        left = round(timeout / TICK_S)
         while len(service.sent) == before and left:
             self.tick()
             left -= 1
-        assert len(service.sent) == before + 1, f"{call}: no answer in {patience} s: {self.node.lines[-5:]}"
+        assert len(service.sent) == before + 1, f"{call}: no answer in {timeout} s: {self.node.lines[-5:]}"
         return service.sent[-1]
 
     def highest(self) -> float:

@@ -125,7 +125,7 @@ def by_radio(monkeypatch: pytest.MonkeyPatch, plan: SwarmPlan | None = None, **g
 def refused(room: ProcedureRoom, step: Step) -> None:
     """Make every call at the wrong time of a step; each is refused at once, with the step's name."""
     for call in WRONG[step]:
-        reply = room.call(call, patience=0.0)
+        reply = room.call(call, timeout=0.0)
         assert not reply.granted
         assert f"the step is {step.value}" in reply.reason
 

@@ -12,9 +12,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from started_nodes import PATIENCE_S, wait_until_spinning
+from started_nodes import TIMEOUT_S, wait_until_spinning
 
-COMMAND_PATIENCE_S = 1800.0
+COMMAND_TIMEOUT_S = 1800.0
 """The longest command of the documents takes 30 s on an idle machine."""
 
 
@@ -47,7 +47,7 @@ class ShellSession:
         script = f"{line}\nstatus=$?\nenv -0 >'{kept}'\nexit $status"
         shell = self._shell(script)
         try:
-            output, _ = shell.communicate(timeout=COMMAND_PATIENCE_S)
+            output, _ = shell.communicate(timeout=COMMAND_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             os.killpg(shell.pid, signal.SIGKILL)
             raise
@@ -78,7 +78,7 @@ class ShellSession:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         try:
-            output, _ = process.communicate(timeout=PATIENCE_S)
+            output, _ = process.communicate(timeout=TIMEOUT_S)
         except subprocess.TimeoutExpired:
             process.kill()
             raise

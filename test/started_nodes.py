@@ -8,7 +8,7 @@ from pathlib import Path
 
 from q2q_sim.processes.processes import find_executable
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 
 
 def start(

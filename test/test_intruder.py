@@ -13,7 +13,7 @@ from q2q_model.node.loopback import PROFILE, PROFILE_VARIABLES, has_own_profile,
 
 KEPT_DOMAIN, OPEN_DOMAIN = 138, 139
 TARGETS = ("command", "plan", "model", "/clock", "all/emergency")
-PATIENCE_S = 600.0
+TIMEOUT_S = 600.0
 VICTIMS = """
 from rclpy.node import Node
 from q2q_control.ros import mpc_node
@@ -75,7 +75,7 @@ def test_an_intruder_who_knows_the_address_reaches_open_nodes_but_none_that_keep
             assert one.poll() is None, one.communicate()[1]
         words = ["ip", "netns", "exec", DESK, sys.executable, "-c", INTRUDER]
         found = subprocess.run(
-            [*words, str(KEPT_DOMAIN), str(OPEN_DOMAIN), str(PATIENCE_S)],
+            [*words, str(KEPT_DOMAIN), str(OPEN_DOMAIN), str(TIMEOUT_S)],
             env=clean_environment(
                 ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET",
                 ROS_STATIC_PEERS=ADDRESS,
@@ -90,7 +90,7 @@ def test_an_intruder_who_knows_the_address_reaches_open_nodes_but_none_that_keep
         for one in (kept, opened):
             one.terminate()
         for one in (kept, opened):
-            one.communicate(timeout=PATIENCE_S)
+            one.communicate(timeout=TIMEOUT_S)
     reached_kept, reached_open = json.loads(found.stdout)
     assert reached_open == dict.fromkeys(TARGETS, True)
     assert reached_kept == dict.fromkeys(TARGETS, False)

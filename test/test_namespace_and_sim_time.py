@@ -27,7 +27,7 @@ from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_record_node import Recorder
 from q2q_sim.ros.simulator_node import Simulator
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 """Three nodes of one process on a busy machine [s]."""
 FRAMES = 20
 
@@ -46,7 +46,7 @@ def executor() -> Iterator[Executor]:
 
 
 def until(executor: Executor, reached: Callable[[], bool]) -> None:
-    deadline = monotonic() + PATIENCE_S
+    deadline = monotonic() + TIMEOUT_S
     while not reached():
         assert monotonic() < deadline
         executor.spin_once(timeout_sec=0.05)

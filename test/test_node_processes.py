@@ -11,7 +11,7 @@ import pytest
 import rclpy
 from fresh_checkout import ROOT
 from rclpy.node import Node
-from started_nodes import PATIENCE_S, start, wait_until_spinning
+from started_nodes import TIMEOUT_S, start, wait_until_spinning
 from std_msgs.msg import Empty
 
 from q2q_model.vehicle.constants import VEHICLES
@@ -93,7 +93,7 @@ def ros_words(parameters: list[str]) -> list[str]:
 
 def refusal(package: str, executable: str, parameters: list[str]) -> str:
     process = start(package, executable, ros_words(parameters))
-    _, lines = process.communicate(timeout=PATIENCE_S)
+    _, lines = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 2, lines
     assert "Traceback" not in lines
     assert len(lines.strip().splitlines()) == 1, lines
@@ -108,7 +108,7 @@ def test_a_node_ends_with_0_on_a_signal(
     process = start(package, executable, ros_words(parameters))
     wait_until_spinning(process)
     process.send_signal(number)
-    _, lines = process.communicate(timeout=PATIENCE_S)
+    _, lines = process.communicate(timeout=TIMEOUT_S)
     assert process.returncode == 0, lines
     assert "Traceback" not in lines
 
@@ -139,7 +139,7 @@ def test_a_node_that_ends_by_itself_reports_the_others(
         process = subprocess.Popen([sys.executable, "-c", FINISHED])
         until(node, lambda: writer.get_subscription_count() == 1)
         writer.publish(Empty())
-        assert process.wait(timeout=PATIENCE_S) == 0
+        assert process.wait(timeout=TIMEOUT_S) == 0
         until(node, lambda: writer.get_subscription_count() == 0)
     finally:
         rclpy.try_shutdown()
@@ -152,7 +152,7 @@ def without_log(lines: str) -> str:
 
 def until(node: Node, reached: Callable[[], bool]) -> None:
     """Let a node run until something is so."""
-    deadline = monotonic() + PATIENCE_S
+    deadline = monotonic() + TIMEOUT_S
     while not reached():
         assert monotonic() < deadline
         rclpy.spin_once(node, timeout_sec=0.05)
@@ -171,7 +171,7 @@ def test_a_parameter_there_is_not_is_answered_with_the_nearest_right_one(
 
 def test_bag_play_ends_when_the_bag_does() -> None:
     process = start("q2q_sim", "bag_play", ros_words([f"bag:={ROOT / 'bags/table2_1'}", "rate:=1000.0"]))
-    _, lines = process.communicate(timeout=PATIENCE_S)
+    _, lines = process.communicate(timeout=TIMEOUT_S)
     assert (process.returncode, without_log(lines)) == (0, "playback over\n")
 
 
@@ -181,7 +181,7 @@ def test_bag_play_plays_a_bag_of_others_by_a_topic_map(tmp_path: Path) -> None:
     assert "no topic /no_such" in refusal("q2q_sim", "bag_play", given)
     (tmp_path / "map.yaml").write_text("signals: {mocap: /mocap}")
     process = start("q2q_sim", "bag_play", ros_words([*given, "topics:=[mocap]"]))
-    _, lines = process.communicate(timeout=PATIENCE_S)
+    _, lines = process.communicate(timeout=TIMEOUT_S)
     assert (process.returncode, without_log(lines)) == (0, "playback over\n")
 
 

@@ -63,7 +63,7 @@ def act(): os.kill(os.getpid(), signal.SIGINT) if {acting} else print("acts")
 
 if os.environ.get("PARENT") != str(os.getppid()) and {importing}: os.kill(os.getpid(), signal.SIGINT)
 """
-PATIENCE_S = 90.0
+TIMEOUT_S = 90.0
 
 
 def start_flight() -> subprocess.Popen[str]:
@@ -100,13 +100,13 @@ def nodes_of(flight: subprocess.Popen[str]) -> list[int]:
 
 
 def ends(node: int) -> bool:
-    """Return whether a process ends within PATIENCE_S; a process that is gone has ended."""
+    """Return whether a process ends within TIMEOUT_S; a process that is gone has ended."""
     try:
         handle = os.pidfd_open(node)
     except ProcessLookupError:
         return True
     try:
-        return bool(select.select([handle], [], [], PATIENCE_S)[0])
+        return bool(select.select([handle], [], [], TIMEOUT_S)[0])
     finally:
         os.close(handle)
 
@@ -116,7 +116,7 @@ def test_a_flight_that_is_ended_leaves_no_node_behind(number: signal.Signals) ->
     flight = start_flight()
     nodes = nodes_of(flight)
     flight.send_signal(number)
-    _, lines = flight.communicate(timeout=PATIENCE_S)
+    _, lines = flight.communicate(timeout=TIMEOUT_S)
     assert all(ends(node) for node in nodes)
     assert "Traceback" not in lines
     assert flight.returncode == (-signal.SIGKILL if number == signal.SIGKILL else 130)
@@ -126,7 +126,7 @@ def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
     flight = start_flight()
     nodes = nodes_of(flight)
     os.kill(nodes[1], signal.SIGKILL)
-    _, lines = flight.communicate(timeout=PATIENCE_S)
+    _, lines = flight.communicate(timeout=TIMEOUT_S)
     assert all(ends(node) for node in nodes)
     assert flight.returncode == 1
     assert "mocap_filter ended with status -9" in lines
@@ -144,7 +144,7 @@ def test_a_command_that_is_killed_leaves_no_process_of_its_pool_behind(number: s
     assert command.stdout is not None
     worker = int(command.stdout.readline())
     command.send_signal(number)
-    command.communicate(timeout=PATIENCE_S)
+    command.communicate(timeout=TIMEOUT_S)
     assert ends(worker)
 
 

@@ -23,7 +23,7 @@ from q2q_sim.processes.processes import find_executable
 from q2q_sim.ros.flight_director import FlightDirector
 
 BAG = Path(__file__).parents[1] / "bags" / "table2_5"
-PATIENCE_S = 120.0
+TIMEOUT_S = 120.0
 """A busy machine answers within this; the test itself waits for nothing else."""
 WEAK = 0.75
 
@@ -45,9 +45,9 @@ class Listener:
 
     def until(self, done: Callable[[], bool], what: str) -> None:
         """Spin until something is so."""
-        end = monotonic() + PATIENCE_S
+        end = monotonic() + TIMEOUT_S
         while not done():
-            assert monotonic() < end, f"not within {PATIENCE_S} s: {what}; received {self.strengths}"
+            assert monotonic() < end, f"not within {TIMEOUT_S} s: {what}; received {self.strengths}"
             self.executor.spin_once(timeout_sec=0.1)
 
     def close(self) -> None:
@@ -80,7 +80,7 @@ def start(package: str, executable: str, words: list[str], log: Path) -> subproc
 def interrupted(process: subprocess.Popen[bytes]) -> int:
     """Interrupt a node; return its exit status."""
     process.send_signal(signal.SIGINT)
-    return process.wait(PATIENCE_S)
+    return process.wait(TIMEOUT_S)
 
 
 @pytest.mark.skipif(not BAG.is_dir(), reason=f"no recorded flight at {BAG}")
@@ -101,7 +101,7 @@ def test_a_weak_model_comes_right_from_the_topics_and_is_taken_up(listener: List
     ]
     try:
         with FlightDirector(lambda: None) as director:
-            director.wait_connected(logs, PATIENCE_S)
+            director.wait_connected(logs, TIMEOUT_S)
             director.start("bag_play")
         listener.until(lambda: "model loaded" in logs["interference"].read_text(), "a loaded model")
         listener.until(lambda: listener.strengths[-1:] == pytest.approx([true], rel=0.05), "the right model")

@@ -23,7 +23,7 @@ from q2q_control.ros.procedure_call import await_answer
 from q2q_model.ros.node.run import WAKE_S, make_executor
 from q2q_sim.processes.domain import own_domain
 
-PATIENCE_S = 120.0
+TIMEOUT_S = 120.0
 """A process and its discovery on a busy machine [s]."""
 READY = "radio/emergency is ready: press Enter to call it, Ctrl-C to leave"
 
@@ -44,7 +44,7 @@ class Pilot:
         """Grant the call."""
         self.called.append("emergency")
         self.asked.set()
-        self.may_answer.wait(PATIENCE_S)
+        self.may_answer.wait(TIMEOUT_S)
         response.success, response.message = True, "motors stopped"
         return response
 
@@ -63,7 +63,7 @@ def pilot() -> Iterator[Pilot]:
             yield made
         finally:
             over.set()
-            thread.join(PATIENCE_S)
+            thread.join(TIMEOUT_S)
             rclpy.try_shutdown()
 
 
@@ -87,13 +87,13 @@ def waiting_call() -> subprocess.Popen[str]:
 def test_it_calls_when_enter_is_pressed_and_not_before(pilot: Pilot) -> None:
     process = waiting_call()
     assert pilot.called == []
-    output, _ = process.communicate("\n", timeout=PATIENCE_S)
+    output, _ = process.communicate("\n", timeout=TIMEOUT_S)
     assert (output.strip(), process.returncode) == ("radio/emergency: motors stopped", 0)
     assert pilot.called == ["emergency"]
 
 
 def test_the_end_of_the_input_calls_nothing(pilot: Pilot) -> None:
-    _, error = (process := waiting_call()).communicate("", timeout=PATIENCE_S)
+    _, error = (process := waiting_call()).communicate("", timeout=TIMEOUT_S)
     assert (error.strip(), process.returncode) == ("radio/emergency: not sent", 1)
     assert pilot.called == []
 
@@ -105,9 +105,9 @@ def test_a_signal_ends_the_call_in_one_line_that_says_that_it_goes_on(pilot: Pil
     assert process.stdin is not None
     process.stdin.write("\n")
     process.stdin.flush()
-    assert pilot.asked.wait(PATIENCE_S)
+    assert pilot.asked.wait(TIMEOUT_S)
     process.send_signal(number)
-    _, error = process.communicate(timeout=PATIENCE_S)
+    _, error = process.communicate(timeout=TIMEOUT_S)
     pilot.may_answer.set()
     assert (error.strip(), process.returncode) == ("call: interrupted; the call goes on", 130)
 

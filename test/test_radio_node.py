@@ -38,7 +38,7 @@ from q2q_sim.scenarios import library
 
 SCENARIO = "table6"
 LIVE = {"live": True}
-PATIENCE_S = 120.0
+TIMEOUT_S = 120.0
 """All nodes of a flight on a busy machine [s]."""
 PATIENT = {
     "pid": {"land_s": 60.0, "cut_s": 120.0},
@@ -106,10 +106,10 @@ class _Watcher:
         self.until(answered, f"{node}/ready")
 
     def until(self, reached: Callable[[], bool], what: str) -> None:
-        deadline = monotonic() + PATIENCE_S
+        deadline = monotonic() + TIMEOUT_S
         while not reached():
             self.check()
-            assert monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
+            assert monotonic() < deadline, f"{what}: not within {TIMEOUT_S} s"
             self._executor.spin_once(timeout_sec=0.05)
 
     def granted(self, service: str) -> bool:

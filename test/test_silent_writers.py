@@ -25,7 +25,7 @@ from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import CommandStatus, SwarmCommand
 from q2q_sim.processes.domain import own_domain
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 """For processes to start and find each other on a busy machine [s]."""
 WRITER = """
 from rclpy.node import Node
@@ -71,9 +71,9 @@ class Scene:
 
     def until(self, reached: Callable[[], bool], what: str) -> None:
         """Let callbacks run until something is so."""
-        deadline = monotonic() + PATIENCE_S
+        deadline = monotonic() + TIMEOUT_S
         while not reached():
-            assert monotonic() < deadline, f"{what}: not within {PATIENCE_S} s"
+            assert monotonic() < deadline, f"{what}: not within {TIMEOUT_S} s"
             self._executor.spin_once(timeout_sec=0.05)
 
     def until_flying(self) -> None:

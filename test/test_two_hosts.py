@@ -25,7 +25,7 @@ SEED = 3
 SERVER = "fast-discovery-server"
 PORT = "11811"
 """Where the discovery server listens, on the host of the room."""
-PATIENCE_S = 300.0
+TIMEOUT_S = 300.0
 AT_THE_DESK = ("mocap_filter", "interference", "trajectory", "replanner", "pid")
 IN_THE_ROOM = """
 import sys
@@ -97,12 +97,12 @@ def _fly_apart(request: FlightRequest, folder: Path, more: dict[str, str]) -> No
     try:
         (folder / "room").mkdir()
         words = ["ip", "netns", "exec", ROOM, sys.executable, "-c", IN_THE_ROOM]
-        subprocess.run([*words, *asked, str(folder / "room")], env=env, check=True, timeout=PATIENCE_S)
+        subprocess.run([*words, *asked, str(folder / "room")], env=env, check=True, timeout=TIMEOUT_S)
     finally:
         for process in working_folder:
             process.terminate()
         for process in working_folder:
-            process.wait(PATIENCE_S)
+            process.wait(TIMEOUT_S)
 
 
 def _assert_numbers_of_one(request: FlightRequest, folder: Path) -> None:

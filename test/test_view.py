@@ -26,7 +26,7 @@ from q2q_sim.scenarios import library
 from q2q_sim.view import foxglove_server
 from q2q_sim.view.scene import SceneParams
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 """A busy machine answers within this; the test itself waits for nothing else."""
 WAIT_S = 0.05
 """Between two states that are shown while no viewer has subscribed yet."""
@@ -135,7 +135,7 @@ def test_a_headless_foxglove_client_receives_the_scene(flight: Flight):
     try:
         assert addresses_of("tcp", view.foxglove.port) == {"127.0.0.1"}
         assert addresses_of("tcp6", view.foxglove.port) == set()
-        with FoxgloveClient(view.foxglove.port, PATIENCE_S) as client:
+        with FoxgloveClient(view.foxglove.port, TIMEOUT_S) as client:
             assert client.subscribe(foxglove_server.TOPIC) == "foxglove.SceneUpdate"
             for tick in range(0, len(flight.t), STEP):  # the flight goes on; the viewer joins when it can
                 shown(node, flight, tick)

@@ -34,7 +34,7 @@ def serialized_at(second: int) -> bytes:
 
 SENT = 3000
 """Half a minute of a topic at 100 Hz, before the first is read."""
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 """Longest wait for what was sent [s]."""
 
 
@@ -65,7 +65,7 @@ def test_messages_that_are_read_late_are_all_in_the_bag(
             executor.spin_once(timeout_sec=0.05)
         for _ in range(SENT):
             writer.publish(SwarmCommand())
-        deadline = monotonic() + PATIENCE_S
+        deadline = monotonic() + TIMEOUT_S
         while recorder.health.ticks + recorder.health.missed < SENT and monotonic() < deadline:
             executor.spin_once(timeout_sec=0.05)
         recorder.close()
@@ -81,7 +81,7 @@ def test_what_a_driver_sends_best_effort_is_recorded(tmp_path: Path) -> None:
         executor = make_executor()
         executor.add_node(node)
         writer = writing.create_publisher(SwarmCommand, "poses", OUTSIDE)
-        deadline = monotonic() + PATIENCE_S
+        deadline = monotonic() + TIMEOUT_S
         while recorder.health.ticks == 0 and monotonic() < deadline:
             writer.publish(SwarmCommand())
             executor.spin_once(timeout_sec=0.05)
@@ -110,7 +110,7 @@ def test_what_was_latched_before_and_after_the_recorder_began_is_recorded_once(
         writer = writing.create_publisher(SwarmCommand, "map", LATCHED)
         writer.publish(sent[0])
         recorder = recorder or Recorder(node)
-        deadline = monotonic() + PATIENCE_S
+        deadline = monotonic() + TIMEOUT_S
         while recorder.health.ticks == 0 and monotonic() < deadline:
             executor.spin_once(timeout_sec=0.05)
         writer.publish(sent[1])
@@ -130,7 +130,7 @@ def test_a_latched_topic_is_recorded_on_once_a_writer_joins_that_does_not_latch_
         executor.add_node(node)
         latching = writing.create_publisher(SwarmCommand, "map", LATCHED)
         latching.publish(serialized_at(1))
-        deadline = monotonic() + PATIENCE_S
+        deadline = monotonic() + TIMEOUT_S
         while recorder.health.ticks == 0 and monotonic() < deadline:
             executor.spin_once(timeout_sec=0.05)
         other = writing.create_publisher(SwarmCommand, "map", TICK_WRITER)

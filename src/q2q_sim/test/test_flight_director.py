@@ -21,7 +21,7 @@ from q2q_sim.loop.flight_clock import FlightTiming, timing_as_text
 from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.flight_director import FlightDirector
 
-PATIENCE_S = 30.0
+TIMEOUT_S = 30.0
 """Longest wait for an answer [s]."""
 
 
@@ -86,7 +86,7 @@ def test_a_node_that_is_not_of_q2q_is_named_with_what_it_answers() -> None:
         stranger.create_service(Trigger, "~/ready", refusing("as ready as can be"))
         director._executor.add_node(stranger)
         with pytest.raises(ValueError, match=r"^pid answers 'as ready as can be' to ~/ready"):
-            director.wait_connected(("pid",), PATIENCE_S)
+            director.wait_connected(("pid",), TIMEOUT_S)
         director._executor.remove_node(stranger)
 
 

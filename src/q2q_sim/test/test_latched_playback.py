@@ -23,7 +23,7 @@ from q2q_sim.processes.domain import own_domain
 from q2q_sim.ros.bag_play_node import Player
 from q2q_sim.ros.bag_record_node import Recorder
 
-PATIENCE_S = 30.0
+TIMEOUT_S = 30.0
 """Longest wait for a message [s]."""
 STRING = "std_msgs/msg/String"
 SENT = {"/model": (0.0, 1.0), "/room/model": (0.5,), "/map": (0.2,), "/words": (0.0, 1.5)}
@@ -69,7 +69,7 @@ def heard_late(playing: Node, topics: Mapping[str, int]) -> dict[str, list[str]]
     executor = make_executor()
     executor.add_node(playing)
     executor.add_node(late)
-    end = monotonic() + PATIENCE_S
+    end = monotonic() + TIMEOUT_S
     while any(len(heard[topic]) < count for topic, count in topics.items()) and monotonic() < end:
         executor.spin_once(timeout_sec=0.05)
     late.destroy_node()

@@ -15,7 +15,7 @@ from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.plant.body.state_row import ROTOR_MAX1
 
 VERSION = b"\xdd\x00"
-PATIENCE_S = 0.5
+TIMEOUT_S = 0.5
 """An answer that has not come by then was dropped [s]."""
 TRIES = 40
 
@@ -35,7 +35,7 @@ def endpoint(pilot: Pilot) -> Iterator[CrtpEndpoint]:
 
 def client_of(endpoint: CrtpEndpoint, vehicle: int = 0) -> socket.socket:
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    made.settimeout(PATIENCE_S)
+    made.settimeout(TIMEOUT_S)
     made.connect(("127.0.0.1", int(endpoint.uris[vehicle].rpartition(":")[2])))
     return made
 
