@@ -22,9 +22,9 @@ from q2q_sim.experiments.campaign.run_outcome import (
     summary,
 )
 from q2q_sim.experiments.campaign.through_nodes import NodeFlights, mode_disagreement
-from q2q_sim.experiments.falsification import attack_record, bug_score, guided_campaign
-from q2q_sim.experiments.falsification.attack_case import read_case
-from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
+from q2q_sim.experiments.falsification import bug_score, guided_campaign, search_record
+from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
+from q2q_sim.experiments.falsification.counterexample import read_case
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.monitors.policies import POLICIES, FlightTrace, Violation, trace_in_lockstep
 from q2q_sim.node_flights.flight_nodes import node_specs
@@ -246,21 +246,21 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
 ) -> None:
     flown: list[int] = []
 
-    def fly(run: random_run.Run) -> AttackedFlight:
+    def fly(run: random_run.Run) -> CandidateFlight:
         flown.append(run.seed)
-        return AttackedFlight((BROKEN,) if run.seed == 37 else (), {"setpoint_error": -float(len(flown))})
+        return CandidateFlight((BROKEN,) if run.seed == 37 else (), {"setpoint_error": -float(len(flown))})
 
     monkeypatch.setattr(
         parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
     )  # in this process
-    monkeypatch.setattr(attack_record, "fly_attacked", fly)
-    monkeypatch.setattr(bug_score, "fly_attacked", lambda _: AttackedFlight(()))
+    monkeypatch.setattr(search_record, "fly_candidate", fly)
+    monkeypatch.setattr(bug_score, "fly_candidate", lambda _: CandidateFlight(()))
     asked = ["--guided", "--runs", "110", "--bug-runs", "3", "--out", str(tmp_path)]
     asked += ["--json", str(tmp_path / "it.json")]
     assert campaign.main(asked) == 1
     found = json.loads((tmp_path / "it.json").read_text())
     assert {name: found[name] for name in ("runs", "violations", "bug_runs")} == {
-        "runs": 50 + 8 + 10,  # seed 37 is the eighth survey run of the second attack
+        "runs": 50 + 8 + 10,  # seed 37 is the eighth run of the random phase of the second search
         "violations": 1,
         "bug_runs": 3,
     }
@@ -272,14 +272,14 @@ def test_a_guided_campaign_keeps_its_case_resumes_and_counts_seeded_bugs(
     assert campaign.main(asked) == 1
     assert len(flown) == count
     assert json.loads((tmp_path / "it.json").read_text()) == found
-    log = tmp_path / "attacks.jsonl"
+    log = tmp_path / "searches.jsonl"
     whole = log.read_text().splitlines()
-    log.write_text(log.read_text()[:-20])  # killed while it wrote the last attack
+    log.write_text(log.read_text()[:-20])  # killed while it wrote the last search
     assert campaign.main(asked) == 1
     assert [json.loads(line)["seed"] for line in log.read_text().splitlines()] == [
         json.loads(line)["seed"] for line in whole
     ]
-    monkeypatch.setattr(guided_campaign, "fly_attacked", fly)
+    monkeypatch.setattr(guided_campaign, "fly_candidate", fly)
     assert campaign.main(["--case", case, "--out", str(tmp_path)]) == 1
     page = tmp_path / f"{Path(case).stem}.html"
     said = capsys.readouterr().out
@@ -295,12 +295,12 @@ def test_a_bug_counts_as_found_only_by_a_run_that_the_sound_stack_keeps(
     bug = SEEDED_BUGS[0]
     sound = vars(bug.place)[bug.function]
 
-    def fly(run: random_run.Run) -> AttackedFlight:
+    def fly(run: random_run.Run) -> CandidateFlight:
         seeded = vars(bug.place)[bug.function] is not sound
-        both = AttackedFlight((BROKEN,))  # also without the bug
-        return AttackedFlight((replace(BROKEN, policy="state_age"),)) if seeded and run.seed == 4 else both
+        both = CandidateFlight((BROKEN,))  # also without the bug
+        return CandidateFlight((replace(BROKEN, policy="state_age"),)) if seeded and run.seed == 4 else both
 
-    monkeypatch.setattr(bug_score, "fly_attacked", fly)
+    monkeypatch.setattr(bug_score, "fly_candidate", fly)
     one = bug_score.score_bugs(0, 10, 0)
     assert (one.bug, one.guided, one.blind) == (bug.name, 5, 5)
     assert bug_score.score_bugs(0, 4, 0).blind == 0

@@ -13,7 +13,7 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.attack_case import with_faults
+from q2q_sim.experiments.falsification.counterexample import with_faults
 from q2q_sim.experiments.falsification.postconditions.brake_property import FAST, SHARE, brake
 from q2q_sim.experiments.falsification.postconditions.hidden_motion import learned_push
 from q2q_sim.experiments.falsification.postconditions.run_ticks import RunTicks

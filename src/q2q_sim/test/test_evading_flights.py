@@ -2,7 +2,7 @@
 
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import draw_run
-from q2q_sim.experiments.falsification.attack_case import with_faults
+from q2q_sim.experiments.falsification.counterexample import with_faults
 from q2q_sim.faults.faults import Fault
 
 REPEATED = Fault("repeated", 3.8, 0.2, (), 0.0)
@@ -12,7 +12,7 @@ UPPER, LOWER = Fault("dropout", 4.08, 2.7, ("cf1",), 0.0), Fault("dropout", 4.72
 
 
 def test_the_way_back_of_a_vehicle_that_evades_begins_where_it_is() -> None:
-    """Its evasion was added to that, and it was sent 1.4 m off its setpoint (attack 245)."""
+    """Its evasion was added to that, and it was sent 1.4 m off its setpoint (search 245)."""
     run = with_faults(draw_run(7376, replan="none"), (REPEATED,))
     assert fly_pure(run).violations == ()
 

@@ -17,7 +17,7 @@ from q2q_model.signals.values import (
 )
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.attack_case import with_faults
+from q2q_sim.experiments.falsification.counterexample import with_faults
 from q2q_sim.experiments.falsification.postconditions.evasion_property import (
     CLEAR,
     LEAST_ACC,

@@ -1,4 +1,4 @@
-"""The descents of a guided attack learn, and work that another search has kept is not resumed."""
+"""The local searches of a guided search learn, and work that another search has kept is not resumed."""
 
 import json
 from collections.abc import Sequence
@@ -12,12 +12,12 @@ from q2q_model.signals.values import Array
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.random_run import Run
-from q2q_sim.experiments.falsification import attack_record
-from q2q_sim.experiments.falsification.attack import LENGTH, attack_runs
-from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
+from q2q_sim.experiments.falsification import search_record
+from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
+from q2q_sim.experiments.falsification.guided_search import LENGTH, guided_runs
 
 
-def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(
+def test_each_local_search_learns_from_the_margins_of_its_runs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     learned: list[float] = []
@@ -28,11 +28,11 @@ def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(
         learned.extend(margins)
         return tell(self, vectors, margins)
 
-    def judge(_: Run) -> AttackedFlight:
-        return AttackedFlight((), {"setpoint_error": float(rng.random()), "floor": float(rng.random())})
+    def judge(_: Run) -> CandidateFlight:
+        return CandidateFlight((), {"setpoint_error": float(rng.random()), "floor": float(rng.random())})
 
     monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", record)
-    runs = list(attack_runs(1, LENGTH, judge))
+    runs = list(guided_runs(1, LENGTH, judge))
     first, second = runs[30:35], runs[40:45]
     assert len(runs) == 50
     assert learned in (
@@ -41,19 +41,19 @@ def test_each_descent_of_an_attack_learns_from_the_margins_of_its_runs(
     )
 
 
-def test_attacks_of_another_search_are_not_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_work_of_another_search_is_not_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     flown: list[Run] = []
 
-    def fly(run: Run) -> AttackedFlight:
+    def fly(run: Run) -> CandidateFlight:
         flown.append(run)
-        return AttackedFlight(())
+        return CandidateFlight(())
 
     monkeypatch.setattr(
         parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
     )  # in this process
-    monkeypatch.setattr(attack_record, "fly_attacked", fly)
+    monkeypatch.setattr(search_record, "fly_candidate", fly)
     asked = ["--guided", "--runs", "1", "--bug-runs", "0", "--out", str(tmp_path)]
-    log = tmp_path / "attacks.jsonl"
+    log = tmp_path / "searches.jsonl"
     assert campaign.main(asked) == campaign.main(asked) == 0
     assert len(flown) == 1
     kept = json.loads(log.read_text())

@@ -79,5 +79,5 @@ def test_a_model_without_downwash_is_planned_around_by_its_zone() -> None:
 def test_replanned_setpoints_leave_two_fifths_of_the_tilt_to_the_feedback(
     controller: PidParams | MpcParams,
 ) -> None:
-    """Attack 345: around a zone with 3 m/s^2 of 3.6, the tilt saturated for 0.8 s, and the PID overshot."""
+    """Search 345: around a zone with 3 m/s^2 of 3.6, the tilt saturated for 0.8 s, and the PID overshot."""
     assert SafeReplannerParams().acc_max <= 0.6 * GRAVITY * math.tan(controller.tilt_max)

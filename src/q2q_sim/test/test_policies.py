@@ -193,7 +193,7 @@ def test_a_push_beyond_the_thrust_exempts_and_a_weak_controller_with_thrust_to_s
 def test_batteries_that_leave_too_little_thrust_to_come_back_exempt(
     sags: tuple[float, ...], judged: bool
 ) -> None:
-    """Attack 377: 1 % of thrust to spare. Of the 1.32 times its weight, 0.81 stop a landing in time."""
+    """Search 377: 1 % of thrust to spare. Of the 1.32 times its weight, 0.81 stop a landing in time."""
     away = only("truth", changed(SwarmState, 7.0, 8.0, pos=lambda pos: pos + np.array([0.0, 0.4, 0.0])))
     sagging = tuple(Fault("battery_sag", 1.0, 1.0, (), size) for size in sags)
     assert ("return" in broken(away, replace(AROUND, faults=sagging))) == judged

@@ -11,8 +11,8 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import SetpointStatus
 from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.attack_case import with_faults
-from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight, fly_attacked
+from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight, fly_candidate
+from q2q_sim.experiments.falsification.counterexample import with_faults
 from q2q_sim.experiments.falsification.postconditions.filter_properties import swap_moved_track
 from q2q_sim.experiments.falsification.postconditions.replanner_properties import (
     acc_held_too_long,
@@ -65,9 +65,9 @@ def flown(case: str) -> Run:
 
 
 @cache
-def sound(case: str) -> AttackedFlight:
+def sound(case: str) -> CandidateFlight:
     """Return the outcome of a case without a bug."""
-    return fly_attacked(flown(case))
+    return fly_candidate(flown(case))
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ def sound(case: str) -> AttackedFlight:
 def test_a_bug_violates_the_property_that_the_sound_stack_keeps(bug: str, case: str, broken: str):
     assert sound(case).violations == ()
     with BUGS[bug].seeded():
-        found = fly_attacked(flown(case))
+        found = fly_candidate(flown(case))
     assert broken in found.policies
 
 

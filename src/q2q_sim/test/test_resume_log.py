@@ -10,8 +10,8 @@ from q2q_sim.experiments.ablation import fill_ablation
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, read_numbers
 from q2q_sim.experiments.campaign import parallel_runs
 from q2q_sim.experiments.campaign.run_outcome import RunOutcome
-from q2q_sim.experiments.falsification import attack_record
-from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight
+from q2q_sim.experiments.falsification import search_record
+from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight
 from q2q_sim.experiments.resume_log import read_entries
 from q2q_sim.experiments.robustness import fill_robustness
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
@@ -44,17 +44,17 @@ def test_a_second_guided_campaign_into_a_folder_is_refused_while_the_first_runs(
     statuses: list[int] = []
     asked = ["--guided", "--runs", "1", "--bug-runs", "0", "--out", str(tmp_path)]
 
-    def fly(_: object) -> AttackedFlight:
+    def fly(_: object) -> CandidateFlight:
         statuses.append(campaign.main(asked))
-        return AttackedFlight(())
+        return CandidateFlight(())
 
     monkeypatch.setattr(
         parallel_runs, "_local", lambda work, numbers, *_: map(work, numbers)
     )  # in this process
-    monkeypatch.setattr(attack_record, "fly_attacked", fly)
+    monkeypatch.setattr(search_record, "fly_candidate", fly)
     assert campaign.main(asked) == 0
     assert statuses == [2]
-    assert "attacks.jsonl is written by another run: wait for it" in capsys.readouterr().err
+    assert "searches.jsonl is written by another run: wait for it" in capsys.readouterr().err
 
 
 def number_of(document: Mapping[str, object]) -> int:

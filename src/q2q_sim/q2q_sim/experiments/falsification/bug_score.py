@@ -10,8 +10,8 @@ from itertools import chain, count, islice
 from time import perf_counter
 
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification.attack import LENGTH, SEARCH, attack_runs
-from q2q_sim.experiments.falsification.attacked_flight import AttackedFlight, fly_attacked
+from q2q_sim.experiments.falsification.candidate_flight import CandidateFlight, fly_candidate
+from q2q_sim.experiments.falsification.guided_search import LENGTH, SEARCH, guided_runs
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 
 
@@ -36,12 +36,12 @@ def score_bugs(number: int, runs: int, seed: int, air: str = "") -> BugScore:
     """Return the score of one of SEEDED_BUGS; the searches begin at a seed."""
     began, bug = perf_counter(), SEEDED_BUGS[number]
 
-    def judge(run: Run) -> AttackedFlight:
+    def judge(run: Run) -> CandidateFlight:
         with bug.seeded():
-            return fly_attacked(run)
+            return fly_candidate(run)
 
-    attacks = chain.from_iterable(attack_runs(seed + k, LENGTH, judge, air) for k in count())
-    guided = ((one.run, one.flight) for one in attacks)
+    searches = chain.from_iterable(guided_runs(seed + k, LENGTH, judge, air) for k in count())
+    guided = ((one.run, one.flight) for one in searches)
     blind = ((run, judge(run)) for run in (draw_run(seed + k, air) for k in count()))
     found = _first(guided, runs), _first(blind, runs)
     return BugScore(bug.name, runs, seed, *found, perf_counter() - began, air, SEARCH)
@@ -52,9 +52,9 @@ def unscored(number: int) -> BugScore:
     raise ChildProcessError(f"the process that sought {SEEDED_BUGS[number].name} died: run again")
 
 
-def _first(flown: Iterator[tuple[Run, AttackedFlight]], runs: int) -> int:
+def _first(flown: Iterator[tuple[Run, CandidateFlight]], runs: int) -> int:
     """Return the number of the first of `runs` flights that shows the bug; 0 if none does."""
     for number, (run, flight) in enumerate(islice(flown, runs), start=1):
-        if flight.violations and not flight.policies <= fly_attacked(run).policies:
+        if flight.violations and not flight.policies <= fly_candidate(run).policies:
             return number
     return 0

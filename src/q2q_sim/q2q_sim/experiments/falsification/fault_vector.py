@@ -21,7 +21,7 @@ from q2q_sim.experiments.campaign.random_run import MOST
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault, earliest_start
 
 SLOTS = MOST
-"""Faults in an attacked run: as many as campaigns draw at most."""
+"""Faults in a run: as many as campaigns draw at most."""
 
 
 class FaultNumbers(NamedTuple):

@@ -1,6 +1,6 @@
-"""Guided campaign: attacks on the stack as it is, and the score of the same search on seeded bugs.
+"""Guided campaign: searches of the stack as it is, and the score of the same search on seeded bugs.
 
-Finished attacks and scores are kept in files of JSON lines, from which an interrupted campaign resumes.
+Finished searches and scores are kept in files of JSON lines, from which an interrupted campaign resumes.
 """
 
 import json
@@ -18,22 +18,22 @@ from rich.table import Table
 from q2q_model.documents.json_file import write_json
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
-from q2q_sim.experiments.falsification.attack import LENGTH, SEARCH
-from q2q_sim.experiments.falsification.attack_case import read_case
-from q2q_sim.experiments.falsification.attack_record import (
-    AttackRecord,
-    attack_and_keep,
+from q2q_sim.experiments.falsification.bug_score import BugScore, score_bugs, unscored
+from q2q_sim.experiments.falsification.candidate_flight import fly_candidate
+from q2q_sim.experiments.falsification.counterexample import read_case
+from q2q_sim.experiments.falsification.guided_search import LENGTH, SEARCH
+from q2q_sim.experiments.falsification.search_record import (
+    SearchRecord,
     record_of_dead_process,
+    search_and_keep,
     write_case_page,
 )
-from q2q_sim.experiments.falsification.attacked_flight import fly_attacked
-from q2q_sim.experiments.falsification.bug_score import BugScore, score_bugs, unscored
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.experiments.resume_log import exclusive_log, read_entries
 
-Entry = TypeVar("Entry", AttackRecord, BugScore)
-ATTACKS = "attacks.jsonl"
-"""File of finished attacks."""
+Entry = TypeVar("Entry", SearchRecord, BugScore)
+SEARCHES = "searches.jsonl"
+"""File of finished searches."""
 
 
 def run(args: Namespace) -> int:
@@ -45,9 +45,9 @@ def run(args: Namespace) -> int:
     if args.air:
         find_air(args.air)
     args.out.mkdir(parents=True, exist_ok=True)
-    with exclusive_log(args.out / ATTACKS):
-        attacks, scores = list(_attacks(args)), list(_scores(args))
-    total = summary(attacks, scores)
+    with exclusive_log(args.out / SEARCHES):
+        searches, scores = list(_searches(args)), list(_scores(args))
+    total = summary(searches, scores)
     print_totals(total)
     if args.json:
         write_json(total, args.json)
@@ -61,7 +61,7 @@ def refly_case(args: Namespace) -> int:
         ValueError: the file is not a case.
     """
     case = read_case(args.case)
-    flight = fly_attacked(case.run)
+    flight = fly_candidate(case.run)
     print("\n".join(map(str, flight.violations)) or f"{args.case}: no violation")
     args.out.mkdir(parents=True, exist_ok=True)
     page = args.out / f"{args.case.stem}.html"
@@ -71,21 +71,21 @@ def refly_case(args: Namespace) -> int:
     return int(bool(flight.violations))
 
 
-def summary(attacks: Sequence[AttackRecord], scores: Sequence[BugScore]) -> dict[str, object]:
+def summary(searches: Sequence[SearchRecord], scores: Sequence[BugScore]) -> dict[str, object]:
     """Return the totals of a guided campaign: the contract of `campaign --guided --json`."""
     return {
-        "runs": sum(one.runs for one in attacks),
-        "violations": sum(bool(one.policies) for one in attacks),
-        "thrust_exceeded": sum(one.thrust_exceeded for one in attacks),
-        "unpredicted_downwash": sum(one.unpredicted_downwash for one in attacks),
+        "runs": sum(one.runs for one in searches),
+        "violations": sum(bool(one.policies) for one in searches),
+        "thrust_exceeded": sum(one.thrust_exceeded for one in searches),
+        "unpredicted_downwash": sum(one.unpredicted_downwash for one in searches),
         "seeded_bugs": len(scores),
         "seeded_found": sum(one.guided > 0 for one in scores),
         "blind_found": sum(one.blind > 0 for one in scores),
         "bug_runs": max((one.runs for one in scores), default=0),
-        "by_policy": dict(sorted(Counter(policy for one in attacks for policy in one.policies).items())),
-        "cases": sorted(one.case for one in attacks if one.case),
+        "by_policy": dict(sorted(Counter(policy for one in searches for policy in one.policies).items())),
+        "cases": sorted(one.case for one in searches if one.case),
         "bugs": {one.bug: {"guided": one.guided, "blind": one.blind} for one in scores},
-        "seconds": sum(one.seconds for one in attacks) + sum(one.seconds for one in scores),
+        "seconds": sum(one.seconds for one in searches) + sum(one.seconds for one in scores),
     }
 
 
@@ -118,25 +118,25 @@ def print_totals(total: dict[str, object]) -> None:
         print(f"case: {case}")
 
 
-def _attacks(args: Namespace) -> Iterator[AttackRecord]:
-    """Yield the record of every attack, flown now or before."""
-    log = args.out / ATTACKS
+def _searches(args: Namespace) -> Iterator[SearchRecord]:
+    """Yield the record of every search, flown now or before."""
+    log = args.out / SEARCHES
     lengths = {args.seed + k: min(LENGTH, args.runs - k * LENGTH) for k in range(-(-args.runs // LENGTH))}
     done = {
         one.seed: one
-        for one in _read(log, AttackRecord)
+        for one in _read(log, SearchRecord)
         if (one.air, one.search) == (args.air, SEARCH) and lengths.get(one.seed) == one.length
     }
     yield from done.values()
-    work = partial(_attack, lengths=lengths, kept=args.out / "cases", air=args.air)
+    work = partial(_search, lengths=lengths, kept=args.out / "cases", air=args.air)
     left = [seed for seed in lengths if seed not in done]
     for one in spread_work(ParallelRuns(args.engine, args.jobs), work, left, record_of_dead_process):
         _append(log, one)
         yield one
 
 
-def _attack(seed: int, lengths: dict[int, int], kept: Path, air: str) -> AttackRecord:
-    return attack_and_keep(seed, lengths[seed], kept, air)
+def _search(seed: int, lengths: dict[int, int], kept: Path, air: str) -> SearchRecord:
+    return search_and_keep(seed, lengths[seed], kept, air)
 
 
 def _scores(args: Namespace) -> Iterator[BugScore]:
@@ -166,6 +166,6 @@ def _read(log: Path, kind: Callable[..., Entry]) -> list[Entry]:
     return read_entries(log, entry)
 
 
-def _append(log: Path, entry: AttackRecord | BugScore) -> None:
+def _append(log: Path, entry: SearchRecord | BugScore) -> None:
     with log.open("a", encoding="utf-8") as file:
         file.write(json.dumps(asdict(entry)) + "\n")

@@ -1,4 +1,4 @@
-"""A guided attack goes where margins fall, and what it finds shrinks, is kept and flies again."""
+"""A guided search goes where margins fall, and what it finds shrinks, is kept and flies again."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -9,24 +9,30 @@ import pytest
 
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
-from q2q_sim.experiments.falsification import attack as attacks
 from q2q_sim.experiments.falsification import guided_campaign
-from q2q_sim.experiments.falsification.attack import (
-    GENERATION,
-    SURVEY,
-    attack,
-    attack_runs,
-    falling_policies,
-    last_fault_start,
-)
-from q2q_sim.experiments.falsification.attack_case import case_of, read_case, shrink, with_faults, write_case
-from q2q_sim.experiments.falsification.attacked_flight import (
+from q2q_sim.experiments.falsification import guided_search as search
+from q2q_sim.experiments.falsification.candidate_flight import (
     RECORD,
-    AttackedFlight,
-    fly_attacked,
+    CandidateFlight,
+    fly_candidate,
 )
 from q2q_sim.experiments.falsification.coincidence import CoincidingFaults, critical_moments
+from q2q_sim.experiments.falsification.counterexample import (
+    case_of,
+    read_case,
+    shrink,
+    with_faults,
+    write_case,
+)
 from q2q_sim.experiments.falsification.fault_vector import DIMENSION, SLOTS, faults_of, vector_of
+from q2q_sim.experiments.falsification.guided_search import (
+    GENERATION,
+    RANDOM_RUNS,
+    falling_policies,
+    guided_runs,
+    guided_search,
+    last_fault_start,
+)
 from q2q_sim.experiments.falsification.seeded_bugs import SEEDED_BUGS
 from q2q_sim.faults.faults import KINDS, LENGTHS, SIZES, Fault
 from q2q_sim.monitors.policies import Violation
@@ -99,44 +105,44 @@ def test_the_moments_of_a_pass_are_its_fastest_and_its_nearest():
     assert nearest.t == pytest.approx(crossing, abs=0.051)
 
 
-def test_an_attack_descends_the_margin_that_fell_most_in_the_run_where_it_is_least():
+def test_a_search_lowers_the_margin_that_fell_most_in_the_run_where_it_is_least():
     flown: list[tuple[Run, float]] = []
 
-    def judge(run: Run) -> AttackedFlight:
+    def judge(run: Run) -> CandidateFlight:
         flown.append((run, distance(run)))
-        return AttackedFlight((), {"tilt": 0.01, "hold_too_long": distance(run)})
+        return CandidateFlight((), {"tilt": 0.01, "hold_too_long": distance(run)})
 
-    length = SURVEY + 6 * GENERATION
-    assert attack(3, length, judge).runs == length == len(flown)
-    surveyed, descent = flown[:SURVEY], flown[SURVEY:]
-    worst = min(surveyed, key=lambda one: one[1])
-    assert {run.seed for run, _ in surveyed} == set(range(3 * SURVEY, 4 * SURVEY))
-    assert {run.options.replan for run, _ in surveyed[1::2]} == {"safe"}
-    assert {run.seed for run, _ in descent} == {worst[0].seed}
-    assert np.mean([margin for _, margin in descent[-GENERATION:]]) < 0.8 * worst[1]
+    length = RANDOM_RUNS + 6 * GENERATION
+    assert guided_search(3, length, judge).runs == length == len(flown)
+    drawn, lowering = flown[:RANDOM_RUNS], flown[RANDOM_RUNS:]
+    worst = min(drawn, key=lambda one: one[1])
+    assert {run.seed for run, _ in drawn} == set(range(3 * RANDOM_RUNS, 4 * RANDOM_RUNS))
+    assert {run.options.replan for run, _ in drawn[1::2]} == {"safe"}
+    assert {run.seed for run, _ in lowering} == {worst[0].seed}
+    assert np.mean([margin for _, margin in lowering[-GENERATION:]]) < 0.8 * worst[1]
     for run, _ in flown:
         assert all(fault.start <= last_fault_start(run) for fault in run.scenario.faults)
 
 
-def test_margins_that_all_runs_share_are_not_descended():
+def test_margins_that_all_runs_share_are_not_searched():
     flights = [
-        AttackedFlight((), {"tilt": 0.0, "hold_too_long": 1.0 - 0.1 * k, "setpoint_error": 0.9 - 0.2 * k})
+        CandidateFlight((), {"tilt": 0.0, "hold_too_long": 1.0 - 0.1 * k, "setpoint_error": 0.9 - 0.2 * k})
         for k in range(5)
     ]
-    surveyed = [attacks.AttackRun(draw_run(0), np.zeros(DIMENSION), flight) for flight in flights]
-    assert falling_policies(surveyed) == ("setpoint_error", "hold_too_long")
+    drawn = [search.GuidedRun(draw_run(0), np.zeros(DIMENSION), flight) for flight in flights]
+    assert falling_policies(drawn) == ("setpoint_error", "hold_too_long")
 
 
-def test_an_attack_is_its_seed_and_ends_with_its_runs_or_a_violation():
-    def judge(run: Run) -> AttackedFlight:
-        return AttackedFlight((BROKEN,) if distance(run) < 1.0 else (), {"room": distance(run)})
+def test_a_search_is_its_seed_and_ends_with_its_runs_or_a_violation():
+    def judge(run: Run) -> CandidateFlight:
+        return CandidateFlight((BROKEN,) if distance(run) < 1.0 else (), {"setpoint_error": distance(run)})
 
-    one = attack(5, 50, judge)
-    assert one == attack(5, 50, judge)
+    one = guided_search(5, 50, judge)
+    assert one == guided_search(5, 50, judge)
     assert one.violated is not None
     assert distance(one.violated) < 1.0
     assert one.policies == {"tilt"}
-    assert attack(5, one.runs - 1, judge).violated is None
+    assert guided_search(5, one.runs - 1, judge).violated is None
 
 
 def test_a_shrunk_run_has_the_faults_that_count_rounded_as_far_as_they_may_be():
@@ -158,14 +164,14 @@ def test_a_seeded_bug_is_found_kept_and_flown_again(tmp_path: Path):
     run = with_faults(run, (Fault("nan", 1.0, 0.1, run.scenario.names[:1]),))
     bug = next(bug for bug in SEEDED_BUGS if bug.name == "nan_as_zero")
     with bug.seeded():
-        assert fly_attacked(run).policies == {RECORD}
+        assert fly_candidate(run).policies == {RECORD}
         write_case(case_of(run, {RECORD}), tmp_path / "cases" / "case_0.yaml")
     case = read_case(tmp_path / "cases" / "case_0.yaml")
     assert (case.run.scenario, case.run.options) == (run.scenario, run.options)
     assert case.violates == (RECORD,)
-    assert fly_attacked(case.run).violations == ()
+    assert fly_candidate(case.run).violations == ()
     with bug.seeded():
-        assert fly_attacked(case.run).policies == {RECORD}
+        assert fly_candidate(case.run).policies == {RECORD}
 
 
 @pytest.mark.parametrize("out", [(), ("--out", "elsewhere")])
@@ -174,7 +180,7 @@ def test_the_page_of_a_case_flown_again_is_beside_it_or_in_out(
 ):
     written: list[Path] = []
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(guided_campaign, "fly_attacked", lambda _: AttackedFlight(()))
+    monkeypatch.setattr(guided_campaign, "fly_candidate", lambda _: CandidateFlight(()))
     monkeypatch.setattr(guided_campaign, "write_case_page", lambda _run, _found, page: written.append(page))
     write_case(case_of(draw_run(0), {RECORD}), Path("cases/case_0.yaml"))
     assert campaign.main(["--case", "cases/case_0.yaml", *out]) == 0
@@ -198,9 +204,11 @@ def test_a_seeded_bug_is_removed_when_its_context_exits():
 
 
 def test_generations_are_of_runs_that_differ():
-    judge = iter(range(SURVEY + GENERATION))
-    tried = attack_runs(1, SURVEY + GENERATION, lambda _: AttackedFlight((), {"room": -float(next(judge))}))
+    judge = iter(range(RANDOM_RUNS + GENERATION))
+    tried = guided_runs(
+        1, RANDOM_RUNS + GENERATION, lambda _: CandidateFlight((), {"setpoint_error": -float(next(judge))})
+    )
     seen = [one.vector for one in tried]
-    assert len(seen) == SURVEY + GENERATION
+    assert len(seen) == RANDOM_RUNS + GENERATION
     assert all(not np.array_equal(one, other) for one, other in pairwise(seen))
-    assert attacks.LENGTH >= SURVEY + GENERATION
+    assert search.LENGTH >= RANDOM_RUNS + GENERATION

@@ -1,7 +1,7 @@
-"""Case: a run that violates a policy, kept as a file and flown again; shrunk to the fewest faults.
+"""Counterexample: a run that violates a policy, shrunk to the fewest faults, kept as a case and flown again.
 
-A case file is YAML: the fields of AttackCase. Shrinking removes faults one at a time, then rounds the numbers
-of those that remain, and keeps each change after which one of the same policies is still violated.
+A case file is YAML: the fields of Counterexample. Shrinking removes faults one at a time, then rounds the
+numbers of those that remain, and keeps each change after which one of the same policies is still violated.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -23,7 +23,7 @@ DIGITS = (1, 2)
 
 
 @dataclass(frozen=True, slots=True)
-class AttackCase:
+class Counterexample:
     """Run that violates policies, as in its file."""
 
     seed: int
@@ -73,19 +73,19 @@ def _rounded(run: Run, row: int) -> Iterator[Run]:
         yield with_faults(run, (*faults[:row], rounder, *faults[row + 1 :]))
 
 
-def case_of(run: Run, policies: Iterable[str]) -> AttackCase:
+def case_of(run: Run, policies: Iterable[str]) -> Counterexample:
     """Return the case of a run that violates policies."""
-    return AttackCase(run.seed, tuple(sorted(policies)), run.options, run.document)
+    return Counterexample(run.seed, tuple(sorted(policies)), run.options, run.document)
 
 
-def write_case(case: AttackCase, path: Path) -> None:
+def write_case(case: Counterexample, path: Path) -> None:
     """Write a case file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(yaml.safe_dump(plain_document(asdict(case)), sort_keys=False), encoding="utf-8")
 
 
-def read_case(path: Path) -> AttackCase:
+def read_case(path: Path) -> Counterexample:
     """Return the case in a file; raise ValueError for a file that cannot be read or is no case."""
-    case = from_plain(AttackCase, load_yaml(path), str(path))
+    case = from_plain(Counterexample, load_yaml(path), str(path))
     scenario_from_document(str(path), case.scenario)
     return case

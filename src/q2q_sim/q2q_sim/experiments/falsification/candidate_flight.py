@@ -59,8 +59,8 @@ WORST = 1e3
 
 
 @dataclass(frozen=True, slots=True)
-class AttackedFlight:
-    """Outcome of an attacked run."""
+class CandidateFlight:
+    """Outcome of a run that a search proposes."""
 
     violations: tuple[Violation, ...]
     margins: Mapping[str, float] = field(default_factory=dict)
@@ -76,11 +76,11 @@ class AttackedFlight:
         return frozenset(one.policy for one in self.violations)
 
 
-def fly_attacked(run: Run) -> AttackedFlight:
+def fly_candidate(run: Run) -> CandidateFlight:
     """Return the outcome of a run by closed_loop; an error counts as a violation."""
     flown = fly_pure(run)
     if flown.trace is None:
-        return AttackedFlight(flown.violations)
+        return CandidateFlight(flown.violations)
     ticks = run_ticks(flown.topics)
     outcomes = {name: judged(run, ticks) for name, judged in POSTCONDITIONS.items()}
     found = [one for outcome in outcomes.values() for one in outcome.violations]
@@ -91,7 +91,7 @@ def fly_attacked(run: Run) -> AttackedFlight:
         found += _record(flown.topics)
     except Exception as error:  # noqa: BLE001 - a campaign looks for any error
         found.append(crash_violation(error))
-    return AttackedFlight(
+    return CandidateFlight(
         violations=(*flown.violations, *found),
         margins={name: bounded_margin(one) for name, one in known.items()},
         thrust_exceeded=bool(thrust_exceeded(flown.trace, circumstances).any()),

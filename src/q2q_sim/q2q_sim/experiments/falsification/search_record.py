@@ -1,4 +1,4 @@
-"""Record of an attack, and the case file and replay page of what it found."""
+"""Record of a guided search, and the case file and replay page of what it found."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ from q2q_sim.experiments.campaign.campaign_flight import fly_pure
 from q2q_sim.experiments.campaign.random_run import Run
 from q2q_sim.experiments.campaign.run_outcome import CRASH
 from q2q_sim.experiments.campaign.violation_replay import write_replay
-from q2q_sim.experiments.falsification.attack import SEARCH, attack
-from q2q_sim.experiments.falsification.attack_case import case_of, shrink, write_case
-from q2q_sim.experiments.falsification.attacked_flight import fly_attacked
+from q2q_sim.experiments.falsification.candidate_flight import fly_candidate
+from q2q_sim.experiments.falsification.counterexample import case_of, shrink, write_case
+from q2q_sim.experiments.falsification.guided_search import SEARCH, guided_search
 from q2q_sim.monitors.policies import Violation
 
 
 @dataclass(frozen=True, slots=True)
-class AttackRecord:
-    """Record of an attack."""
+class SearchRecord:
+    """Record of a guided search."""
 
     seed: int
     length: int
@@ -36,28 +36,28 @@ class AttackRecord:
     unpredicted_downwash: int = 0
     """Runs in which one was flown blind in a downwash that nothing could predict: nor are they."""
     search: str = ""
-    """SEARCH of the attack."""
+    """SEARCH of the module guided_search."""
 
 
-def attack_and_keep(seed: int, length: int, kept: Path, air: str = "") -> AttackRecord:
-    """Fly an attack; shrink the violation that it finds, and write case file and replay page in `kept`."""
+def search_and_keep(seed: int, length: int, kept: Path, air: str = "") -> SearchRecord:
+    """Fly a guided search; shrink the violation found, and write case file and replay page in `kept`."""
     began = perf_counter()
-    found = attack(seed, length, fly_attacked, air)
+    found = guided_search(seed, length, fly_candidate, air)
     case, policies = "", tuple(sorted(found.policies))
     if found.violated is not None:
 
         def still(run: Run) -> bool:
-            return bool(fly_attacked(run).policies & found.policies)
+            return bool(fly_candidate(run).policies & found.policies)
 
         small = shrink(found.violated, still)
-        outcome, path = fly_attacked(small), kept / f"case_{seed}.yaml"
+        outcome, path = fly_candidate(small), kept / f"case_{seed}.yaml"
         policies = tuple(sorted(outcome.policies))
         write_case(case_of(small, policies), path)
         write_case_page(small, outcome.violations, path.with_suffix(".html"))
         case = str(path)
     seconds = perf_counter() - began
     thrust_exceeded, unpredicted_downwash = found.thrust_exceeded, found.unpredicted_downwash
-    return AttackRecord(
+    return SearchRecord(
         seed, length, found.runs, policies, case, seconds, air, thrust_exceeded, unpredicted_downwash, SEARCH
     )
 
@@ -67,6 +67,6 @@ def write_case_page(run: Run, violations: Sequence[Violation], file: Path) -> No
     write_replay(file, run.scenario, fly_pure(run).topics, violations)
 
 
-def record_of_dead_process(seed: int) -> AttackRecord:
-    """Return the record of an attack whose process died."""
-    return AttackRecord(seed, length=0, runs=0, policies=(CRASH,), case="", seconds=0.0)
+def record_of_dead_process(seed: int) -> SearchRecord:
+    """Return the record of a guided search whose process died."""
+    return SearchRecord(seed, length=0, runs=0, policies=(CRASH,), case="", seconds=0.0)
