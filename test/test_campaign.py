@@ -11,7 +11,7 @@ from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import campaign_flight, parallel_runs, random_run
 from q2q_sim.experiments.campaign.campaign_flight import JUDGED
 from q2q_sim.experiments.campaign.parallel_runs import run_outcomes
-from q2q_sim.experiments.campaign.random_run import CALM_S, CUTS, cut_document, draw_run
+from q2q_sim.experiments.campaign.random_run import CALM_S, EXCERPTS, draw_run, excerpt_document
 from q2q_sim.experiments.campaign.run_outcome import (
     CRASH,
     DIED,
@@ -105,7 +105,7 @@ def test_a_run_in_an_air_is_flown_by_the_vehicles_of_that_air() -> None:
 def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
     assert draw_run(7) == draw_run(7)
     runs = [draw_run(seed) for seed in range(60)]
-    assert len({str(run.document["description"]) for run in runs}) == len(CUTS)
+    assert len({str(run.document["description"]) for run in runs}) == len(EXCERPTS)
     assert {run.options.controller for run in runs} == {"pid", "mpc"}
     assert {str(run.document["room"]) for run in runs} == set(random_run.ROOMS)
     for run in runs:
@@ -114,14 +114,14 @@ def test_a_run_is_its_seed_and_seeds_draw_everything() -> None:
         assert all(fault.start <= scenario.duration - CALM_S for fault in scenario.faults)
 
 
-@pytest.mark.parametrize("cut", CUTS, ids=lambda cut: cut.scenario)
-def test_a_cut_begins_and_ends_where_its_scenario_is_then(cut: random_run.Cut) -> None:
-    whole = library.load(cut.scenario)
-    document = cut_document(library.document(cut.scenario), cut)
-    short = scenario_from_document("cut", document)
-    assert short.duration == pytest.approx((cut.end - cut.begin) * cut.pace)
+@pytest.mark.parametrize("excerpt", EXCERPTS, ids=lambda excerpt: excerpt.scenario)
+def test_an_excerpt_begins_and_ends_where_its_scenario_is_then(excerpt: random_run.Excerpt) -> None:
+    whole = library.load(excerpt.scenario)
+    document = excerpt_document(library.document(excerpt.scenario), excerpt)
+    short = scenario_from_document("excerpt", document)
+    assert short.duration == pytest.approx((excerpt.end - excerpt.begin) * excerpt.pace)
     for long_way, way in zip(whole.waypoints, short.waypoints, strict=True):
-        at_rest = [point.pos for point in long_way.waypoints if point.t <= cut.begin][-1]
+        at_rest = [point.pos for point in long_way.waypoints if point.t <= excerpt.begin][-1]
         assert way.waypoints[0].pos == at_rest
         assert way.waypoints[0].t == 0.0
         assert all(a.t < b.t for a, b in zip(way.waypoints, way.waypoints[1:], strict=False))

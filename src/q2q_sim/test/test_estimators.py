@@ -1,4 +1,4 @@
-"""Recorded flights replayed through estimators: motion, cuts, held-out errors, divergence."""
+"""Recorded flights replayed through estimators: motion, degradations, held-out errors, divergence."""
 
 import json
 from dataclasses import replace
@@ -23,7 +23,7 @@ from q2q_sim.experiments.estimators.estimator_table import (
     flight_table_of,
     print_whole,
 )
-from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, given_samples
+from q2q_sim.experiments.estimators.mocap_degradations import CONDITIONS, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion, recorded_motion
 from q2q_sim.experiments.estimators.replayed_estimates import (
     ALL_AXES,
@@ -143,9 +143,9 @@ def test_poses_moved_on_by_their_delay_are_better_than_stock_and_nothing_diverge
     assert stock > 0.5 * speed * delay
     assert fed < 0.3 * stock
     assert summary([found["1 s away", "filter"]]).worst > 0.3  # it holds the position for 0.65 s
-    uncut = np.count_nonzero(motion.flying & motion.seen)
-    assert len(found["100 Hz", "filter"].errors) == uncut
-    assert len(found["10 Hz", "filter"].errors) == pytest.approx(0.9 * (uncut - 100), abs=10)
+    undegraded = np.count_nonzero(motion.flying & motion.seen)
+    assert len(found["100 Hz", "filter"].errors) == undegraded
+    assert len(found["10 Hz", "filter"].errors) == pytest.approx(0.9 * (undegraded - 100), abs=10)
     document = errors_json(list(found.values()), 1)
     assert isinstance(document, dict)
     assert len(document["pooled"]) == len(found)  # type: ignore[arg-type]  # a list of them

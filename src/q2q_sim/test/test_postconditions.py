@@ -26,7 +26,7 @@ from q2q_sim.loop.flight_blocks import safe_replanner_params
 
 BUGS = {bug.name: bug for bug in SEEDED_BUGS}
 PASS = 4.5
-"""Time at which cf2 passes above cf1 in Table 2's flights as campaigns cut them [s]."""
+"""Time at which cf2 passes above cf1 in campaigns' excerpts of Table 2's flights [s]."""
 CASES: dict[str, tuple[str, str, tuple[Fault, ...]]] = {
     "upper lost": ("flight 3,", "none", (Fault("dropout", PASS - 0.5, 1.0, ("cf2",)),)),
     "slow one lost": ("flight 5,", "none", (Fault("dropout", PASS - 1.35, 1.0, ("cf2",)),)),

@@ -45,7 +45,7 @@ def parser() -> CommandLine:
         type=whole_number(1),
         default=3,
         metavar="N",
-        help="draws of cuts and sensor errors (default 3)",
+        help="draws of degradations and sensor errors (default 3)",
     )
     made.add_argument("--each", action="store_true", help="print the medians of every flight as well")
     made.add_argument("--json", type=output_file, metavar="FILE", help="file to write the numbers to")

@@ -36,7 +36,7 @@ CALM_S = 4.5
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class Excerpt:
     """Section of a scenario and its speed."""
 
     scenario: str
@@ -49,21 +49,21 @@ class Cut:
     pace_of_detours: float | None = None
     """The same with a replanner, which adds detours [-]; None for no difference."""
 
-    def replanned(self) -> "Cut":
-        """Return the cut for flight with a replanner."""
+    def replanned(self) -> "Excerpt":
+        """Return the excerpt for flight with a replanner."""
         return self if self.pace_of_detours is None else replace(self, pace=self.pace_of_detours)
 
 
-CUTS = (
-    Cut("table6_room", 0.0, 50.0, 0.2),
+EXCERPTS = (
+    Excerpt("table6_room", 0.0, 50.0, 0.2),
     # path error 0.15 m without faults; replanned at 0.45 it is 0.28 m, as its detours are faster
-    Cut("stack3", 10.0, 32.0, 0.45, pace_of_detours=0.65),
-    Cut("table2_1", 15.5, 25.0),
-    Cut("table2_2", 15.5, 25.0),
-    Cut("table2_3", 15.5, 25.0),
-    Cut("table2_4", 15.5, 25.0),
-    Cut("table2_5", 15.5, 25.0),
-    Cut("table2_6", 15.5, 25.0),
+    Excerpt("stack3", 10.0, 32.0, 0.45, pace_of_detours=0.65),
+    Excerpt("table2_1", 15.5, 25.0),
+    Excerpt("table2_2", 15.5, 25.0),
+    Excerpt("table2_3", 15.5, 25.0),
+    Excerpt("table2_4", 15.5, 25.0),
+    Excerpt("table2_5", 15.5, 25.0),
+    Excerpt("table2_6", 15.5, 25.0),
 )
 ROOMS = ("capture", "real", "rough")
 
@@ -89,7 +89,7 @@ def draw_run(seed: int, air: str = "", replan: str = "") -> Run:
     An air replaces the wake and disturbance of its scenario; `replan` replaces the replanner drawn.
     """
     rng = stream(seed, "campaign")
-    cut = CUTS[int(rng.integers(len(CUTS)))]
+    excerpt = EXCERPTS[int(rng.integers(len(EXCERPTS)))]
     room = str(rng.choice(ROOMS))
     options = BlockChoices(
         mode=str(rng.choice(["aware_unlimited", "ignoring"], p=[0.8, 0.2])),
@@ -97,8 +97,8 @@ def draw_run(seed: int, air: str = "", replan: str = "") -> Run:
         replan=str(rng.choice(["none", "safe"], p=[0.8, 0.2])),
     )
     options = replace(options, replan=replan or options.replan)
-    shipped = _document(cut.scenario)
-    document = cut_document(shipped, cut if options.replan == "none" else cut.replanned())
+    shipped = _document(excerpt.scenario)
+    document = excerpt_document(shipped, excerpt if options.replan == "none" else excerpt.replanned())
     document["room"] = room
     if air:
         document = {**document_in_air(document), "air": air, "room": room}
@@ -131,24 +131,26 @@ def _document(scenario: str) -> Mapping[str, object]:
     return {**document, "firmware": in_air["firmware"]}
 
 
-def cut_document(document: Mapping[str, object], cut: Cut) -> Document:
-    """Return a scenario's document from begin to end of a cut, at its speed, with a hover at the end."""
+def excerpt_document(document: Mapping[str, object], excerpt: Excerpt) -> Document:
+    """Return a scenario's document from begin to end of an excerpt, at its speed, with a hover at the end."""
     made = deepcopy(dict(document))
     vehicles = made["vehicles"]
     if not isinstance(vehicles, Mapping):
-        raise ValueError(f"{cut.scenario}: vehicles are missing")  # noqa: TRY004  a bad document
-    made["vehicles"] = {name: _cut_waypoints(points, cut) for name, points in vehicles.items()}
-    made["duration"] = (cut.end - cut.begin) * cut.pace
+        raise ValueError(f"{excerpt.scenario}: vehicles are missing")  # noqa: TRY004  a bad document
+    made["vehicles"] = {name: _excerpt_waypoints(points, excerpt) for name, points in vehicles.items()}
+    made["duration"] = (excerpt.end - excerpt.begin) * excerpt.pace
     return made
 
 
-def _cut_waypoints(points: Sequence[Mapping[str, object]], cut: Cut) -> list[Document]:
-    """Return the waypoints of a cut, the last before it moved to its begin and the next one to its end."""
+def _excerpt_waypoints(points: Sequence[Mapping[str, object]], excerpt: Excerpt) -> list[Document]:
+    """Return the waypoints of an excerpt, the last before it moved to its begin, the next one to its end."""
     times = [float(str(point["t"])) for point in points]
-    first = max(k for k, t in enumerate(times) if t <= cut.begin)
-    last = min((k for k, t in enumerate(times) if t >= cut.end), default=len(times) - 1)
-    kept = [(min(max(times[k], cut.begin), cut.end), points[k]["pos"]) for k in range(first, last + 1)]
-    return [{"t": round((t - cut.begin) * cut.pace, 6), "pos": pos} for t, pos in kept]
+    first = max(k for k, t in enumerate(times) if t <= excerpt.begin)
+    last = min((k for k, t in enumerate(times) if t >= excerpt.end), default=len(times) - 1)
+    kept = [
+        (min(max(times[k], excerpt.begin), excerpt.end), points[k]["pos"]) for k in range(first, last + 1)
+    ]
+    return [{"t": round((t - excerpt.begin) * excerpt.pace, 6), "pos": pos} for t, pos in kept]
 
 
 def fault_document(fault: Fault) -> Document:

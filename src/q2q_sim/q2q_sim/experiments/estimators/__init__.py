@@ -1,1 +1,1 @@
-"""Recorded flights replayed through estimators: the mocap filter and the firmware's, with poses cut."""
+"""Recorded flights replayed through estimators: the mocap filter and the firmware's, with poses withheld."""

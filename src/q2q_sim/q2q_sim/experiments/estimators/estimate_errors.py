@@ -1,7 +1,7 @@
 """Errors of estimates against samples of motion capture that they have not seen.
 
-In a cut condition only the samples that were not given count, with all samples all of them; only those in
-flight. An estimate has diverged if it restarted, is no number, or is off by more than DIVERGED although no
+In a degraded condition only the samples that were not given count, with all samples all of them; only those
+in flight. An estimate has diverged if it restarted, is no number, or is off by more than DIVERGED although no
 sample has been away for longer than SHORT within the last RECOVERY.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.experiments.estimators.mocap_cuts import CONDITIONS, UNCUT, given_samples
+from q2q_sim.experiments.estimators.mocap_degradations import CONDITIONS, UNDEGRADED, given_samples
 from q2q_sim.experiments.estimators.recorded_motion import RecordedMotion
 from q2q_sim.experiments.estimators.replayed_estimates import RECORDED, estimates
 from q2q_sim.firmware.estimator import DT
@@ -62,13 +62,13 @@ def replayed_errors(motion: RecordedMotion, seeds: Sequence[int]) -> Iterator[Re
     """Yield the errors of every estimator under every condition."""
     given = np.stack([given_samples(motion, one, seed) for one in CONDITIONS for seed in seeds], axis=1)
     judged = settled_ticks(given) & motion.flying[:, None]
-    uncut = np.repeat([one == UNCUT for one in CONDITIONS], len(seeds))
-    compared = (uncut | ~given) & (motion.flying & motion.seen)[:, None]
+    undegraded = np.repeat([one == UNDEGRADED for one in CONDITIONS], len(seeds))
+    compared = (undegraded | ~given) & (motion.flying & motion.seen)[:, None]
     for name, found in estimates(motion, given, [*seeds] * len(CONDITIONS)).items():
         away = np.linalg.norm(found.pos - motion.pos[:, None], axis=-1)
         away[~np.isfinite(away)] = np.inf
         diverged = (judged & (away > DIVERGED)).any(axis=0) | (found.resets > 0)
-        for k, condition in enumerate([UNCUT] if name == RECORDED else CONDITIONS):
+        for k, condition in enumerate([UNDEGRADED] if name == RECORDED else CONDITIONS):
             own = slice(k * len(seeds), (k + 1) * len(seeds))
             errors, lost = away[:, own][compared[:, own]], int(diverged[own].sum())
             yield ReplayedErrors(motion.name, condition, name, errors, len(seeds), lost)

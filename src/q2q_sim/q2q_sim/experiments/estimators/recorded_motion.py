@@ -37,7 +37,7 @@ SMOOTHED = 9
 LIFTED = 0.05
 """Height above the start in flight [m]."""
 SLOWEST_HZ = 80.0
-"""Minimum rate of motion capture [Hz]: conditions are cuts of samples at 100 Hz."""
+"""Minimum rate of motion capture [Hz]: conditions degrade samples at 100 Hz."""
 SHORTEST = 5.0
 """Minimum time above FLOOR [s]: a vehicle that hops or tips does not fly."""
 ROUNDING = 1e-6
@@ -87,7 +87,7 @@ def recorded_motion(recording: Recording) -> RecordedMotion:
     if 0.0 < rate_hz < SLOWEST_HZ:
         raise ValueError(
             f"flight {flight.name} has motion capture at {rate_hz:.0f} Hz; what estimators are given are "
-            f"cuts of 100 Hz, and {SLOWEST_HZ:g} Hz is the minimum"
+            f"degradations of 100 Hz, and {SLOWEST_HZ:g} Hz is the minimum"
         )
     if len(t) < SHORTEST / DT:
         raise ValueError(f"flight {flight.name} has {len(t)} poses; {SHORTEST:g} s of them are needed")

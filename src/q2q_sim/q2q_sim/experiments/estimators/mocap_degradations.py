@@ -1,4 +1,4 @@
-"""Cuts of motion capture: which samples an estimator is given in a replay.
+"""Degradations of motion capture: which samples an estimator is given in a replay.
 
 | condition | given |
 |---|---|
@@ -7,7 +7,7 @@
 | 30 % lost | each with a probability of 0.7 |
 | 1 s away | none for 1 s in every 4 s, from a drawn time on |
 
-Cuts begin SETTLED after take-off.
+Degradations begin SETTLED after take-off.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,7 +25,7 @@ AWAY, EVERY = 1.0, 4.0
 """Length and period of absences [s]."""
 LOST = 0.3
 """Share of lost samples."""
-UNCUT = "100 Hz"
+UNDEGRADED = "100 Hz"
 
 Pattern = Callable[[int, np.random.Generator], Mask]
 
@@ -47,13 +47,13 @@ def _away(ticks: int, draw: np.random.Generator) -> Mask:
     return np.asarray((np.arange(ticks) + draw.integers(period)) % period >= round(AWAY / DT))
 
 
-CONDITIONS: Mapping[str, Pattern] = {UNCUT: _all, "10 Hz": _tenth, "30 % lost": _lost, "1 s away": _away}
+CONDITIONS: Mapping[str, Pattern] = {UNDEGRADED: _all, "10 Hz": _tenth, "30 % lost": _lost, "1 s away": _away}
 """Condition -> given samples of a number of ticks."""
 
 
 def given_samples(motion: RecordedMotion, condition: str, seed: int) -> Mask:
     """Return the samples given in a replay, (T,)."""
     ticks = len(motion.pos)
-    cut_from = int(np.argmax(motion.flying)) + round(SETTLED / DT)
+    degraded_from = int(np.argmax(motion.flying)) + round(SETTLED / DT)
     pattern = CONDITIONS[condition](ticks, stream(seed, f"{motion.name} {condition}"))
-    return np.asarray(motion.seen & (pattern | (np.arange(ticks) < cut_from)))
+    return np.asarray(motion.seen & (pattern | (np.arange(ticks) < degraded_from)))
