@@ -205,7 +205,7 @@ def test_a_report_of_writers_hides_nothing_that_a_node_doubts_of_the_same_topic(
         node.takers["mocap"](encode(frame, 10**7 * k))
     report()
     assert graded(node)[0] == Level.WARN
-    assert graded(node)[1].startswith("positions beyond pos_max are not believed: cf1")
+    assert graded(node)[1].startswith("positions beyond pos_max are rejected: cf1")
 
 
 def commands(*orders: tuple[Names, float]) -> list[bytes]:

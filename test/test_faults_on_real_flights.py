@@ -79,10 +79,10 @@ def test_a_real_flight_comes_through_outliers_and_a_true_jump(path: Path) -> Non
     off = np.linalg.norm(pos - truth, axis=2)
     assert lied.any()
     assert np.isfinite(pos).all()
-    # no outlier is believed: where one came, its vehicle coasts, and is where it was
+    # no outlier is accepted: where one came, its vehicle coasts, and is where it was
     assert not (status[lied] == TrackStatus.TRACKED).any()
     assert off[lied & known].max() < FALSE_M
-    # a true jump is believed within 0.1 s, by a vehicle that is in sight then
+    # a true jump is accepted within 0.1 s, by a vehicle that is in sight then
     found = (t >= jump_at + FOUND_S) & known[:, 0] & (status[:, 0] == TrackStatus.TRACKED)
     assert off[found, 0].max() < FALSE_M
     soon = (t >= jump_at) & (t <= jump_at + FOUND_S + 0.005) & known[:, 0]

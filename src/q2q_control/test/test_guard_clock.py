@@ -61,7 +61,7 @@ def test_a_clock_set_back_does_not_make_young_who_was_not_seen() -> None:
         output = guard.update(state_at(t, (np.inf, 0.0), coast=0.35), setpoint_at(t), None)
         statuses.append(output.status[0])
     assert LAND not in statuses[:10]
-    assert statuses[10:] == [LAND] * 8  # 1.05 s and more: the 0.1 s before the new time is believed count
+    assert statuses[10:] == [LAND] * 8  # 1.05 s and more: the 0.1 s before the new time is accepted count
 
 
 def test_a_clock_set_back_does_not_age_who_was_just_seen() -> None:
@@ -128,7 +128,7 @@ def test_in_lockstep_stamps_are_the_only_clock() -> None:
     assert statuses == [[HOLD, HOLD]] * 10 + [[CUT, OK]]
 
 
-def test_at_a_low_rate_a_gap_is_believed_with_its_second_stamp() -> None:
+def test_at_a_low_rate_a_gap_is_accepted_with_its_second_stamp() -> None:
     guard = guarded()
     fly(guard, 0, 50)
     ticks = [guard.update(state_at(t, (t - 0.49, 0.0)), setpoint_at(t), None) for t in (2.0, 3.5, 5.0, 6.5)]

@@ -81,7 +81,7 @@ def test_vehicles_that_flew_level_without_ticks_climb_where_they_are_measured_ag
     assert guard.without_tick(gap) is not None
     before = state_at(0.0).pos
     sunk, plan = before - [0.2, 0.1, 0.4], before + np.array([0.6, 0.0, 0.0])
-    for k in range(12):  # those after a gap of 2 s are not believed for 0.1 s
+    for k in range(12):  # those after a gap of 2 s are not accepted for 0.1 s
         t = 0.05 + gap + k * TICK
         guard.update(replace(state_at(t), pos=sunk), replace(setpoint_at(t), pos=plan), None)
     climbing = np.column_stack((sunk[:, :2], plan[:, 2]))

@@ -16,7 +16,7 @@ from q2q_model.geometry.rotations import quat_from_euler, quat_multiply
 from q2q_model.signals.values import Array
 
 PARAMS = AttitudeGateParams(
-    turn_max=0.35, turn_rate_max=12.0, rate_filter_s=0.02, reacquire_s=0.3, upside_down_s=1.5, coast_s=0.35
+    turn_max=0.35, turn_rate_max=12.0, rate_filter_s=0.02, reacquire_s=0.3, flip_reacquire_s=1.5, coast_s=0.35
 )
 STEP = 0.01
 N = 5
@@ -124,13 +124,13 @@ def test_a_turn_to_upside_down_passes_up_to_a_right_angle_only(more: int) -> Non
 
 
 @BOTH
-def test_who_is_believed_upside_down_is_upright_again_at_the_first_such_attitude(more: int) -> None:
+def test_who_is_accepted_upside_down_is_upright_again_at_the_first_such_attitude(more: int) -> None:
     quat, _ = tumbling(0)
     over = quat_multiply(quat_from_euler(np.pi, 0.0, 0.0), quat)
     tracks = Seen(quat, more)
     tracks.update(2.0, over)
-    assert tracks.update(2.0 + PARAMS.upside_down_s - 1e-6, over) == len(quat)
-    assert tracks.update(2.0 + PARAMS.upside_down_s, over) == 0
+    assert tracks.update(2.0 + PARAMS.flip_reacquire_s - 1e-6, over) == len(quat)
+    assert tracks.update(2.0 + PARAMS.flip_reacquire_s, over) == 0
     np.testing.assert_allclose(np.abs((tracks.quat * over).sum(1)), 1.0, atol=1e-12)
     assert tracks.update(3.7, quat) == 0
     np.testing.assert_allclose(np.abs((tracks.quat * quat).sum(1)), 1.0, atol=1e-12)

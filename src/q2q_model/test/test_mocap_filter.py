@@ -85,28 +85,28 @@ def test_a_burst_of_outliers_is_refused_and_bridged(seed: int, size: float, leng
     assert block.report.refused == length
 
 
-def test_a_true_jump_of_a_metre_is_believed_within_a_tenth_of_a_second():
+def test_a_true_jump_of_a_metre_is_accepted_within_a_tenth_of_a_second():
     block = flown_until(50)
     shift = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-    believed = [
+    accepted = [
         block.update(frame_at(tick, truth_at(tick)[0] + shift)).status[0] == TRACKED for tick in range(50, 80)
     ]
-    first = believed.index(True)
+    first = accepted.index(True)
     assert first * 0.01 <= 0.1
-    assert all(believed[first:])
+    assert all(accepted[first:])
     assert block.report.restarted == 1
     assert np.array_equal(block.update(frame_at(80, truth_at(80)[0] + shift)).pos, truth_at(80)[0] + shift)
 
 
 @pytest.mark.parametrize(("missing", "first"), [(2, 6), (4, 10)], ids=["30 ms of 60", "50 ms of 100"])
-def test_a_jump_is_believed_once_no_gap_is_longer_than_half_of_it(missing: int, first: int):
+def test_a_jump_is_accepted_once_no_gap_is_longer_than_half_of_it(missing: int, first: int):
     block = flown_until(50)
-    shift, believed = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), []
+    shift, accepted = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), []
     for tick in range(50, 70):
         pos = truth_at(tick)[0] + shift
         pos[0] = np.nan if 0 < tick - 50 <= missing else pos[0]
-        believed.append(block.update(frame_at(tick, pos)).status[0] == TRACKED)
-    assert believed.index(True) == first
+        accepted.append(block.update(frame_at(tick, pos)).status[0] == TRACKED)
+    assert accepted.index(True) == first
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -153,7 +153,7 @@ def test_a_vehicle_missing_coasts_straight_then_is_lost_and_comes_back():
         assert state.status[1] == TRACKED
         assert state.age[0] == pytest.approx(gone, abs=1e-9)
         if state.status[0] == COASTING:
-            # straight ahead up to the acceleration believed for 50 ms: 0.5 m/s^2 * 0.05 s over 0.35 s
+            # straight ahead up to the acceleration accepted for 50 ms: 0.5 m/s^2 * 0.05 s over 0.35 s
             assert np.abs(state.pos[0] - pos[0] - vel[0] * gone).max() < 0.5 * 0.05 * COAST_S
         else:
             assert np.array_equal(state.vel[0], np.zeros(3))
@@ -209,7 +209,7 @@ def test_an_axis_flip_of_a_reflection_is_refused_but_not_for_ever():
     for tick in range(50, 460):
         state = block.update(frame_at(tick, quat=flipped))
         lasted = time_of(tick) - time_of(50)
-        expected = identity_quat((2,)) if lasted < IDEAL_SENSING.upside_down_s - 1e-9 else flipped
+        expected = identity_quat((2,)) if lasted < IDEAL_SENSING.flip_reacquire_s - 1e-9 else flipped
         assert np.allclose(np.abs(np.sum(state.quat * expected, axis=-1)), 1.0, atol=1e-12)
         assert np.abs(state.ang_vel_body).max() < 1e-9
         assert list(state.status) == [TRACKED, TRACKED]
@@ -227,7 +227,7 @@ def test_an_axis_flip_is_refused_after_a_gap_that_would_allow_any_turn() -> None
     np.testing.assert_allclose(block.update(frame_at(after + 1)).quat, identity_quat((2,)))
     np.testing.assert_allclose(
         block.update(frame_at(after + 34, quat=turned)).quat, turned
-    )  # upright: believed
+    )  # upright: accepted
 
 
 def test_a_first_attitude_upside_down_is_refused_and_the_first_upright_one_is_taken():

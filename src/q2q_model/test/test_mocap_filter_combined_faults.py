@@ -36,7 +36,7 @@ def flown(ticks: int, offset: float = 0.0) -> MocapFilter:
 
 @pytest.mark.parametrize("offset", [0.04, 0.07, 0.13, 0.3])
 @pytest.mark.parametrize("length", [4, 8, 20])
-def test_a_swap_of_a_marker_that_was_moved_is_never_believed(offset: float, length: int) -> None:
+def test_a_swap_of_a_marker_that_was_moved_is_never_accepted(offset: float, length: int) -> None:
     block = flown(100, offset)
     moved = np.array([[offset, 0.0, 0.0], [0.0, 0.0, 0.0]])
     for tick in range(100, 100 + length):

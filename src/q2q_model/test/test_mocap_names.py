@@ -60,7 +60,7 @@ def test_names_exchanged_for_less_than_a_vehicle_may_coast_move_no_track_however
 def _hovering_with_names_exchanged(
     exchanged: range, outlier: int | None = None
 ) -> tuple[list[bool], list[SwarmState]]:
-    """Return for 60 ticks whether both hovering vehicles are believed where they are, and the states.
+    """Return for 60 ticks whether both hovering vehicles are accepted where they are, and the states.
 
     In the tick `outlier`, the first of the exchanged samples is 1 m off.
     """
@@ -108,7 +108,7 @@ def _with_the_other_lost() -> MocapFilter:
     return block
 
 
-def test_a_missing_vehicle_under_anothers_name_is_not_believed_while_that_one_may_coast():
+def test_a_missing_vehicle_under_anothers_name_is_not_accepted_while_that_one_may_coast():
     block = _with_the_other_lost()
     for tick in range(100, 110):  # swaps of rooms last up to 0.1 s
         state = block.update(_alone(tick, truth_at(tick)[0][1]))
@@ -128,7 +128,7 @@ def test_a_vehicle_that_truly_is_where_a_missing_one_was_is_found_once_it_has_co
     assert np.array_equal(state.pos[0], truth_at(found)[0][1])
 
 
-def test_names_put_right_again_are_believed_as_soon_as_any_jump() -> None:
+def test_names_put_right_again_are_accepted_as_soon_as_any_jump() -> None:
     """After a gap both are lost, and their names exchanged for 0.2 s."""
     block = flown_until(50)
     for tick in range(120, 140):
@@ -175,7 +175,7 @@ def test_a_marker_that_goes_on_under_the_name_of_a_lost_vehicle_has_to_last() ->
         assert block.update(frame).status[0] == LOST
 
 
-def test_labels_exchanged_while_a_lost_vehicle_comes_back_with_a_displaced_marker_are_not_believed() -> None:
+def test_labels_exchanged_while_a_lost_vehicle_comes_back_with_a_displaced_marker_are_not_accepted() -> None:
     """cf2 is lost; it appears 0.5 m aside, and 0.04 s later both labels are exchanged for 0.1 s."""
     block, displaced = MocapFilter(IDEAL_SENSING, PAIR), np.array([0.5, 0.0, 0.0])
     for tick in range(129):

@@ -127,7 +127,7 @@ def test_recent_poses_of_vehicles_that_are_adopted_later_are_remembered() -> Non
 
 
 def test_samples_from_before_a_gap_do_not_speak_for_one_after_it() -> None:
-    """Lost, seen for 0.05 s, missing for 0.2 s: an outlier that it could have reached is not believed."""
+    """Lost, seen for 0.05 s, missing for 0.2 s: an outlier that it could have reached is not accepted."""
     block = flown_until(50)
     for tick in range(100, 105):
         block.update(frame_at(tick))
@@ -147,14 +147,14 @@ def test_attitudes_from_before_a_gap_do_not_speak_for_those_after_it() -> None:
         np.testing.assert_array_equal(state.quat, identity_quat((2,)))
 
 
-@pytest.mark.parametrize(("first", "believed"), [(149, 0.0), (1050, 0.1)])  # a gap of 1 s, and of 10 s
-def test_after_a_long_gap_a_vehicle_is_tracked_again_within_a_tenth_of_a_second(first: int, believed: float):
+@pytest.mark.parametrize(("first", "accepted"), [(149, 0.0), (1050, 0.1)])  # a gap of 1 s, and of 10 s
+def test_after_a_long_gap_a_vehicle_is_tracked_again_within_a_tenth_of_a_second(first: int, accepted: float):
     block = flown_until(50)
     states = [block.update(frame_at(tick)) for tick in range(first, first + 20)]
     assert list(states[0].status) == [LOST, LOST]
     np.testing.assert_array_equal(states[0].vel, 0.0)  # the position before is held
     found = [bool((state.status == TRACKED).all()) for state in states]
-    assert found.index(True) * 0.01 <= believed + 0.1
+    assert found.index(True) * 0.01 <= accepted + 0.1
     again = states[found.index(True)]
     tick = first + found.index(True)
     assert np.array_equal(again.pos, truth_at(tick)[0])

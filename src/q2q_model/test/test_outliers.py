@@ -54,7 +54,7 @@ def test_swapped_markers_are_outliers_of_both_vehicles(length: int):
     assert found.sum() == 2 * length
 
 
-def test_a_vehicle_carried_elsewhere_for_good_is_believed():
+def test_a_vehicle_carried_elsewhere_for_good_is_accepted():
     t, pos = _flight(900)
     pos[450:, 0] += [3.0, 0.0, 0.0]
     assert not find_outliers(t, pos).any()

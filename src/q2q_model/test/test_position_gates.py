@@ -45,35 +45,35 @@ def passed(measured: Array, gates: PositionGates, repeated: Mask = FRESH) -> boo
     return bool(screen(measured, repeated, gates)[1][0])
 
 
-@pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
-def test_a_sample_passes_within_the_deviation_from_its_prediction(beyond: float, *, believed: bool):
-    assert passed(sample(0.25 + beyond), GATES) == believed
+@pytest.mark.parametrize(("beyond", "accepted"), [(-NEAR, True), (NEAR, False)])
+def test_a_sample_passes_within_the_deviation_from_its_prediction(beyond: float, *, accepted: bool):
+    assert passed(sample(0.25 + beyond), GATES) == accepted
 
 
-@pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
-def test_a_sample_passes_within_the_reach_of_the_last_one(beyond: float, *, believed: bool):
-    assert passed(sample(0.5 + beyond), GATES._replace(deviation=np.array([1.0]))) == believed
+@pytest.mark.parametrize(("beyond", "accepted"), [(-NEAR, True), (NEAR, False)])
+def test_a_sample_passes_within_the_reach_of_the_last_one(beyond: float, *, accepted: bool):
+    assert passed(sample(0.5 + beyond), GATES._replace(deviation=np.array([1.0]))) == accepted
 
 
-@pytest.mark.parametrize(("beside", "believed"), [(-NEAR, True), (NEAR, False)])
+@pytest.mark.parametrize(("beside", "accepted"), [(-NEAR, True), (NEAR, False)])
 @pytest.mark.parametrize("share", [-1.0, -0.3, 0.0, 0.25, 1.0])
 def test_a_sample_passes_beside_any_place_where_an_impact_may_put_it(
-    share: float, beside: float, *, believed: bool
+    share: float, beside: float, *, accepted: bool
 ):
     """Stopped on its way, or thrown back; DIRECTION is the way, ACROSS normal to it."""
     way = GATES._replace(expected=GATES.last + 0.4 * DIRECTION, reach=np.array([2.0]))
     measured = GATES.last + 0.4 * share * DIRECTION + (0.25 + beside) * ACROSS
-    assert passed(measured, way) == believed
+    assert passed(measured, way) == accepted
 
 
-@pytest.mark.parametrize(("beyond", "believed"), [(-NEAR, True), (NEAR, False)])
+@pytest.mark.parametrize(("beyond", "accepted"), [(-NEAR, True), (NEAR, False)])
 @pytest.mark.parametrize("ahead", [True, False])
 def test_beyond_the_ends_of_the_line_the_distance_from_them_counts(
-    beyond: float, *, ahead: bool, believed: bool
+    beyond: float, *, ahead: bool, accepted: bool
 ):
     way = GATES._replace(expected=GATES.last + 0.4 * DIRECTION, reach=np.array([2.0]))
     along = 0.4 + 0.25 + beyond if ahead else -0.4 - 0.25 - beyond
-    assert passed(GATES.last + along * DIRECTION, way) == believed
+    assert passed(GATES.last + along * DIRECTION, way) == accepted
 
 
 @pytest.mark.parametrize("rebound", [0.0, 0.5])
@@ -111,13 +111,13 @@ def test_a_repeated_pose_is_stale_if_the_vehicle_moves_or_the_pose_is_rejected(
 ):
     before, now = (np.array([[0.0, part * REPEAT_STEP, 0.0]]) for part in (moved, step - moved))
     ahead = GATES._replace(moved=before, expected=GATES.last + now)
-    samples, believed, frozen = screen(GATES.last, REPEATED, ahead)
+    samples, accepted, frozen = screen(GATES.last, REPEATED, ahead)
     assert not frozen.any()
     noisy = screen(GATES.last, REPEATED, ahead._replace(varies=np.array([True])))
     assert np.isnan(noisy[0]).all()
     assert noisy[2].tolist() == [True]
     assert np.isnan(samples).all() == moves
-    assert believed.tolist() == [not moves]
+    assert accepted.tolist() == [not moves]
     far = GATES.last + np.array([0.3, 0.0, 0.0])
     assert np.isnan(screen(far, REPEATED, ahead)[0]).all()
     assert np.isfinite(screen(far, FRESH, ahead)[0]).all()

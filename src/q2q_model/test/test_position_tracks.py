@@ -88,9 +88,9 @@ def test_a_settled_track_goes_on_by_its_motion_whatever_its_samples_are_called()
     assert made.update(4 * SETTLED * DT, PLACES, NOBODY).source.tolist() == [0, 1]
 
 
-@pytest.mark.parametrize(("off", "believed"), [(0.25 - NEAR, [True, True]), (0.25 + NEAR, [False, True])])
-def test_a_first_sample_of_another_name_is_believed_near_the_path_of_one_that_coasts(
-    off: float, believed: list[bool]
+@pytest.mark.parametrize(("off", "accepted"), [(0.25 - NEAR, [True, True]), (0.25 + NEAR, [False, True])])
+def test_a_first_sample_of_another_name_is_accepted_near_the_path_of_one_that_coasts(
+    off: float, accepted: list[bool]
 ) -> None:
     """Beyond 0.25 m it may be an outlier that is there by chance, until a second one agrees."""
     made = flown(SETTLED)
@@ -98,11 +98,11 @@ def test_a_first_sample_of_another_name_is_believed_near_the_path_of_one_that_co
         made.update(k * DT, np.stack([PLACES[0], NONE]), NOBODY)
     called_wrong = np.stack([PLACES[1] + [off, 0.0, 0.0], NONE])
     found = [made.update(k * DT, called_wrong, NOBODY) for k in (SETTLED + 12, SETTLED + 13)]
-    assert [one.borrowed.tolist() for one in found] == [[False, borrowed] for borrowed in believed]
+    assert [one.borrowed.tolist() for one in found] == [[False, borrowed] for borrowed in accepted]
     assert [one.accepted[0] for one in found] == [False, False]
 
 
-def test_a_jump_that_lasts_is_believed_with_the_velocity_it_has() -> None:
+def test_a_jump_that_lasts_is_accepted_with_the_velocity_it_has() -> None:
     made = flown(6)
     output = []
     for k in range(6, 15):  # 0.125 s are 8 ticks

@@ -69,14 +69,14 @@ def test_a_single_new_pose_in_a_frozen_stream_is_no_vehicle_that_was_found() -> 
     assert last_taken(made, again + 0.1, 121, 60) == []
 
 
-def test_a_pose_that_froze_in_spite_of_noise_is_not_believed_until_a_vehicle_may_have_landed() -> None:
+def test_a_pose_that_froze_in_spite_of_noise_is_not_accepted_until_a_vehicle_may_have_landed() -> None:
     made = tracks()
     hovering(made, 0, 30)
     again = leaving(made, 30, 30)
-    believed = round((FROZEN + COAST) / DT)  # the patience for a pose that repeats
-    taken = last_taken(made, again, 60, believed + 10)
-    assert taken[0] == pytest.approx(believed, abs=2)
-    assert taken == list(range(taken[0], believed + 10))
+    accepted = round((FROZEN + COAST) / DT)  # the patience for a pose that repeats
+    taken = last_taken(made, again, 60, accepted + 10)
+    assert taken[0] == pytest.approx(accepted, abs=2)
+    assert taken == list(range(taken[0], accepted + 10))
 
 
 def test_another_pose_ends_a_frozen_stream_at_once() -> None:

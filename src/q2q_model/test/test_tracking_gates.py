@@ -39,7 +39,7 @@ def offered(
     ]  # fmt: skip
 
 
-def test_a_rival_is_believed_at_its_third_sample_where_it_may_at_once() -> None:
+def test_a_rival_is_accepted_at_its_third_sample_where_it_may_at_once() -> None:
     assert CONFIRM_SAMPLES == 3
     assert offered([1.0, 1.0, 1.0, 1.0])[1] == [False, False, True, True]
 
@@ -144,7 +144,7 @@ def test_a_sample_goes_to_the_nearest_needy_track_within_its_gate_and_never_to_i
 
 
 PARAMS = AttitudeGateParams(
-    turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, upside_down_s=2.0, coast_s=0.25
+    turn_max=0.5, turn_rate_max=2.0, rate_filter_s=0.0, reacquire_s=0.5, flip_reacquire_s=2.0, coast_s=0.25
 )
 
 
@@ -160,7 +160,7 @@ def test_the_first_attitude_is_taken_and_made_a_unit_one() -> None:
 
 
 @pytest.mark.parametrize(("angle", "taken"), [(0.74, True), (0.76, False), (-0.74, True), (-0.76, False)])
-def test_a_turn_is_believed_up_to_its_bound(angle: float, taken: bool) -> None:
+def test_a_turn_is_accepted_up_to_its_bound(angle: float, taken: bool) -> None:
     gap = 0.125
     tracks = AttitudeTracks(PARAMS, 1)
     tracks.update(4.0, yawed(0.0))
@@ -171,7 +171,7 @@ def test_a_turn_is_believed_up_to_its_bound(angle: float, taken: bool) -> None:
     np.testing.assert_allclose(tracks.ang_vel_body[0], [0.0, 0.0, rate], atol=1e-12)
 
 
-def test_a_refused_attitude_that_lasts_is_believed_just_then_and_its_rate_unknown() -> None:
+def test_a_refused_attitude_that_lasts_is_accepted_just_then_and_its_rate_unknown() -> None:
     tracks = AttitudeTracks(PARAMS, 1)
     tracks.update(4.0, yawed(0.0))
     refused = [tracks.update(4.125 + k * 0.125, yawed(3.0)) for k in range(5)]

@@ -10,7 +10,7 @@ from q2q_model.signals.values import MocapFrame, SwarmState, TrackStatus
 
 
 @pytest.mark.parametrize("vehicles", [1, 2, 200])
-def test_every_track_is_believed_and_one_is_bridged(vehicles: int) -> None:
+def test_every_track_is_accepted_and_one_is_bridged(vehicles: int) -> None:
     names = tuple(f"cf{row + 1}" for row in range(vehicles))
     block = MocapFilter(MocapFilterParams(), names)
     states = [block.update(synthetic_signal(MocapFrame, t, names, unseen=unseen)) for t, unseen in TICKS]

@@ -170,7 +170,7 @@ def test_after_a_gap_it_goes_on_where_the_vehicles_are_as_one_started_again_does
         t = 3.0 + passed + k * TICK
         sent, seen = replace(before, t=t, pos=beyond), replace(state_at(t, 0.0), pos=waiting)
         goes_on = old.update(sent, seen)
-        if k < 0:  # the gap is not believed yet
+        if k < 0:  # the gap is not accepted yet
             continue
         anew = new.update(sent, seen)
         np.testing.assert_array_equal(goes_on.pos, anew.pos)

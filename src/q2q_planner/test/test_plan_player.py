@@ -268,7 +268,7 @@ def test_frames_ahead_that_come_back_move_no_plan_that_began_before(size: float,
     assert played is not None
     frames_ahead_and_back(player, 100.01, size)
     assert player.played is not None
-    assert player.played.start == pytest.approx(played.start + 0.12)  # in which steps were not believed yet
+    assert player.played.start == pytest.approx(played.start + 0.12)  # in which steps were not accepted yet
     set_back(player, 90.0)  # the step ahead is forgotten
     assert player.played.start == (pytest.approx(100.12 - 10.4) if called else 90.0)
 

@@ -184,7 +184,7 @@ def test_a_stamp_far_back_and_a_reset_start_on_the_reference() -> None:
     plan, field = crossing(), PotentialField()
     for k in range(520):
         field.update(setpoint_at(plan, k * 0.01), None)
-    for k in range(11):  # with the last one it is believed
+    for k in range(11):  # with the last one it is accepted
         back = field.update(setpoint_at(plan, k * 0.01), None)
     assert np.array_equal(back.pos, setpoint_at(plan, 0.1).pos)
     for k in range(11, 520):

@@ -14,7 +14,7 @@ class FrameWarnings(NamedTuple):
     frozen: Names = ()
     """Their poses repeat in spite of noise."""
     outside: Names = ()
-    """Their positions are further from the origin than any that is believed."""
+    """Their positions are further from the origin than any that is accepted."""
     not_unit: Names = ()
     """Their quaternions are not of unit length."""
     missing: Names = ()

@@ -2,7 +2,7 @@
 
 The paper removes outliers from recorded flights (section 2.2). In flight the future is unknown, so each
 sample passes gates that share the paper's thresholds (q2q_model.flights.outliers), and a vehicle without a
-believable sample coasts at constant velocity. Tracking is in the folders position and attitude, the match of
+accepted sample coasts at constant velocity. Tracking is in the folders position and attitude, the match of
 rows by name in frame_rows. This file is about frames:
 
 - Rows are matched by name. If `names` are given, other names are counted and ignored; otherwise names are

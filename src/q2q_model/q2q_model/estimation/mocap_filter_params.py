@@ -15,11 +15,11 @@ _LIMITS = OutlierThresholds()
 class MocapFilterParams:
     """Parameters of the mocap filter."""
 
-    pos_max: float = tunable(_LIMITS.pos_max, "largest believable |x|, |y|, |z|", unit="m", low=0.1)
-    speed_max: float = tunable(_LIMITS.speed_max, "largest believable speed", unit="m/s", low=0.1, high=100.0)
+    pos_max: float = tunable(_LIMITS.pos_max, "largest accepted |x|, |y|, |z|", unit="m", low=0.1)
+    speed_max: float = tunable(_LIMITS.speed_max, "largest accepted speed", unit="m/s", low=0.1, high=100.0)
     jump_max: float = tunable(
         _LIMITS.jump_max,
-        "largest believable deviation from the predicted position",
+        "largest accepted deviation from the predicted position",
         unit="m",
         low=1e-4,
         high=10.0,
@@ -46,18 +46,18 @@ class MocapFilterParams:
         high=10.0,
     )
     # a vehicle that nobody sees lands 1 s after its last sample, at up to 1.1 m/s, and is cut after 5 s
-    frozen_s: float = tunable(
+    frozen_reacquire_s: float = tunable(
         4.0,
-        "time after which a pose that repeats in spite of noise is believed again",
+        "time after which a pose that repeats in spite of noise is accepted again",
         unit="s",
         low=0.0,
         high=60.0,
     )
     turn_max: float = tunable(
-        0.35, "believable turn in addition to turn_rate_max", unit="rad", low=0.01, high=3.2
+        0.35, "accepted turn in addition to turn_rate_max", unit="rad", low=0.01, high=3.2
     )
     # the Crazyflie's gyroscope saturates at 2000 deg/s; in flight it stays below a third of that
-    turn_rate_max: float = tunable(12.0, "largest believable body rate", unit="rad/s", low=0.1, high=100.0)
+    turn_rate_max: float = tunable(12.0, "largest accepted body rate", unit="rad/s", low=0.1, high=100.0)
     rate_filter_s: float = tunable(
         0.02, "time constant of the body rate's low-pass filter; 0 is none", unit="s", low=0.0, high=1.0
     )
@@ -65,7 +65,7 @@ class MocapFilterParams:
         0.3, "time for which a rejected attitude must last to be accepted", unit="s", low=0.0, high=10.0
     )
     # by then a vehicle that lies upside down has been cut by its firmware
-    upside_down_s: float = tunable(
+    flip_reacquire_s: float = tunable(
         4.0,
         "time for which a sudden turn to upside down must last to be accepted",
         unit="s",
@@ -93,5 +93,5 @@ def track_params(params: MocapFilterParams) -> TrackParams:
 def attitude_params(params: MocapFilterParams) -> AttitudeGateParams:
     """Return the parameters of the attitude tracks."""
     turn = params.turn_max, params.turn_rate_max
-    patience = params.attitude_reacquire_s, params.upside_down_s
+    patience = params.attitude_reacquire_s, params.flip_reacquire_s
     return AttitudeGateParams(*turn, params.rate_filter_s, *patience, params.coast_s)

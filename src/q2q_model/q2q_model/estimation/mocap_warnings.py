@@ -11,9 +11,9 @@ LASTING = 0.35
 
 _WORDS = {
     "exchanged": "names exchanged by motion capture: {}; followed by motion: land, and check their markers",
-    "frozen": "poses that repeat are not believed: {}; does the server see them?",
-    "outside": "positions beyond pos_max are not believed: {}; are they in metres?",
-    "not_unit": "quaternions that are not of unit length are not believed: {}; are they x, y, z, w?",
+    "frozen": "poses that repeat are rejected: {}; does the server see them?",
+    "outside": "positions beyond pos_max are rejected: {}; are they in metres?",
+    "not_unit": "quaternions that are not of unit length are rejected: {}; are they x, y, z, w?",
     "missing": "no position of {}: are its markers seen, and is this its name in motion capture?",
 }
 

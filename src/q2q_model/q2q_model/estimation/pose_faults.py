@@ -14,7 +14,7 @@ class PoseFaults(NamedTuple):
     """Vehicles by what is wrong with their poses, (n,) each."""
 
     outside: Mask
-    """Positions further from the origin, along an axis, than is believed."""
+    """Positions further from the origin, along an axis, than is accepted."""
     not_unit: Mask
     """Finite quaternions of another length than 1, to UNIT_TOLERANCE."""
     missing: Mask
@@ -23,7 +23,7 @@ class PoseFaults(NamedTuple):
 
 @compiled
 def pose_faults(poses: Array, pos_max: float) -> PoseFaults:
-    """Return the faults of poses x y z [m], x y z w, (n, 7); believed positions are within pos_max [m]."""
+    """Return the faults of poses x y z [m], x y z w, (n, 7); accepted positions are within pos_max [m]."""
     n = len(poses)
     found = PoseFaults(np.zeros(n, np.bool_), np.zeros(n, np.bool_), np.zeros(n, np.bool_))
     for i in range(n):

@@ -49,12 +49,12 @@ class OutlierThresholds:
     """Thresholds of section 2.2, shared by the batch rule and the online filter."""
 
     pos_max: float = tunable(
-        50.0, "largest believable |x|, |y|, |z|: no flight room is larger", unit="m", low=0.1
+        50.0, "largest accepted |x|, |y|, |z|: no flight room is larger", unit="m", low=0.1
     )
     # Crazyflies above each other on real flights: at most 2.6 m/s, and 2.5 m/s^2 above 9.81 in downwash
-    speed_max: float = tunable(4.0, "largest believable speed of a vehicle", unit="m/s", low=0.1, high=100.0)
+    speed_max: float = tunable(4.0, "largest accepted speed of a vehicle", unit="m/s", low=0.1, high=100.0)
     # real flights deviate from straight motion by at most 26 mm within 20 ms (after a gap of a log)
-    jump_max: float = tunable(0.04, "largest believable deviation from motion", unit="m", low=1e-4, high=10.0)
+    jump_max: float = tunable(0.04, "largest accepted deviation from motion", unit="m", low=1e-4, high=10.0)
 
     def __post_init__(self) -> None:
         """Check the bounds."""

@@ -14,7 +14,7 @@ def check_flight_metres(flight: Flight) -> None:
 
 
 def check_metres(names: Names, pos: Array) -> None:
-    """Raise ValueError if most positions of a vehicle, (T, n, 3), lie beyond the largest that is believed."""
+    """Raise ValueError if most positions of a vehicle, (T, n, 3), lie beyond the largest that is accepted."""
     pos_max = OutlierThresholds().pos_max
     for row, name in enumerate(names):
         finite = pos[np.isfinite(pos[:, row]).all(axis=1), row]

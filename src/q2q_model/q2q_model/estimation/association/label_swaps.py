@@ -15,7 +15,7 @@ def swapped_sources(measured: Array, expected: Array, gate: Array, rejected: Mas
     Args:
         measured: Samples [m], (n, 3).
         expected: Predicted positions [m], (n, 3).
-        gate: Largest believable distance between the two [m], (n,).
+        gate: Largest accepted distance between the two [m], (n,).
         rejected: Samples rejected by the track of their own name, (n,).
         missing: Tracks without an accepted sample, (n,).
     """

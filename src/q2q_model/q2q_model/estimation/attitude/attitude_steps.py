@@ -29,7 +29,7 @@ class AttitudeGateParams(NamedTuple):
     """[rad/s]"""
     rate_filter_s: float
     reacquire_s: float
-    upside_down_s: float
+    flip_reacquire_s: float
     coast_s: float
 
 

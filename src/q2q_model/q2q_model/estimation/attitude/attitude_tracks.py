@@ -3,9 +3,9 @@
 A quaternion q, tau after the last accepted one q0, is accepted if its angle to q0 is at most turn_max +
 turn_rate_max tau, where tau stops growing at the first rejection. A rejected attitude that lasts for
 `reacquire_s` is accepted. The first attitude of a track is accepted if its body z points up: a vehicle in
-flight is not upside down, a reflected rigid body may be, and a controller that believed it would stop the
+flight is not upside down, a reflected rigid body may be, and a controller that flew by it would stop the
 motors. For the same reason a turn by more than a right angle to upside down is rejected after any gap, also
-after one by a jump of the clock, until it has lasted for `upside_down_s`, and a turn from upside down to
+after one by a jump of the clock, until it has lasted for `flip_reacquire_s`, and a turn from upside down to
 upright is accepted at once: a vehicle that tumbles is seen to turn. q and -q are one attitude: the sign
 nearest the last is kept. The body rate is the constant rate between successive attitudes behind a first-order
 low-pass filter, so it lags by half a sample and the filter's time constant T:
@@ -118,7 +118,7 @@ class AttitudeTracks:
         righted = ~(tracks.seen & _is_upright(tracks.quat)) & _is_upright(quat)
         rejected = present & ~near & ~righted
         tracks.rejected_since[rejected] = np.minimum(tracks.rejected_since[rejected], t)
-        patience = np.where(tracks.seen & reflected, params.upside_down_s, params.reacquire_s)
+        patience = np.where(tracks.seen & reflected, params.flip_reacquire_s, params.reacquire_s)
         lasting = t - tracks.rejected_since >= patience - SAME_INSTANT
         accepted = present & (near | righted | lasting)
         followed = near & (t - tracks.time <= params.coast_s + SAME_INSTANT)

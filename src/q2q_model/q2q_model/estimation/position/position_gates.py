@@ -22,9 +22,9 @@ A pose that equals a recent one bit for bit is an old one with a new stamp if on
 - noise has kept VARIED poses apart.
 
 A motion capture server that has lost a body may send its last pose again and again. Such poses are no
-samples until the track is lost; where there is noise, until frozen_s after the last sample. Good poses repeat
-where a vehicle stands in a simulator without noise, and where they are rounded to millimetres; above 0.05 m/s
-none of these comes three times.
+samples until the track is lost; where there is noise, until frozen_reacquire_s after the last sample. Good
+poses repeat where a vehicle stands in a simulator without noise, and where they are rounded to millimetres;
+above 0.05 m/s none of these comes three times.
 """
 
 from typing import NamedTuple
@@ -68,13 +68,13 @@ class PositionGates(NamedTuple):
     expected: Array
     """Predicted position p- [m], (n, 3)."""
     reach: Array
-    """Largest believable distance from p [m], (n,)."""
+    """Largest accepted distance from p [m], (n,)."""
     deviation: Array
-    """Largest believable distance from the line of the position gate [m], (n,)."""
+    """Largest accepted distance from the line of the position gate [m], (n,)."""
     lost: Mask
     """Tracks without a sample for longer than coast_s, (n,)."""
     varies: Mask
-    """Vehicles whose poses do not repeat, as noise keeps them apart, (n,); none after frozen_s."""
+    """Vehicles whose poses do not repeat, as noise keeps them apart, (n,); none after frozen_reacquire_s."""
     pos_max: float
     """[m]"""
 

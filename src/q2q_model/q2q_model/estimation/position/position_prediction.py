@@ -41,7 +41,7 @@ class Prediction(NamedTuple):
     own: Mask
     """Tracks whose own sample passes the gates, (n,)."""
     reach: Array
-    """Largest believable distance of a sample from the prediction [m], (n,)."""
+    """Largest accepted distance of a sample from the prediction [m], (n,)."""
     lost: Mask
     """Tracks without a sample for longer than coast_s, (n,)."""
     repeated: Mask
@@ -115,7 +115,7 @@ def _gates(elapsed: Array, ahead: MotionEstimate, params: TrackParams, tracks: T
         reach=params.jump_max + params.speed_max * elapsed,
         deviation=params.jump_max + GATE_SIGMAS * np.sqrt(ahead.cov[:, 0, 0] + params.position_noise**2),
         lost=elapsed > params.coast_s + SAME_INSTANT,
-        varies=(tracks.varied >= VARIED) & (elapsed <= params.frozen_s + SAME_INSTANT),
+        varies=(tracks.varied >= VARIED) & (elapsed <= params.frozen_reacquire_s + SAME_INSTANT),
         pos_max=params.pos_max,
     )
 

@@ -25,7 +25,7 @@ class TrackParams(NamedTuple):
     """[m/s^2.5]"""
     coast_s: float
     reacquire_s: float
-    frozen_s: float
+    frozen_reacquire_s: float
 
 
 class TrackColumns(NamedTuple):

@@ -1,4 +1,4 @@
-"""Plan files whose certificate is not believed: every reader proves it again.
+"""Plan files whose certificate is not trusted: every reader proves it again.
 
 A file states that it is certified, for the zone whose profile it has. Its numbers may have been edited since,
 and its checksum written again; the proof of the numbers that are flown cannot be.
