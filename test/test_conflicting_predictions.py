@@ -26,15 +26,15 @@ class Solved:
     """MPC of cf1 that has solved a tick."""
 
     prediction: PredictedPaths | None = None
-    heard: list[PredictedPaths] = field(default_factory=list)
+    received: list[PredictedPaths] = field(default_factory=list)
 
-    def has_heard(self, _: str, __: float) -> bool:
+    def has_received(self, _: str, __: float) -> bool:
         """Return True: it waits for nobody."""
         return True
 
-    def hear(self, prediction: PredictedPaths) -> None:
+    def receive(self, prediction: PredictedPaths) -> None:
         """Keep a prediction."""
-        self.heard.append(prediction)
+        self.received.append(prediction)
 
     def silent_neighbours(self, _: float) -> Names:
         """Return none."""
@@ -94,13 +94,13 @@ def test_a_second_node_of_the_same_vehicle_is_reported_once_and_doubted_until_it
         found.append(doubts(wiring))
     assert found == [[], [MESSAGE], [MESSAGE], [], [MESSAGE]]
     assert node.lines == [MESSAGE]
-    assert mpc.heard == []
+    assert mpc.received == []
 
 
-def test_a_neighbour_s_prediction_is_heard_and_not_doubted() -> None:
+def test_a_neighbour_s_prediction_is_received_and_not_doubted() -> None:
     node, mpc, wiring = RoomNode("mpc_a", {}, {}), Solved(), Wiring()
     node.writers["predictions"] = "mpc_b", "mpc_a"
     PredictionExchange(node, mpc, ("cf1",), PERIOD).wire(wiring, live=True)
     node.takers["predictions"](encode_prediction(paths(0.0, "cf2")))
     assert (doubts(wiring), node.lines) == ([], [])
-    assert [one.names for one in mpc.heard] == [("cf2",)]
+    assert [one.names for one in mpc.received] == [("cf2",)]

@@ -16,7 +16,7 @@ def state(t: float, lost: str = "") -> SwarmState:
     return SwarmState(t, names, zero, zero, level, zero, np.zeros(3), status)
 
 
-class Heard:
+class Received:
     """Newest stamp of every neighbour's prediction."""
 
     def __init__(self) -> None:
@@ -28,53 +28,53 @@ class Heard:
 
 
 def test_the_first_tick_waits_for_nobody_and_the_second_for_all_neighbours() -> None:
-    heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), TICK, heard.has)
+    received = Received()
+    awaited = AwaitedPredictions(("cf1",), TICK, received.has)
     assert awaited.complete()
     awaited.begin(state(0.00))
-    heard.newest["cf2"] = 0.0
+    received.newest["cf2"] = 0.0
     assert not awaited.complete()
-    heard.newest["cf3"] = 0.0
+    received.newest["cf3"] = 0.0
     assert awaited.complete()
 
 
-def test_a_silent_neighbour_is_awaited_once_and_again_after_it_was_heard() -> None:
-    heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), TICK, heard.has)
+def test_a_silent_neighbour_is_awaited_once_and_again_after_its_next_prediction() -> None:
+    received = Received()
+    awaited = AwaitedPredictions(("cf1",), TICK, received.has)
     awaited.begin(state(0.00))
-    heard.newest["cf2"] = 0.0
+    received.newest["cf2"] = 0.0
     assert not awaited.complete()
     awaited.begin(state(0.01))  # the simulator's patience is over
-    heard.newest["cf2"] = 0.01
+    received.newest["cf2"] = 0.01
     assert awaited.complete()
-    heard.newest["cf3"] = 0.01
+    received.newest["cf3"] = 0.01
     awaited.begin(state(0.02))
-    heard.newest["cf2"] = 0.02
+    received.newest["cf2"] = 0.02
     assert not awaited.complete()
 
 
 def test_a_vehicle_without_state_has_no_prediction_to_wait_for() -> None:
-    heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), TICK, heard.has)
+    received = Received()
+    awaited = AwaitedPredictions(("cf1",), TICK, received.has)
     awaited.begin(state(0.00, lost="cf3"))
-    heard.newest["cf2"] = 0.0
+    received.newest["cf2"] = 0.0
     assert awaited.complete()
 
 
 def test_between_their_slots_neighbours_are_not_awaited() -> None:
-    heard = Heard()
-    awaited = AwaitedPredictions(("cf1",), 3.0 * TICK, heard.has)
+    received = Received()
+    awaited = AwaitedPredictions(("cf1",), 3.0 * TICK, received.has)
     awaited.begin(state(0.30))  # cf1's slot begins; those of cf2 and cf3 began at 0.28 and 0.29
-    heard.newest |= {"cf2": 0.28, "cf3": 0.29}
+    received.newest |= {"cf2": 0.28, "cf3": 0.29}
     assert awaited.complete()
     awaited.begin(state(0.31))
     assert not awaited.complete()
-    heard.newest["cf2"] = 0.31
+    received.newest["cf2"] = 0.31
     assert awaited.complete()
 
 
 def test_after_a_reset_nobody_is_awaited() -> None:
-    awaited = AwaitedPredictions(("cf1",), TICK, Heard().has)
+    awaited = AwaitedPredictions(("cf1",), TICK, Received().has)
     awaited.begin(state(0.00))
     assert not awaited.complete()
     awaited.reset()

@@ -12,9 +12,9 @@ from q2q_control.mpc.prediction.neighbours import (
     LATE_FADE,
     SILENT,
     TRACKING,
-    HeardPath,
-    HeardPredictions,
     PredictedPaths,
+    ReceivedPath,
+    ReceivedPredictions,
     accelerations_along,
     blend,
     known_neighbours,
@@ -42,20 +42,22 @@ def known(x: float = 0.5) -> Neighbours:
     return Neighbours(("cf2",), path[:, 0], path, np.zeros((1, STAGES, 3)), np.array([TRACKING]))
 
 
-def neighbours(heard: HeardPredictions, t: float, known: Neighbours) -> Neighbours:
+def neighbours(received: ReceivedPredictions, t: float, known: Neighbours) -> Neighbours:
     """Return what a tick at t [s] takes cf2 to do."""
-    followed, share = heard.follow(t, known._replace(spread=np.zeros(1)), TIMES)
+    followed, share = received.follow(t, known._replace(spread=np.zeros(1)), TIMES)
     return blend(followed, known, share)
 
 
 def test_a_path_is_interpolated_at_the_receivers_stages_and_goes_on_straight_after_its_end() -> None:
-    heard = prediction(t=0.97)
+    received = prediction(t=0.97)
     path = np.empty((STAGES + 1, 3))
     positions_at(
-        HeardPath(heard.t, heard.start, heard.step, heard.pos[0].astype(np.float64)), TIMES + 0.5, path
+        ReceivedPath(received.t, received.start, received.step, received.pos[0].astype(np.float64)),
+        TIMES + 0.5,
+        path,
     )
     assert path[:, 1] == pytest.approx(TIMES + 0.5 - 0.99, abs=1e-6)  # float32
-    assert TIMES[-1] + 0.5 > heard.start + STAGES * STEP
+    assert TIMES[-1] + 0.5 > received.start + STAGES * STEP
 
 
 def test_a_path_has_the_acceleration_of_its_parabola() -> None:
@@ -66,50 +68,50 @@ def test_a_path_has_the_acceleration_of_its_parabola() -> None:
 
 @pytest.mark.parametrize("age", [0.01, PERIOD])
 def test_a_prediction_that_no_newer_one_was_due_to_replace_is_followed_without_spread(age: float) -> None:
-    heard = HeardPredictions(PERIOD)
-    heard.hear(prediction(t=0.9))
-    found = neighbours(heard, 0.9 + age, known())
+    received = ReceivedPredictions(PERIOD)
+    received.receive(prediction(t=0.9))
+    found = neighbours(received, 0.9 + age, known())
     assert found.path[0, :, 1] == pytest.approx(TIMES - 0.92, abs=1e-6)  # float32
     assert found.path[0, :, 0] == pytest.approx(0.0, abs=1e-12)
     assert found.spread[0] == 0.0
-    late = neighbours(heard, 0.9 + 2.0 * PERIOD, known())
+    late = neighbours(received, 0.9 + 2.0 * PERIOD, known())
     assert late.spread[0] > 0.3 * TRACKING
 
 
 def test_a_followed_vehicles_thrust_is_that_of_its_paths_curvature() -> None:
     pos = np.zeros((1, STAGES + 1, 3), np.float32)
     pos[0, :, 0] = 0.5 * 2.0 * (STEP * np.arange(STAGES + 1)) ** 2
-    heard = HeardPredictions(PERIOD)
-    heard.hear(PredictedPaths(0.98, ("cf2",), 1.0, STEP, pos))
-    found = neighbours(heard, 1.0, known())
+    received = ReceivedPredictions(PERIOD)
+    received.receive(PredictedPaths(0.98, ("cf2",), 1.0, STEP, pos))
+    found = neighbours(received, 1.0, known())
     assert found.inputs[0, :, 0] == pytest.approx(2.0, abs=1e-3)  # float32 over STEP squared
 
 
 def test_of_a_tick_to_come_nothing_is_used_yet() -> None:
-    heard = HeardPredictions(PERIOD)
-    heard.hear(prediction(t=0.98, slope=9.0))
-    heard.hear(prediction(t=0.97))
-    assert neighbours(heard, 0.98, known()).path[0, -1, 1] < 1.1
-    assert neighbours(heard, 0.99, known()).path[0, -1, 1] > 5.0
+    received = ReceivedPredictions(PERIOD)
+    received.receive(prediction(t=0.98, slope=9.0))
+    received.receive(prediction(t=0.97))
+    assert neighbours(received, 0.98, known()).path[0, -1, 1] < 1.1
+    assert neighbours(received, 0.99, known()).path[0, -1, 1] > 5.0
 
 
 def test_a_late_prediction_turns_into_what_is_known_and_its_spread_into_the_trackings() -> None:
-    heard = HeardPredictions(PERIOD)
-    heard.hear(prediction(t=0.5))
+    received = ReceivedPredictions(PERIOD)
+    received.receive(prediction(t=0.5))
     late = PERIOD + LATE_FADE
-    found = neighbours(heard, 0.5 + late, known(x=1.0))
+    found = neighbours(received, 0.5 + late, known(x=1.0))
     share = np.exp(-1.0)
     assert found.path[0, :, 0] == pytest.approx(1.0 - share, abs=1e-5)
     assert found.spread[0] == pytest.approx((1.0 - share) * TRACKING, abs=1e-5)
-    lost = neighbours(heard, 20.0, known(x=1.0))
+    lost = neighbours(received, 20.0, known(x=1.0))
     assert lost.path[0] == pytest.approx(known(x=1.0).path[0], abs=1e-9)
 
 
 def test_after_a_clock_is_set_back_predictions_count_again() -> None:
-    heard = HeardPredictions(PERIOD)
+    received = ReceivedPredictions(PERIOD)
     for t in (50.0, 50.01, 0.5):
-        heard.hear(prediction(t))
-    assert neighbours(heard, 0.51, known()).spread[0] == 0.0
+        received.receive(prediction(t))
+    assert neighbours(received, 0.51, known()).spread[0] == 0.0
 
 
 @pytest.mark.parametrize("slope", [np.nan, np.inf])
@@ -208,11 +210,11 @@ def test_the_downwash_of_an_uncertain_source_is_its_mean_over_a_normal_distribut
 
 
 def test_a_neighbour_is_silent_once_several_of_its_predictions_are_missing() -> None:
-    heard = HeardPredictions(PERIOD)
-    assert heard.silent(100.0) == ()  # nobody was heard yet
-    heard.hear(prediction(1.0))
-    heard.hear(prediction(1.3, name="cf3"))
-    assert heard.silent(1.0 + 0.99 * SILENT * PERIOD) == ()
-    assert heard.silent(1.0 + 1.01 * SILENT * PERIOD) == ("cf2",)
-    heard.hear(prediction(1.5))
-    assert heard.silent(1.0 + 1.01 * SILENT * PERIOD) == ()
+    received = ReceivedPredictions(PERIOD)
+    assert received.silent(100.0) == ()  # no prediction has come yet
+    received.receive(prediction(1.0))
+    received.receive(prediction(1.3, name="cf3"))
+    assert received.silent(1.0 + 0.99 * SILENT * PERIOD) == ()
+    assert received.silent(1.0 + 1.01 * SILENT * PERIOD) == ("cf2",)
+    received.receive(prediction(1.5))
+    assert received.silent(1.0 + 1.01 * SILENT * PERIOD) == ()

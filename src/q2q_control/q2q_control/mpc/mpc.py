@@ -39,8 +39,8 @@ from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
 from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
 from q2q_control.mpc.prediction.initial_state import InitialState, InitialStateEstimator
 from q2q_control.mpc.prediction.neighbours import (
-    HeardPredictions,
     PredictedPaths,
+    ReceivedPredictions,
     blend,
     known_neighbours,
     usable_prediction,
@@ -83,7 +83,7 @@ class MpcSetup:
     residual_process: ResidualProcess | None = None
     """Residual of `model` that positions and accelerometers (`sense`) correct; None observes disturbances."""
     exchange_period: float = 0.0
-    """Time between predictions of another vehicle's MPC (`Mpc.hear`) [s]; 0 extrapolates such vehicles."""
+    """Time between predictions of another vehicle's MPC (`Mpc.receive`) [s]; 0 extrapolates such vehicles."""
 
 
 class PredictedTick(NamedTuple):
@@ -150,7 +150,7 @@ class Mpc:
         self._forecaster = Forecaster(self._params, self._model, slopes)
         self._initial_state = InitialStateEstimator(self._params, self._vehicle, self._setup.residual_process)
         self._last_commands.reset()
-        self._heard = HeardPredictions(self._setup.exchange_period)
+        self._received = ReceivedPredictions(self._setup.exchange_period)
         self._predicted: PredictedTick | None = None
         self._last: SwarmCommand | None = None
         self.report = MpcReport()
@@ -189,17 +189,17 @@ class Mpc:
         """Take accelerometers of a tick; without a `residual_process` they are ignored."""
         self._initial_state.sense(imu)
 
-    def hear(self, prediction: PredictedPaths) -> None:
+    def receive(self, prediction: PredictedPaths) -> None:
         """Take a neighbour's prediction, for the ticks after its own."""
-        self._heard.hear(prediction)
+        self._received.receive(prediction)
 
-    def has_heard(self, name: str, t: float) -> bool:
+    def has_received(self, name: str, t: float) -> bool:
         """Return whether a neighbour's prediction of a tick at t [s] or later has arrived."""
-        return self._heard.has(name, t)
+        return self._received.has(name, t)
 
     def silent_neighbours(self, t: float) -> Names:
         """Return the vehicles of other controllers whose predictions have come and then stopped at t [s]."""
-        return self._heard.silent(t)
+        return self._received.silent(t)
 
     @property
     def prediction(self) -> PredictedPaths | None:
@@ -216,10 +216,10 @@ class Mpc:
         straight = at_constant_velocity(state, self._setup.vehicles or setpoint.names, times)
         if not (self._setup.exchange_period and straight.names):
             return straight
-        heard, share = self._heard.follow(setpoint.t, straight, times)
+        received, share = self._received.follow(setpoint.t, straight, times)
         if (share == 1.0).all():
-            return heard
-        return blend(heard, known_neighbours(straight, setpoint, references), share)
+            return received
+        return blend(received, known_neighbours(straight, setpoint, references), share)
 
     def _horizon(self, tick: Aligned, initial: InitialState, forecast: Forecast) -> Horizon:
         eta, reserve = (

@@ -21,13 +21,13 @@ def receive_accelerometers(node: Node, take: Callable[[SwarmImu], None], health:
     An invalid message is refused in `health`.
     """
 
-    def hear(_: int, imu: Signal) -> None:
+    def forward(_: int, imu: Signal) -> None:
         if isinstance(imu, SwarmImu):
             take(imu)
 
     bus = bus_of(node)
     if bus.carries(IMU):
-        bus.listen(IMU, hear)
+        bus.listen(IMU, forward)
     else:
-        receive = listener(IMU, SwarmImu, hear, health.refuse)
+        receive = listener(IMU, SwarmImu, forward, health.refuse)
         node.create_subscription(MESSAGES[SwarmImu], IMU, receive, SENSOR, raw=True)

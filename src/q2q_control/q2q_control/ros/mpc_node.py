@@ -110,7 +110,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
     wiring.add_diagnostic_values(lambda: {"iterations": str(block.report.iterations)})
     _receive_plans(node, block, wiring)
-    warmed_up = _hearing_itself(block, answer) if mpc.distributed else answer
+    warmed_up = _receiving_itself(block, answer) if mpc.distributed else answer
     _warm_up(block, wiring, warmed_up, guarded.reset, (*(own.vehicles or STAND_IN), NEIGHBOUR))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
@@ -161,13 +161,13 @@ def _warm_up(
     block.follow(None)
 
 
-def _hearing_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
+def _receiving_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
     """Return `answer`, after which the block receives its own prediction as that of NEIGHBOUR."""
 
     def update(*signals: Signal) -> SwarmCommand:
         command, own = answer(*signals), block.prediction
         if own is not None:
-            block.hear(replace(own, names=(NEIGHBOUR,), pos=own.pos[:1]))
+            block.receive(replace(own, names=(NEIGHBOUR,), pos=own.pos[:1]))
         return command
 
     return update

@@ -29,7 +29,7 @@ class PredictionExchange:
         if not vehicles:
             raise ValueError("distributed = true: name the vehicles of this node in `vehicles`")
         self._mpc, self._vehicles = mpc, vehicles
-        self._awaited = AwaitedPredictions(vehicles, period, mpc.has_heard)
+        self._awaited = AwaitedPredictions(vehicles, period, mpc.has_received)
         self._schedule = BroadcastSchedule(vehicles, period)
         self._state: SwarmState | None = None
         self._waits = True
@@ -49,7 +49,7 @@ class PredictionExchange:
             wiring.hold_until(self._may_begin)
         wiring.check_each_second(self._look_for_neighbours)
         wiring.add_diagnostic_values(lambda: {"silent_neighbours": ", ".join(self._silent)})
-        self._node.create_subscription(PredictionMessage, PREDICTIONS, self._hear, MANY_WRITERS)
+        self._node.create_subscription(PredictionMessage, PREDICTIONS, self._receive, MANY_WRITERS)
 
     def begin(self, state: SwarmState) -> None:
         """Take the state of a tick that begins."""
@@ -67,12 +67,12 @@ class PredictionExchange:
             self._own.send(_stamp_of(message))
             self._publisher.publish(message)
 
-    def _hear(self, message: PredictionMessage) -> None:
+    def _receive(self, message: PredictionMessage) -> None:
         try:
             if own := set(message.names).intersection(self._vehicles):
-                self._own.hear(_stamp_of(message), own)
+                self._own.receive(_stamp_of(message), own)
                 return
-            self._mpc.hear(decode_prediction(message))
+            self._mpc.receive(decode_prediction(message))
             self._wiring.resume()
         except ValueError as refusal:
             self._wiring.health.refuse(f"{PREDICTIONS}: {refusal}")

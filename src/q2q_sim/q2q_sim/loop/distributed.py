@@ -103,4 +103,4 @@ class DistributedMpc:
         for prediction in predictions:
             for names, mpc in zip(self._controlled, self._mpcs, strict=True):
                 if names != prediction.names and self._losses.random() >= self._exchange.loss:
-                    mpc.hear(prediction)
+                    mpc.receive(prediction)

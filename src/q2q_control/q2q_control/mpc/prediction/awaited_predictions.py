@@ -14,15 +14,15 @@ class AwaitedPredictions:
     A tick that begins without one no longer expects it: a neighbour that has ended delays one tick only.
     """
 
-    def __init__(self, own: Names, period: float, has_heard: Callable[[str, float], bool]) -> None:
+    def __init__(self, own: Names, period: float, has_received: Callable[[str, float], bool]) -> None:
         """Expect one prediction in each slot of the other vehicles.
 
         Args:
             own: vehicles of this node.
             period: length of a slot [s].
-            has_heard: whether a vehicle's prediction of a tick [s] or a later one is here.
+            has_received: whether a vehicle's prediction of a tick [s] or a later one is here.
         """
-        self._own, self._period, self._has_heard = own, period, has_heard
+        self._own, self._period, self._has_received = own, period, has_received
         self.reset()
 
     def reset(self) -> None:
@@ -33,12 +33,12 @@ class AwaitedPredictions:
     def complete(self) -> bool:
         """Return whether the predictions expected by the last tick are here."""
         return all(
-            self._has_heard(name, since) for name, since in self._slots.items() if name not in self._silent
+            self._has_received(name, since) for name, since in self._slots.items() if name not in self._silent
         )
 
     def begin(self, state: SwarmState) -> None:
         """Begin a tick: expect predictions of all neighbours that have a state and are not silent."""
-        self._silent = {name for name, since in self._slots.items() if not self._has_heard(name, since)}
+        self._silent = {name for name, since in self._slots.items() if not self._has_received(name, since)}
         self._slots = {
             state.names[row]: slot_start(state, row, self._period)
             for row in np.flatnonzero(state.status != TrackStatus.LOST).tolist()

@@ -5,7 +5,7 @@ Every MPC sends the paths it has solved for its own vehicles, once in each slot 
 that a distributed flight does not depend on which of two messages of one tick arrives first. A path that is
 older than T turns into what is known without it, and its position becomes uncertain:
 
-    w = exp(-a / LATE_FADE),   r_j = w r_heard + (1 - w) r_known,   sigma = (1 - w) TRACKING
+    w = exp(-a / LATE_FADE),   r_j = w r_received + (1 - w) r_known,   sigma = (1 - w) TRACKING
 
 r_known is the neighbour's reference or, without one, its measured position at constant velocity. The
 uncertainty widens the downwash of the neighbour (q2q_control.mpc.prediction.downwash_horizon).
@@ -76,7 +76,7 @@ class PredictedPaths:
             raise ValueError(f"prediction of {', '.join(self.names)}: positions within {FAR:g} m are allowed")
 
 
-class HeardPath(NamedTuple):
+class ReceivedPath(NamedTuple):
     """Predicted path of one vehicle."""
 
     t: float
@@ -87,7 +87,7 @@ class HeardPath(NamedTuple):
     """[m], world, (N + 1, 3)."""
 
 
-class HeardPredictions:
+class ReceivedPredictions:
     """Newest predictions of every neighbour."""
 
     def __init__(self, period: float) -> None:
@@ -97,31 +97,31 @@ class HeardPredictions:
 
     def reset(self) -> None:
         """Forget all predictions."""
-        self._heard: dict[str, list[HeardPath]] = {}
+        self._received: dict[str, list[ReceivedPath]] = {}
 
-    def hear(self, prediction: PredictedPaths) -> None:
+    def receive(self, prediction: PredictedPaths) -> None:
         """Take a prediction; the last two of a vehicle are kept, since one may be of the tick to come.
 
         Those later than it by more than SET_BACK_S are of a clock that was set back.
         """
         t, pos = prediction.t, prediction.pos.astype(np.float64)
         for row, name in enumerate(prediction.names):
-            heard = HeardPath(t, prediction.start, prediction.step, pos[row])
+            received = ReceivedPath(t, prediction.start, prediction.step, pos[row])
             kept = [
                 one
-                for one in self._heard.get(name, [])
-                if abs(one.t - heard.t) > SAME_STAMP and one.t <= heard.t + SET_BACK_S
+                for one in self._received.get(name, [])
+                if abs(one.t - received.t) > SAME_STAMP and one.t <= received.t + SET_BACK_S
             ]
-            self._heard[name] = sorted([*kept, heard], key=lambda one: one.t)[-2:]
+            self._received[name] = sorted([*kept, received], key=lambda one: one.t)[-2:]
 
     def has(self, name: str, t: float) -> bool:
         """Return whether a prediction made at t [s] or later has arrived."""
-        return any(one.t > t - SAME_STAMP for one in self._heard.get(name, ()))
+        return any(one.t > t - SAME_STAMP for one in self._received.get(name, ()))
 
     def silent(self, t: float) -> Names:
         """Return the neighbours whose newest prediction is older than SILENT periods at t [s]."""
         oldest = t - SILENT * self._period
-        return tuple(sorted(name for name, paths in self._heard.items() if paths[-1].t < oldest))
+        return tuple(sorted(name for name, paths in self._received.items() if paths[-1].t < oldest))
 
     def follow(self, t: float, neighbours: Neighbours, times: Array) -> tuple[Neighbours, Array]:
         """Return neighbours on the predictions made before a tick at t [s], and the shares of those, (n,).
@@ -130,23 +130,23 @@ class HeardPredictions:
         """
         path, share = neighbours.path.copy(), np.zeros(len(neighbours.names))
         for row, name in enumerate(neighbours.names):
-            heard = self._before(t, name)
-            if heard is not None and abs(path[row, 0, 2]) < FAR:
-                positions_at(heard, times, path[row])
-                share[row] = math.exp(-max(t - heard.t - self._period - SAME_STAMP, 0.0) / LATE_FADE)
+            received = self._before(t, name)
+            if received is not None and abs(path[row, 0, 2]) < FAR:
+                positions_at(received, times, path[row])
+                share[row] = math.exp(-max(t - received.t - self._period - SAME_STAMP, 0.0) / LATE_FADE)
         return neighbours._replace(path=path, inputs=accelerations_along(path, times)), share
 
-    def _before(self, t: float, name: str) -> HeardPath | None:
+    def _before(self, t: float, name: str) -> ReceivedPath | None:
         """Return a vehicle's newest path from before t [s]."""
-        return next((one for one in reversed(self._heard.get(name, ())) if one.t < t - SAME_STAMP), None)
+        return next((one for one in reversed(self._received.get(name, ())) if one.t < t - SAME_STAMP), None)
 
 
-def blend(heard: Neighbours, known: Neighbours, share: Array) -> Neighbours:
+def blend(received: Neighbours, known: Neighbours, share: Array) -> Neighbours:
     """Return neighbours as predicted and as known without predictions, by the shares (n,) of these."""
     along = share[:, None, None]
     return known._replace(
-        path=along * heard.path + (1.0 - along) * known.path,
-        inputs=along * heard.inputs + (1.0 - along) * known.inputs,
+        path=along * received.path + (1.0 - along) * known.path,
+        inputs=along * received.inputs + (1.0 - along) * known.inputs,
         spread=(1.0 - share) * known.spread,
     )
 
@@ -185,16 +185,16 @@ def known_neighbours(straight: Neighbours, setpoint: SwarmSetpoint, references: 
 
 
 @compiled
-def positions_at(heard: HeardPath, times: Array, path: Array) -> None:
+def positions_at(received: ReceivedPath, times: Array, path: Array) -> None:
     """Write the positions at `times` to `path` (K, 3): linear between stages and beyond the last one."""
-    last = heard.pos.shape[0] - 1
+    last = received.pos.shape[0] - 1
     for k in range(times.size):
-        place = max((times[k] - heard.start) / heard.step, 0.0)
+        place = max((times[k] - received.start) / received.step, 0.0)
         before = min(int(place), last - 1)
         share = place - before
         for axis in range(3):
-            here = heard.pos[before, axis]
-            path[k, axis] = here + share * (heard.pos[before + 1, axis] - here)
+            here = received.pos[before, axis]
+            path[k, axis] = here + share * (received.pos[before + 1, axis] - here)
 
 
 @compiled

@@ -25,7 +25,7 @@ class OwnPredictions:
         """Take the stamp of a prediction that the node sends [ns]."""
         self._sent.append(stamp_ns)
 
-    def hear(self, stamp_ns: int, names: Iterable[str]) -> None:
+    def receive(self, stamp_ns: int, names: Iterable[str]) -> None:
         """Take the stamp of a prediction of own vehicles that the node receives [ns], and these vehicles."""
         if stamp_ns in self._sent:
             self._sent.remove(stamp_ns)

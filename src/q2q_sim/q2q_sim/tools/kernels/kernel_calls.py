@@ -17,7 +17,7 @@ from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.neighbours import HeardPath, accelerations_along, positions_at
+from q2q_control.mpc.prediction.neighbours import ReceivedPath, accelerations_along, positions_at
 from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
@@ -129,7 +129,7 @@ def _nearness() -> None:
 
 
 def _mpc() -> None:
-    positions_at(HeardPath(0.0, 0.0, 1.0, np.zeros((2, 3))), np.zeros(1), np.zeros((1, 3)))
+    positions_at(ReceivedPath(0.0, 0.0, 1.0, np.zeros((2, 3))), np.zeros(1), np.zeros((1, 3)))
     accelerations_along(np.zeros((1, 3, 3)), np.arange(3.0))
     for model in (MEASURED_LAW, PAPER_LAW, replace(PAPER_LAW, absorption=1.0)):
         block = Mpc(MpcParams(), TEXTBOOK_065, model)
