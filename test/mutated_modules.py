@@ -99,7 +99,7 @@ MUTATED = (
                 "safe.lost_vehicles",
                 "safe.nonfinite_setpoints",
                 "safe.traffic",
-                "safe.wanted_motion",
+                "safe.desired_motion",
             )
         ),
         tuple(

@@ -94,7 +94,7 @@ def test_compiled_rows_equal_the_numpy_equations(seed: int, exact: bool, limited
 
 
 @given(seed=st.integers(0, 10_000))
-def test_an_aware_vehicle_climbs_as_wanted_whatever_its_tilt_and_downwash(seed: int):
+def test_an_aware_vehicle_climbs_as_desired_whatever_its_tilt_and_downwash(seed: int):
     state, setpoint, eta = random_swarm(seed)
     calm = replace(setpoint, pos=state.pos, vel=state.vel)  # no feedback: a = r'' - eta
     command = Pid(PidParams(), replace(TEXTBOOK_065, thrust_max=99.0)).update(state, calm, eta)
@@ -103,7 +103,7 @@ def test_an_aware_vehicle_climbs_as_wanted_whatever_its_tilt_and_downwash(seed: 
 
 
 @given(seed=st.integers(0, 10_000))
-def test_the_exact_inverse_points_the_thrust_along_the_wanted_force(seed: int):
+def test_the_exact_inverse_points_the_thrust_along_the_desired_force(seed: int):
     state, setpoint, eta = random_swarm(seed)
     calm = replace(setpoint, pos=state.pos, vel=state.vel)
     command = Pid(PidParams(exact_inverse=True, tilt_max=1.2), TEXTBOOK_065).update(state, calm, eta)

@@ -186,9 +186,9 @@ def test_the_reach_of_a_stop_is_its_largest_speed_for_its_time_and_its_doubt(
 
 
 def test_a_jerk_leads_to_the_wanted_acceleration_within_its_lag_and_bound() -> None:
-    wanted, acc = np.array([[1.0, -1.0, 0.5]]), np.array([[0.0, 1.0, 0.5]])
-    assert jerk_towards(wanted, acc, 0.25, 100.0).tolist() == [[4.0, -8.0, 0.0]]
-    assert jerk_towards(wanted, acc, 0.25, 5.0).tolist() == [[4.0, -5.0, 0.0]]
+    desired, acc = np.array([[1.0, -1.0, 0.5]]), np.array([[0.0, 1.0, 0.5]])
+    assert jerk_towards(desired, acc, 0.25, 100.0).tolist() == [[4.0, -8.0, 0.0]]
+    assert jerk_towards(desired, acc, 0.25, 5.0).tolist() == [[4.0, -5.0, 0.0]]
 
 
 def pair(rel_pos: Array, vel: Array, acc: Array | None = None, hold: float = 0.0) -> Motions:

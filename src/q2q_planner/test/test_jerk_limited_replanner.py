@@ -234,8 +234,8 @@ def _speeding(top: float, acc: float) -> Iterator[tuple[float, float, float]]:
     for k in range(1000):
         yield (x, speed, a) if k < 400 else (x, 0.0, 0.0)
         if k < 400:
-            wanted = acc if speed + 0.5 * a * a / PARAMS.jerk_max < top else 0.0
-            jerk = np.clip((wanted - a) / TICK, -PARAMS.jerk_max, PARAMS.jerk_max)
+            desired = acc if speed + 0.5 * a * a / PARAMS.jerk_max < top else 0.0
+            jerk = np.clip((desired - a) / TICK, -PARAMS.jerk_max, PARAMS.jerk_max)
             x += TICK * (speed + TICK * (a / 2.0 + TICK * jerk / 6.0))
             speed, a = speed + TICK * (a + 0.5 * TICK * jerk), a + TICK * jerk
 

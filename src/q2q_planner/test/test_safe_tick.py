@@ -11,10 +11,10 @@ from q2q_planner.online.safe import safe_replanner
 from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.choice.motion_choice import ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.desired_motion import FLOOR, DesiredMotion
 from q2q_planner.online.safe.followed_reference import SNAP_POS, SNAP_VEL
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion
 
 TICK = 0.01
 PARAMS = SafeReplannerParams(eps=0.2, d=1.0, tracking=0.02, acc_max=3.0, hold=0.02, forget=0.6)
@@ -61,10 +61,10 @@ def test_the_vehicles_of_a_pair_take_turns_at_any_rate_of_ticks(
     turns = []
 
     def recorded(
-        rows: MotionRows, wanted: WantedMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
+        rows: MotionRows, desired: DesiredMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
     ) -> Choices:
         turns.append(rule.turn)
-        return choices_at(rows, wanted, traffic, proven, rule)
+        return choices_at(rows, desired, traffic, proven, rule)
 
     monkeypatch.setattr(safe_replanner, "choices_at", recorded)
     replanner = SafeReplanner(PARAMS)
@@ -92,7 +92,7 @@ def test_who_is_not_measured_for_forget_has_broken_the_promise_until_it_is(back:
     assert second == list(range(forget + (2 if back else 1), 250))
 
 
-def test_who_meets_somebody_is_wanted_no_faster_than_it_may_accelerate() -> None:
+def test_who_meets_somebody_is_asked_for_no_more_than_it_may_accelerate() -> None:
     """A reference of 6 m/s^2 sideways is shortened to 3 where there is somebody to mind, in its direction."""
     hard = np.array([[0.0, 2.0, 0.0], [0.0, 2.0, 0.0]]) * [1.0, 3.0, 1.0] + [[0.0, 0.0, 4.0]] * 2
     near = SafeReplanner(PARAMS).update(closing(1.0, 0.0, hard), None)

@@ -29,7 +29,7 @@ from q2q_planner.online.safe.broad_phase import Pairs
 
 SWEEPS = 4
 FAR = 6.0
-"""Required acceleration below -FAR times the largest wanted one: the pair is too far apart to matter."""
+"""Required acceleration below -FAR times the largest desired one: the pair is too far apart to matter."""
 ON_AXIS = 1e-9
 """Horizontal distance below which the direction is taken as x [m]."""
 SHIFTED = 0.1
@@ -146,7 +146,7 @@ def filter_accelerations(
     """Correct acc (n, 3) in place to satisfy the barriers; return which vehicles were corrected, (n,).
 
     Args:
-        acc: wanted accelerations [m/s^2].
+        acc: desired accelerations [m/s^2].
         states: see BarrierStates.
         pairs: rows i and j of each pair.
         wide: distance to keep from the zone for each pair [m], and its growth [m/s], (pairs, 2).

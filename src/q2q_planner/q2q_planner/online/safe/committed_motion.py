@@ -24,7 +24,7 @@ class MotionRows(NamedTuple):
     on_reference: Mask
     """Exactly on its reference, (n,)."""
     pushed: Mask
-    """Deviates from its wanted acceleration, (n,)."""
+    """Deviates from its desired acceleration, (n,)."""
     jerk: Array
     """Held jerk [m/s^3], (n, 3); 0 where it is not bounded."""
 

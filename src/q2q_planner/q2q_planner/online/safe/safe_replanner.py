@@ -38,7 +38,7 @@ each other thus keep the promise together: at every tick each proves its motion 
 may have chosen at that tick, and any other choice is the rest of a motion proven before.
 
 **Control law.** The tracking law of (20), corrected by control barriers (`barrier`): e'' = -k_d e' - k_p e
-and the least correction along the zone's normal that keeps the pair's approach stoppable (`wanted_motion`).
+and the least correction along the zone's normal that keeps the pair's approach stoppable (`desired_motion`).
 """
 
 from dataclasses import replace
@@ -64,6 +64,7 @@ from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic
 from q2q_planner.online.safe.choice.decision import decide
 from q2q_planner.online.safe.choice.motion_choice import BROKEN, NEW, ChoiceRule, Choices, Proven, choices_at
 from q2q_planner.online.safe.committed_motion import CommittedMotion, distance, still_flown
+from q2q_planner.online.safe.desired_motion import FLOOR, DesiredMotion, desired_motion
 from q2q_planner.online.safe.followed_reference import ReferenceRows, reference_rows
 from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion, restart_motion, tracked_now
 from q2q_planner.online.safe.motion_propagation import propagate
@@ -78,7 +79,6 @@ from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
 from q2q_planner.online.safe.tracking_uncertainty import off_trajectory, own_uncertainty
 from q2q_planner.online.safe.traffic import TrafficTable, traffic_at
-from q2q_planner.online.safe.wanted_motion import FLOOR, WantedMotion, wanted_motion
 from q2q_planner.online.setpoint_error import SHIFT_TOLERANCE
 
 _SHIFTED, _PROMISE_BROKEN = int(SetpointStatus.SHIFTED), int(SetpointStatus.PROMISE_BROKEN)
@@ -166,10 +166,10 @@ class SafeReplanner:
         unheard = not set(self._last_known.forget(setpoint.t, params.forget)).issubset(names)
         external = self._last_known.external(names, setpoint.t)
         committed, traffic = traffic_at(committed, reference, growth, external, params)
-        wanted = wanted_motion(committed, reference, traffic, params)
+        desired = desired_motion(committed, reference, traffic, params)
         self._recognise(names, external.names)
-        choice = _choice(committed, traffic, wanted, self._proven, _rule(params, self._turn))
-        self._committed, decision = decide(committed, wanted, choice, traffic.pairs, params)
+        choice = _choice(committed, traffic, desired, self._proven, _rule(params, self._turn))
+        self._committed, decision = decide(committed, desired, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
         broken = (choice == BROKEN) | off | decision.outside | unheard
         if known is not None:
@@ -207,7 +207,7 @@ def _rule(params: SafeReplannerParams, turn: int) -> ChoiceRule | None:
 def _choice(
     committed: CommittedMotion,
     traffic: TrafficTable,
-    wanted: WantedMotion,
+    desired: DesiredMotion,
     proven: Proven,
     rule: ChoiceRule | None,
 ) -> Choices:
@@ -215,7 +215,7 @@ def _choice(
     if rule is None or not len(traffic.pairs.i):
         return np.full(traffic.own, NEW, dtype=np.int8)
     whole = PairedTraffic(traffic.rows, traffic.pairs, traffic.certain)
-    return choices_at(committed.rows, wanted, whole, proven, rule)
+    return choices_at(committed.rows, desired, whole, proven, rule)
 
 
 def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:

@@ -72,7 +72,7 @@ class SafeReplannerParams:
 
     @property
     def lag(self) -> float:
-        """Return the lag of the acceleration [s]: at least `hold`, so that none that is wanted is passed."""
+        """Return the lag of the acceleration [s]: at least `hold`, so that none that is desired is passed."""
         return max(LAG, self.hold)
 
     @property

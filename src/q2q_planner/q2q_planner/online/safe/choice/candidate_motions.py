@@ -1,4 +1,4 @@
-"""Motions that a tick chooses between: what every vehicle wants, or the rest of what was proven."""
+"""Motions that a tick chooses between: the desired one of every vehicle, or the rest of what was proven."""
 
 from typing import NamedTuple
 
@@ -7,9 +7,9 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.desired_motion import DesiredMotion
 from q2q_planner.online.safe.stopping.braking import Motions
 from q2q_planner.online.safe.traffic import TrafficRows
-from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 
 class PairedTraffic(NamedTuple):
@@ -21,16 +21,16 @@ class PairedTraffic(NamedTuple):
 
 
 @compiled
-def new_motions(traffic: TrafficRows, wanted: WantedMotion, hold: float) -> Motions:
+def new_motions(traffic: TrafficRows, desired: DesiredMotion, hold: float) -> Motions:
     """Return the new motions of all rows; of external vehicles, every motion that they may fly.
 
     Args:
         traffic: all vehicles.
-        wanted: of the swarm.
+        desired: of the swarm.
         hold: time for which they are held [s].
     """
-    still = np.zeros((len(traffic.pos) - len(wanted.acc), 3))
-    acc, jerk = np.concatenate((wanted.acc, still)), np.concatenate((wanted.jerk, still))
+    still = np.zeros((len(traffic.pos) - len(desired.acc), 3))
+    acc, jerk = np.concatenate((desired.acc, still)), np.concatenate((desired.jerk, still))
     held = np.full(len(traffic.pos), hold)
     return Motions(traffic.pos, traffic.vel, acc, held, traffic.growth, jerk)
 

@@ -9,8 +9,8 @@ from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.choice.motion_choice import OLD, Choices
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, length
+from q2q_planner.online.safe.desired_motion import DesiredMotion
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
-from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 
 class Decision(NamedTuple):
@@ -37,35 +37,35 @@ class _Bounds(NamedTuple):
 
 def decide(
     committed: CommittedMotion,
-    wanted: WantedMotion,
+    desired: DesiredMotion,
     choice: Choices,
     pairs: Pairs,
     params: SafeReplannerParams,
 ) -> tuple[CommittedMotion, Decision]:
     """Return the motion that the swarm commits to, and what else is decided."""
     bounds = _Bounds(params.hold, params.acc_max, params.speed_max, params.jerk_max > 0.0)
-    rows, (acc, outside) = _decided(committed.rows, wanted, choice, pairs, bounds)
+    rows, (acc, outside) = _decided(committed.rows, desired, choice, pairs, bounds)
     return committed.with_rows(rows), Decision(acc, outside)
 
 
 @compiled
 def _decided(
-    rows: MotionRows, wanted: WantedMotion, choice: Choices, pairs: Pairs, bounds: _Bounds
+    rows: MotionRows, desired: DesiredMotion, choice: Choices, pairs: Pairs, bounds: _Bounds
 ) -> tuple[MotionRows, tuple[Array, Mask]]:
     """Return the committed motion, and the fields of the decision."""
-    motion = _committed(rows, wanted, choice, bounds.hold)
+    motion = _committed(rows, desired, choice, bounds.hold)
     return motion, _decision(motion, pairs, bounds)
 
 
 @compiled
-def _committed(rows: MotionRows, wanted: WantedMotion, choice: Choices, held: float) -> MotionRows:
+def _committed(rows: MotionRows, desired: DesiredMotion, choice: Choices, held: float) -> MotionRows:
     acc, hold, jerk = rows.acc.copy(), rows.hold.copy(), rows.jerk.copy()
-    on_reference, pushed = rows.on_reference.copy(), wanted.pushed.copy()
+    on_reference, pushed = rows.on_reference.copy(), desired.pushed.copy()
     for row in range(hold.size):
         if choice[row] == OLD:
             pushed[row] = True
         else:
-            acc[row], hold[row], jerk[row] = wanted.acc[row], held, wanted.jerk[row]
+            acc[row], hold[row], jerk[row] = desired.acc[row], held, desired.jerk[row]
         on_reference[row] &= not pushed[row]
     return MotionRows(rows.pos, rows.vel, acc, hold, on_reference, pushed, jerk)
 

@@ -21,11 +21,11 @@ from q2q_model.signals.values import Mask, Rows
 from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.choice.candidate_motions import PairedTraffic, new_motions, old_motions
 from q2q_planner.online.safe.committed_motion import MotionRows
+from q2q_planner.online.safe.desired_motion import DesiredMotion
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions, stays_out
 from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, with_stops
 from q2q_planner.online.safe.stopping.jerk_limited_separation import stays_out_jerk_limited
 from q2q_planner.online.safe.stopping.overlapping_reaches import near_pairs
-from q2q_planner.online.safe.wanted_motion import WantedMotion
 
 OLD, NEW, BROKEN = 0, 1, 2
 
@@ -163,9 +163,9 @@ def choose_motions(new: Motions, old: Motions, pairs: Pairs, proven: Proven, rul
 
 @compiled
 def choices_at(
-    rows: MotionRows, wanted: WantedMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
+    rows: MotionRows, desired: DesiredMotion, traffic: PairedTraffic, proven: Proven, rule: ChoiceRule
 ) -> Choices:
     """Return the choice of each vehicle of the swarm, (n,): what is built, then what is chosen of it."""
-    new = new_motions(traffic.rows, wanted, rule.hold)
+    new = new_motions(traffic.rows, desired, rule.hold)
     old = old_motions(rows, traffic.rows, traffic.certain)
     return choose_motions(new, old, traffic.pairs, proven, rule)[: rows.hold.size]

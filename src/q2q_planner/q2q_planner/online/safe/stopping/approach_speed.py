@@ -27,7 +27,7 @@ import numpy as np
 from q2q_model.compiled import compiled
 
 LAG = 0.05
-"""Time constant of the acceleration towards the wanted one where jerk is bounded [s]; `hold` if longer."""
+"""Time constant of the acceleration towards the desired one where jerk is bounded [s]; `hold` if longer."""
 FOLLOWED = 0.4
 """Largest product of pole and lag without overshoot, in simulated steps of 0.3 to 5 m at regular, slow and
 lost ticks; at 0.5 some overshoot."""

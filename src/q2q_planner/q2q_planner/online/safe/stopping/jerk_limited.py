@@ -190,9 +190,9 @@ def jerk_limited_motion_after(motions: Motions, s: float, law: BrakingLaw) -> tu
 
 
 @compiled
-def jerk_towards(wanted: Array, acc: Array, lag: float, most: float) -> Array:
-    """Return the jerk (n, 3) that approaches wanted accelerations with a time constant, bounded by `most`."""
-    jerk = (wanted - acc) / lag
+def jerk_towards(desired: Array, acc: Array, lag: float, most: float) -> Array:
+    """Return the jerk (n, 3) that approaches desired accelerations with a lag [s], bounded by `most`."""
+    jerk = (desired - acc) / lag
     for row in range(len(jerk)):
         for axis in range(3):
             if abs(jerk[row, axis]) > most:

@@ -1,8 +1,8 @@
-"""Motion that every vehicle wants: back to its reference, and never nearer to a zone than it can stop.
+"""Desired motion of every vehicle: back to its reference, and never nearer to a zone than it can stop.
 
-On its reference a vehicle wants the reference's acceleration, else that of the tracking law of (20),
-e'' = -k_d e' - k_p e, within acc_max; where jerk is bounded, the shift e shrinks as fast as it can stop
-(`approach_speed`), and the acceleration approaches the wanted one with the time constant LAG, or `hold` if
+On its reference a vehicle's desired acceleration is that of the reference, else that of the tracking law of
+(20), e'' = -k_d e' - k_p e, within acc_max; where jerk is bounded, the shift e shrinks as fast as it can stop
+(`approach_speed`), and the acceleration approaches the desired one with the time constant LAG, or `hold` if
 that is longer. Control barriers (`barrier`) correct both.
 """
 
@@ -34,7 +34,7 @@ HEADROOM = 0.95
 """Share of speed_max up to which a vehicle of bounded jerk returns."""
 
 
-class WantedMotion(NamedTuple):
+class DesiredMotion(NamedTuple):
     """New motion of the swarm, held for `hold`."""
 
     acc: Array
@@ -42,11 +42,11 @@ class WantedMotion(NamedTuple):
     jerk: Array
     """[m/s^3], (n, 3)."""
     pushed: Mask
-    """Whom a barrier turned from its wanted acceleration, (n,)."""
+    """Whom a barrier turned from its desired acceleration, (n,)."""
 
 
-class _WantedLaw(NamedTuple):
-    """Law of the wanted motion; fields of SafeReplannerParams."""
+class _DesiredLaw(NamedTuple):
+    """Law of the desired motion; fields of SafeReplannerParams."""
 
     k_p: float
     """[1/s^2]."""
@@ -57,7 +57,7 @@ class _WantedLaw(NamedTuple):
     jerk: float
     """Largest jerk of an axis [m/s^3]; 0 does not bound it."""
     lag: float
-    """Of the approach to the wanted acceleration [s]."""
+    """Of the approach to the desired acceleration [s]."""
     keep: float
     """Distance to keep from the grown zone [m]."""
     back: ApproachLaw
@@ -68,21 +68,21 @@ class _WantedLaw(NamedTuple):
     avoids: bool
 
 
-def wanted_motion(
+def desired_motion(
     committed: CommittedMotion, reference: ReferenceRows, traffic: TrafficTable, params: SafeReplannerParams
-) -> WantedMotion:
-    """Return the motion that the swarm wants."""
-    acc, jerk, pushed = _wanted(
+) -> DesiredMotion:
+    """Return the desired motion of the swarm."""
+    acc, jerk, pushed = _desired(
         committed.rows, reference, traffic.rows, traffic.pairs, _law(traffic.own, params)
     )
-    return WantedMotion(acc, jerk, pushed)
+    return DesiredMotion(acc, jerk, pushed)
 
 
-def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
+def _law(own: int, params: SafeReplannerParams) -> _DesiredLaw:
     jerk_limited, pole = params.jerk_max > 0.0, params.pole
     poles = 2.0 * pole, pole**2
     barrier = BarrierLaw(own, params.eps, params.d, *poles, params.around, params.height, jerk_limited)
-    return _WantedLaw(
+    return _DesiredLaw(
         params.k_p,
         params.k_d,
         params.acc_max,
@@ -97,8 +97,8 @@ def _law(own: int, params: SafeReplannerParams) -> _WantedLaw:
 
 
 @compiled
-def _wanted(
-    rows: MotionRows, reference: ReferenceRows, traffic: TrafficRows, pairs: Pairs, law: _WantedLaw
+def _desired(
+    rows: MotionRows, reference: ReferenceRows, traffic: TrafficRows, pairs: Pairs, law: _DesiredLaw
 ) -> tuple[Array, Array, Mask]:
     own = rows.hold.size
     acc = _towards_reference(rows, reference, law)
@@ -114,7 +114,7 @@ def _wanted(
 
 
 @compiled
-def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _WantedLaw) -> Array:
+def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _DesiredLaw) -> Array:
     """Return the accelerations (n, 3) on the reference, or back to it."""
     acc = reference.acc.copy()
     for row in range(rows.hold.size):
@@ -132,7 +132,7 @@ def _towards_reference(rows: MotionRows, reference: ReferenceRows, law: _WantedL
 
 
 @compiled
-def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: int, law: _WantedLaw) -> None:
+def _return_fast(acc: Array, rows: MotionRows, reference: ReferenceRows, row: int, law: _DesiredLaw) -> None:
     """Add the acceleration by which the shift e of a row follows e' = -w(|e|) e / |e| (approach_speed).
 
     The velocity of a faster reference counts up to `law.speed`. Its acceleration does not where the bound of
@@ -187,7 +187,9 @@ def _limit(acc: Array, row: int, most: float) -> None:
 
 
 @compiled
-def _apart(acc: Array, reference: ReferenceRows, traffic: TrafficRows, pairs: Pairs, law: _WantedLaw) -> Mask:
+def _apart(
+    acc: Array, reference: ReferenceRows, traffic: TrafficRows, pairs: Pairs, law: _DesiredLaw
+) -> Mask:
     """Correct the accelerations (n, 3) in place by barriers; return which changed, (n,)."""
     own = len(acc)
     meets, turned = rows_in_pairs(pairs, len(traffic.pos)), np.zeros_like(traffic.pos)
