@@ -115,15 +115,15 @@ def _fold(flights: Sequence[_Flight], fold: int, stranger: Jet) -> list[_Residua
     left_out = under[fold::OUTER_FOLDS]
     if not left_out:
         return []
-    taught = [one for one in flights if one not in left_out]
-    form = _chosen(taught)
-    jet = with_held_out_deviation(fit_to_pushes(_samples(taught), form).jet, _samples(taught), form)
+    training = [one for one in flights if one not in left_out]
+    form = _chosen(training)
+    jet = with_held_out_deviation(fit_to_pushes(_samples(training), form).jet, _samples(training), form)
     return [part for one in left_out for part in _residuals(one, jet, stranger)]
 
 
-def _chosen(taught: Sequence[_Flight]) -> JetForm:
-    """Return the form with the least error on held-out flights of `taught`; the simplest of a single one."""
-    under = [one for one in taught if any(sample.exposed.any() for sample in one.samples)]
+def _chosen(training: Sequence[_Flight]) -> JetForm:
+    """Return the form with the least error on held-out flights of `training`; of one, the simplest."""
+    under = [one for one in training if any(sample.exposed.any() for sample in one.samples)]
     if len(under) < INNER_FOLDS:
         return FORMS[0]
     left = []

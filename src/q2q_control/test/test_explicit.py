@@ -47,7 +47,7 @@ SHORT = DistillationParams(situations=2000, encounters=40, length=60, layers=(16
 
 
 @lru_cache(maxsize=1)
-def taught() -> ExplicitLaw:
+def distilled() -> ExplicitLaw:
     return distil(TEACHER, SHORT, np.random.default_rng(0))
 
 
@@ -216,7 +216,7 @@ def test_on_an_accelerating_reference_the_law_commands_what_the_horizon_commands
 
 
 def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part():
-    law = taught()
+    law = distilled()
     asked = random_situations(500, PARAMS.step, np.random.default_rng(9))
     truth = np.clip(solve_situations(asked, TEACHER).inputs[:, 0], *TEACHER.bounds)
     straight = replace(law, linear=np.zeros_like(law.linear), last=np.zeros_like(law.last))
@@ -229,7 +229,7 @@ def test_a_distilled_law_answers_unseen_situations_better_than_its_linear_part()
 
 def test_in_unseen_encounters_the_law_costs_at_most_five_percent_more_than_the_horizon():
     shown = random_encounters(30, 100, PARAMS.step, np.random.default_rng(10))  # distilled from other seeds
-    ours = fly(shown, control_policy(taught(), TEACHER), TEACHER).cost
+    ours = fly(shown, control_policy(distilled(), TEACHER), TEACHER).cost
     theirs = fly(shown, teacher_policy(TEACHER), TEACHER).cost
     assert np.median(ours / theirs) <= 1.05
     assert ours.sum() <= 1.05 * theirs.sum()  # made up by the hard ones, where the bound matters

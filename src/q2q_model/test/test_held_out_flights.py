@@ -29,11 +29,11 @@ def flown(name: str, height: float, law: Jet = MEASURED_LAW) -> list[PushSamples
 
 
 def test_a_flight_in_other_air_is_scored_by_the_jet_of_the_others() -> None:
-    taught = {"one": flown("one", 0.4), "two": flown("two", 0.6), "odd": flown("odd", 0.5, STRONG)}
-    found = {one.name: one for one in held_out_scores(taught, {}).flights}
+    training = {"one": flown("one", 0.4), "two": flown("two", 0.6), "odd": flown("odd", 0.5, STRONG)}
+    found = {one.name: one for one in held_out_scores(training, {}).flights}
     assert found["odd"].fitted_to == ("one", "two")
     own, lower = found["odd"], found["odd"].samples[0]
-    jet = fit_to_pushes([*taught["one"], *taught["two"]], JetForm()).jet
+    jet = fit_to_pushes([*training["one"], *training["two"]], JetForm()).jet
     rows = np.nonzero(lower.exposed)[0]
     eta = eta_on_vehicle(jet, lower.motion, lower.vehicle, rows)[:, 2]
     assert own.predicted[0][rows] == pytest.approx(eta)
@@ -42,17 +42,19 @@ def test_a_flight_in_other_air_is_scored_by_the_jet_of_the_others() -> None:
     assert found["one"].fitted_to == ("two", "odd")
 
 
-def test_flights_of_one_law_are_predicted_and_further_ones_by_the_jet_of_all_taught() -> None:
-    taught = {"one": flown("one", 0.4), "two": flown("two", 0.6)}
-    scores = held_out_scores(taught, {"new": flown("new", 0.5), "far": flown("far", 3.0)})
+def test_flights_of_one_law_are_predicted_and_further_ones_by_the_jet_of_all_training_flights() -> None:
+    training = {"one": flown("one", 0.4), "two": flown("two", 0.6)}
+    scores = held_out_scores(training, {"new": flown("new", 0.5), "far": flown("far", 3.0)})
     assert [one.name for one in scores.flights] == ["one", "two", "new"]
     assert scores.flights[2].fitted_to == ("one", "two")
-    assert (scores.flights[2].score.r2_exposed or 0.0) > 0.95  # at a height between those of the taught ones
+    assert (
+        scores.flights[2].score.r2_exposed or 0.0
+    ) > 0.95  # at a height between those of the training ones
 
 
 def test_the_pooled_score_weighs_every_sample_alike() -> None:
-    taught = {"one": flown("one", 0.4), "two": flown("two", 0.6), "odd": flown("odd", 0.5, STRONG)}
-    scores = held_out_scores(taught, {})
+    training = {"one": flown("one", 0.4), "two": flown("two", 0.6), "odd": flown("odd", 0.5, STRONG)}
+    scores = held_out_scores(training, {})
     y, missed = [], []
     for one in scores.flights:
         for sample, eta in zip(one.samples, one.predicted, strict=True):

@@ -338,8 +338,8 @@ def test_feed_forward_on_is_predicted_too():
     flights = {name: found for name, found in real_samples(ON).items() if name.startswith("dc21_swap_s")}
     names = list(flights)
     chosen = names[::2]
-    taught = [one for name in names if name not in chosen for one in flights[name]]
-    jet = with_held_out_deviation(fit_to_pushes(taught, JetForm()).jet, taught, JetForm())
+    training = [one for name in names if name not in chosen for one in flights[name]]
+    jet = with_held_out_deviation(fit_to_pushes(training, JetForm()).jet, training, JetForm())
     found = score(jet, [one for name in chosen for one in flights[name]])
     assert found.r2_exposed is not None
     assert found.r2_exposed >= 0.80
@@ -355,8 +355,8 @@ def test_the_deviation_that_one_flight_teaches_holds_on_the_other_flight_feed_fo
     """One flight cannot show how flights differ; its halves show the doubt of a fit to half as much."""
     flights = list(real_samples(OFF).values())
     within = []
-    for taught, other in zip(flights, reversed(flights), strict=True):
-        jet = with_held_out_deviation(fit_to_pushes(taught, JetForm()).jet, taught, JetForm())
+    for training, other in zip(flights, reversed(flights), strict=True):
+        jet = with_held_out_deviation(fit_to_pushes(training, JetForm()).jet, training, JetForm())
         within += [_within_band(jet, one) for one in other if one.exposed.any()]
     assert len(flights) == 2
     assert 0.93 <= np.concatenate(within).mean() <= 0.97  # of 95 %: 0.931; by its own misses 0.909

@@ -63,7 +63,7 @@ def test_the_passage_is_the_time_under_another_and_three_seconds_around_it() -> 
     assert passage_times(flight) == pytest.approx((0.0, 19.9))
 
 
-def test_real_flights_are_taught_unless_the_air_was_learned_from_their_family(
+def test_real_flights_are_for_training_unless_the_air_was_learned_from_their_family(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "neural_swarm"
@@ -78,7 +78,7 @@ def test_real_flights_are_taught_unless_the_air_was_learned_from_their_family(
         (folder / f"{name}.parquet").touch()
     monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
     found = real_flight.find_flights([])
-    assert [one.stem for one in found.taught] == ["dc19_swap_ss_02", "dc19_walk_ss_04"]
+    assert [one.stem for one in found.training] == ["dc19_swap_ss_02", "dc19_walk_ss_04"]
     assert [one.stem for one in found.further] == ["dc21_swap_ss_03", "dc21_walk_sss_99"]
 
 
@@ -87,14 +87,14 @@ def test_without_real_flights_it_says_where_they_are_found_and_takes_the_shipped
 ) -> None:
     monkeypatch.setenv("Q2Q_DATA", str(tmp_path))
     found = real_flight.find_flights([])
-    assert [one.name for one in found.taught] == [f"table2_{k}" for k in range(1, 7)]
+    assert [one.name for one in found.training] == [f"table2_{k}" for k in range(1, 7)]
     assert found.further == ()
     assert "https://github.com/aerorobotics/neural-swarm" in found.origin
     assert "simulated" in found.origin
 
 
 def test_given_flights_come_first() -> None:
-    assert real_flight.find_flights([Path("mine")]).taught == (Path("mine"),)
+    assert real_flight.find_flights([Path("mine")]).training == (Path("mine"),)
 
 
 def test_without_any_flight_it_asks_for_some(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

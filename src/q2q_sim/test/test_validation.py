@@ -182,9 +182,9 @@ def test_a_flight_does_not_validate_in_an_air_twice_as_strong(flight: TrackedFli
 
 def test_a_flight_without_a_wake_has_clear_air_only(own: ValidatedFlight):
     alone = replace(own, under=tuple(replace(part, n=0) for part in own.under))
-    text = as_json([alone], taught=("room/" + alone.flight.name,))
+    text = as_json([alone], in_fit=("room/" + alone.flight.name,))
     assert text["flights"][alone.flight.name]["in_fit"]
-    assert not as_json([alone], taught=("another",))["flights"][alone.flight.name]["in_fit"]
+    assert not as_json([alone], in_fit=("another",))["flights"][alone.flight.name]["in_fit"]
     assert text["pooled"] == {
         "z_rms_ratio": None,
         "correlation": None,

@@ -38,10 +38,10 @@ def run(args: Namespace) -> int:
     scores = {name: score(law, found) for name, found in samples.items()}
     pooled = score(law, [one for found in samples.values() for one in found])
     fit = model.fit or Fit("", ())
-    taught = fit_remarks((one.flight for one in recordings), fit.flights, fit.digests)
+    in_fit = fit_remarks((one.flight for one in recordings), fit.flights, fit.digests)
     text = {
         "thrust_lag_s": flown.vehicle.thrust_lag,
-        "flights": {name: asdict(one) | {"in_fit": name in taught} for name, one in scores.items()},
+        "flights": {name: asdict(one) | {"in_fit": name in in_fit} for name, one in scores.items()},
         "pooled": asdict(pooled),
     }
     if args.json:
@@ -52,7 +52,7 @@ def run(args: Namespace) -> int:
     for note in notes:
         print(f"evaluate: {note}", file=sys.stderr)
     for name, one in scores.items():
-        print(", ".join([_line(name, one), *filter(None, [taught.get(name)])]))
+        print(", ".join([_line(name, one), *filter(None, [in_fit.get(name)])]))
     print(_line("pooled", pooled))
     return 0
 

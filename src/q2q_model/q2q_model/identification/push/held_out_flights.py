@@ -1,7 +1,7 @@
 """Jets fitted to measured downwash and scored on flights that they were not fitted to.
 
-Each taught flight is predicted by the jet of the other taught flights (leave one out), and each further
-flight by the jet of all taught ones.
+Each training flight is predicted by the jet of the other training flights (leave one out), and each further
+flight by the jet of all training flights.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,7 +44,7 @@ class HeldOutFlight:
 
 @dataclass(frozen=True, slots=True)
 class HeldOutScores:
-    """Jet of all taught flights, and every flight predicted without itself."""
+    """Jet of all training flights, and every flight predicted without itself."""
 
     jet: Jet
     flights: tuple[HeldOutFlight, ...]
@@ -59,16 +59,16 @@ class HeldOutScores:
         return pooled_score(y, misses, samples)
 
 
-def held_out_scores(taught: FlightSamples, further: FlightSamples) -> HeldOutScores:
-    """Return the jet of the taught flights and the scores of every flight with exposed rows.
+def held_out_scores(training: FlightSamples, further: FlightSamples) -> HeldOutScores:
+    """Return the jet of the training flights and the scores of every flight with exposed rows.
 
     Raises:
-        ValueError: fewer than two taught flights have a vehicle under another.
+        ValueError: fewer than two training flights have a vehicle under another.
     """
-    known, form = _with_wake(taught), JetForm()
+    known, form = _with_wake(training), JetForm()
     if len(known) < FEWEST:
         raise ValueError(
-            f"{len(known)} of {len(taught)} flights have a vehicle {GAPS[0]} to {GAPS[1]} m under another "
+            f"{len(known)} of {len(training)} flights have a vehicle {GAPS[0]} to {GAPS[1]} m under another "
             f"with a measured push; leaving one out needs {FEWEST}"
         )
     found = []

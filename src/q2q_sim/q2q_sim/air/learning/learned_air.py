@@ -82,8 +82,8 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         vehicle=_term(vehicles),
         rotor_drag=_term(drag),
         rate_load=_term(load),
-        flights=tuple(taught := {record.name: None for record in records}),
-        digests=tuple(flight_digest(one.flight) for one in recordings if one.flight.name in taught),
+        flights=tuple(used := {record.name: None for record in records}),
+        digests=tuple(flight_digest(one.flight) for one in recordings if one.flight.name in used),
         intervals={one.path: ends for one in values if (ends := one.ends)},
     )
     return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air, vehicle)))

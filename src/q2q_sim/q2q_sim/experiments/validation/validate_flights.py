@@ -37,15 +37,15 @@ def validate(recordings: Sequence[Recording], vehicle: Vehicle, air: FlownAir, a
     """Fly the recordings again, print, draw and write the numbers; return the exit status."""
     tracked, single = _flyable(recordings, vehicle)
     known = air if isinstance(air, RoomAir) else RoomAir()
-    taught = fit_remarks((one.flight for one in recordings), known.flights, known.digests)
-    for name, remark in taught.items():
+    in_fit = fit_remarks((one.flight for one in recordings), known.flights, known.digests)
+    for name, remark in in_fit.items():
         _say(f"{name}: {remark}")
     done = _all_flown(tracked, air, vehicle, args.draws, only=len(recordings) == 1)
     if not done and not single:
         raise ValueError(f"none of the {len(recordings)} flights can be flown again")
     alone = [_flown_alone(one, air, vehicle, args.draws) for one in single]
     if args.json:
-        write_json(as_json(done, alone, tuple(taught)), args.json)
+        write_json(as_json(done, alone, tuple(in_fit)), args.json)
     if args.out:
         print(f"page: {write_page(done, alone, Path(args.air).name, args.out)}")
     if alone:

@@ -93,18 +93,18 @@ def is_told_apart(numbers: Comparison) -> bool:
 
 
 def as_json(
-    flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = (), taught: Names = ()
+    flights: Sequence[ValidatedFlight], alone: Sequence[ComparedAlone] = (), in_fit: Names = ()
 ) -> dict[str, object]:
     """Return the numbers of all flights and pooled ones; None where nothing was compared.
 
     Args:
         flights: flights of several vehicles.
         alone: flights of one vehicle.
-        taught: names of the flights that the air was learned from, or may have been.
+        in_fit: names of the flights that the air was learned from, or may have been.
     """
     return {
         "flights": {
-            one.flight.name: {**_flight_json(one), "in_fit": is_among(one.flight.name, taught)}
+            one.flight.name: {**_flight_json(one), "in_fit": is_among(one.flight.name, in_fit)}
             for one in flights
         },
         "pooled": asdict(pooled_comparison(flights)),
@@ -115,7 +115,7 @@ def as_json(
         },
         "alone": {
             "flights": {
-                one.name: {**_alone_json([one]), "in_fit": is_among(one.name, taught)} for one in alone
+                one.name: {**_alone_json([one]), "in_fit": is_among(one.name, in_fit)} for one in alone
             },
             "pooled": _alone_json(alone),
         },

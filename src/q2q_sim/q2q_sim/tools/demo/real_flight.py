@@ -48,7 +48,7 @@ SHIPPED_BAGS = Path(__file__).resolve().parents[5] / "bags"
 class DemoFlights:
     """Flights of the demonstration."""
 
-    taught: tuple[Path, ...]
+    training: tuple[Path, ...]
     """Flights that the model is fitted to; each is scored by a model of the others."""
     further: tuple[Path, ...]
     """Flights that are scored alone."""
@@ -95,10 +95,10 @@ def find_flights(given: Sequence[Path]) -> DemoFlights:
     folder = flights_folder().resolve()
     flown_in = {_family(name) for name in load(air_path(ROOM)).flights}
     found = sorted(folder.glob(STACKED))
-    taught = tuple(one for one in found if _family(one.stem) not in flown_in)
-    further = tuple(one for one in found if one not in taught)
-    if taught:
-        return DemoFlights(taught, further, f"The flights are {len(taught + further)} real ones of {folder}.")
+    training = tuple(one for one in found if _family(one.stem) not in flown_in)
+    further = tuple(one for one in found if one not in training)
+    if training:
+        return DemoFlights(training, further, f"The flights are {len(found)} real ones of {folder}.")
     shipped = tuple(sorted(SHIPPED_BAGS.glob("table2_*")))
     absent = f"There are no recorded real flights in {folder} (Q2Q_DATA); public ones: {PUBLIC}."
     if not shipped:
@@ -111,14 +111,14 @@ def _family(flight: str) -> str:
 
 
 def score_flights(flights: DemoFlights) -> DemoScores:
-    """Return the model of the taught flights, and the scores of all flights without it."""
-    vehicle = vehicle_of_flights(flights.taught).vehicle
+    """Return the model of the training flights, and the scores of all flights without it."""
+    vehicle = vehicle_of_flights(flights.training).vehicle
     _print_note(f"a push that no log has is computed for a {vehicle.name} of {1e3 * vehicle.mass:.0f} g")
-    taught, digests = _samples(flights.taught, vehicle)
+    training, digests = _samples(flights.training, vehicle)
     further, _ = _samples(flights.further, vehicle) if flights.further else ({}, {})
-    scores = held_out_scores(taught, further)
+    scores = held_out_scores(training, further)
     scored = {one.name for one in scores.flights}
-    for name in (one for one in (*taught, *further) if one not in scored):
+    for name in (one for one in (*training, *further) if one not in scored):
         _print_note(f"{name} is not scored: no vehicle under another with {FEWEST_FREE} samples in clear air")
     names = tuple(sorted({name for one in scores.flights for name in one.fitted_to}))
     method = "jet fitted to measured downwash"
