@@ -18,7 +18,7 @@ from q2q_sim.air.air_names import FLIGHTS, ROOM, SYNTHETIC
 from q2q_sim.air.air_terms import WindTerm
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import RoomAir
-from q2q_sim.experiments.ablation import contender_flight, learned_models
+from q2q_sim.experiments.ablation import learned_models, variant_flight
 from q2q_sim.experiments.ablation.ablation_cases import (
     JUDGED,
     LAW,
@@ -28,16 +28,16 @@ from q2q_sim.experiments.ablation.ablation_cases import (
     scenarios_of,
     trajectory_between,
 )
-from q2q_sim.experiments.ablation.contender_flight import (
-    COLUMNS,
-    ContenderFlight,
-    draw_columns,
-    fly_contender,
-)
 from q2q_sim.experiments.ablation.learned_models import LEAST, LearnedModel, models_of, parts_of
 from q2q_sim.experiments.ablation.onboard_flight import Trace
 from q2q_sim.experiments.ablation.side_by_side import SPACING, side_by_side, with_vehicles
 from q2q_sim.experiments.ablation.two_level_interval import median_interval
+from q2q_sim.experiments.ablation.variant_flight import (
+    COLUMNS,
+    VariantFlight,
+    draw_columns,
+    fly_variant,
+)
 from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.monitors.exposure import exposure
 from q2q_sim.scenarios import library
@@ -45,7 +45,7 @@ from q2q_sim.scenarios.scenario import Scenario
 
 
 def errors(
-    monkeypatch: pytest.MonkeyPatch, contender: str, models: tuple[LearnedModel, ...], air: RoomAir
+    monkeypatch: pytest.MonkeyPatch, variant: str, models: tuple[LearnedModel, ...], air: RoomAir
 ) -> Array:
     """Return the height errors (T, n) of a short flight of one draw with each model."""
     traces: list[Trace] = []
@@ -58,10 +58,10 @@ def errors(
         still = [replace(one, duration=SHORT, vicon=type(one.vicon)()) for one in scenarios_of(name)]
         return tuple(replace(one, radio=type(one.radio)()) for one in still)
 
-    monkeypatch.setattr(contender_flight, "draw_columns", keep)
-    monkeypatch.setattr(contender_flight, "scenarios_of", short)
+    monkeypatch.setattr(variant_flight, "draw_columns", keep)
+    monkeypatch.setattr(variant_flight, "scenarios_of", short)
     case = Case("crossing")
-    fly_contender(ContenderFlight(case, contender, models, air, draws=len(models)))
+    fly_variant(VariantFlight(case, variant, models, air, draws=len(models)))
     return traces[0].error
 
 
@@ -76,10 +76,10 @@ def test_draws_in_one_room_have_their_own_gusts_and_none_feels_another(
     np.testing.assert_allclose(calm[:, :2], calm[:, 2:], atol=1e-12)
 
 
-@pytest.mark.parametrize("contender", ["aware", "distributed"])
-def test_every_draw_is_flown_with_its_own_model(monkeypatch: pytest.MonkeyPatch, contender: str) -> None:
-    both = errors(monkeypatch, contender, (STRONG, WEAK), RoomAir())
-    strong, weak = (errors(monkeypatch, contender, (one, one), RoomAir())[:, :2] for one in (STRONG, WEAK))
+@pytest.mark.parametrize("variant", ["aware", "distributed"])
+def test_every_draw_is_flown_with_its_own_model(monkeypatch: pytest.MonkeyPatch, variant: str) -> None:
+    both = errors(monkeypatch, variant, (STRONG, WEAK), RoomAir())
+    strong, weak = (errors(monkeypatch, variant, (one, one), RoomAir())[:, :2] for one in (STRONG, WEAK))
     assert np.abs(strong - weak).max() > 1e-6
     np.testing.assert_allclose(both[:, :2], strong, atol=1e-12)
     np.testing.assert_allclose(both[:, 2:], weak, atol=1e-12)

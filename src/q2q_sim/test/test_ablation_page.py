@@ -21,19 +21,19 @@ from q2q_sim.experiments.ablation.ablation_cases import (
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers
 from q2q_sim.experiments.ablation.ablation_table import page
 from q2q_sim.experiments.ablation.conclusion import (
-    best_contender,
+    best_variant,
     conclusion,
     median_ratio,
     missed_targets,
     worse_than_ignoring,
 )
-from q2q_sim.experiments.ablation.contender_flight import COLUMNS
-from q2q_sim.experiments.ablation.contenders import CONTENDERS, NAMES, ONBOARD, TWINS
 from q2q_sim.experiments.ablation.learned_models import MOST, LearnedModel
+from q2q_sim.experiments.ablation.variant_flight import COLUMNS
+from q2q_sim.experiments.ablation.variants import NAMES, ONBOARD, TWINS, VARIANTS
 
 
 def numbers_of(**under: float) -> Numbers:
-    """Return made-up numbers of two models: rms [m] under another by contender, worst 3 times that."""
+    """Return made-up numbers of two models: rms [m] under another by variant, worst 3 times that."""
     parts = [LearnedModel(f"{k}", Jet(), ResidualProcess(floor=0.1 * k)) for k in (1, 2, 3)]
     made = Numbers(1, {plant.models: parts for plant in PLANTS}, {ROOM: ["dc21_x"]})
     for case in CASES:
@@ -65,9 +65,9 @@ def test_ratios_are_those_of_each_draw() -> None:
 
 def test_the_conclusion_follows_the_numbers() -> None:
     made = numbers_of(ignoring=0.09, MPC=0.01, aware=0.1)
-    assert best_contender(made, PASSAGE) == "MPC"
+    assert best_variant(made, PASSAGE) == "MPC"
     assert missed_targets(made, PASSAGE, "MPC") == []
-    assert best_contender(numbers_of(ignoring=0.09, integral=0.011, observer=0.01), PASSAGE) == "observer"
+    assert best_variant(numbers_of(ignoring=0.09, integral=0.011, observer=0.01), PASSAGE) == "observer"
     assert missed_targets(made, PASSAGE, "integral") == ["gain 4.5", "21 mm rms", "63 mm worst"]
     assert missed_targets(made, PASSAGE, "ignoring")[0] == "under / clear 9.0"
     assert worse_than_ignoring(made, STACK) == ["aware"]
@@ -90,10 +90,10 @@ def test_the_conclusion_follows_the_numbers() -> None:
     assert conclusion(Numbers(2)) == ""
 
 
-def test_contenders_that_differ_by_one_part_are_all_flown() -> None:
+def test_variants_that_differ_by_one_part_are_all_flown() -> None:
     assert {name for pair in TWINS for name in pair} <= set(NAMES)
-    assert set(NAMES) == set(CONTENDERS) | set(ONBOARD)
-    assert [name for name, one in CONTENDERS.items() if not one.aware] == ["ignoring", "integral", "observer"]
+    assert set(NAMES) == set(VARIANTS) | set(ONBOARD)
+    assert [name for name, one in VARIANTS.items() if not one.aware] == ["ignoring", "integral", "observer"]
 
 
 def test_the_page_has_a_cell_for_what_was_flown_and_none_for_the_rest() -> None:

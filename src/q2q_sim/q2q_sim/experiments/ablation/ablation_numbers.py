@@ -31,9 +31,9 @@ class Numbers:
     flights: dict[str, Array] = field(default_factory=dict)
     """COLUMNS of each draw (draws, 3), by `cell_name`."""
 
-    def cell(self, case: Case, contender: str) -> Array | None:
+    def cell(self, case: Case, variant: str) -> Array | None:
         """Return COLUMNS of all models and draws, (models, draws, 3); None unless flown."""
-        flown = self.flights.get(cell_name(case, contender))
+        flown = self.flights.get(cell_name(case, variant))
         if flown is None:
             return None
         models, paths = len(self.models_for(case)), len(case.paths.scenarios)
@@ -67,9 +67,9 @@ class Numbers:
         fresh.replace(file)
 
 
-def cell_name(case: Case, contender: str) -> str:
+def cell_name(case: Case, variant: str) -> str:
     """Return the name of a cell."""
-    return f"{case.name}|{case.plant.air}|{contender}"
+    return f"{case.name}|{case.plant.air}|{variant}"
 
 
 def read_numbers(file: Path, draws: int) -> Numbers:

@@ -11,7 +11,7 @@ from q2q_model import palette
 from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case, Plant
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.conclusion import MM, WORST_MM, column
-from q2q_sim.experiments.ablation.contenders import NAMES
+from q2q_sim.experiments.ablation.variants import NAMES
 
 SIZE = (5.4, 7.6)
 """[inch]; 11 points are legible on a phone."""
@@ -40,9 +40,9 @@ def ablation_figure(numbers: Numbers) -> Figure:
 
 def _plot_air(axes: Axes, numbers: Numbers, name: str) -> None:
     measured, *others = JUDGED
-    for row, contender in enumerate(NAMES):
-        made = _worst(numbers, name, contender, others)
-        real = _worst(numbers, name, contender, [measured])
+    for row, variant in enumerate(NAMES):
+        made = _worst(numbers, name, variant, others)
+        real = _worst(numbers, name, variant, [measured])
         first = {} if row else {"air": "other airs", "room": "air of a real room", "all": "median over airs"}
         axes.plot(made, [row] * len(made), "o", color=palette.SKY, markersize=6, label=first.get("air"))
         axes.plot(
@@ -57,11 +57,11 @@ def _plot_air(axes: Axes, numbers: Numbers, name: str) -> None:
     axes.set_title(f"{TITLES[name]} ({name})", x=0.35)
 
 
-def _worst(numbers: Numbers, name: str, contender: str, plants: Sequence[Plant]) -> list[float]:
+def _worst(numbers: Numbers, name: str, variant: str, plants: Sequence[Plant]) -> list[float]:
     """Return the median worst error in each air that was flown [mm]."""
     cases = [Case(name, plant) for plant in plants]
     return [
-        MM * float(np.median(column(numbers, case, contender, "worst")))
+        MM * float(np.median(column(numbers, case, variant, "worst")))
         for case in cases
-        if numbers.cell(case, contender) is not None
+        if numbers.cell(case, variant) is not None
     ]

@@ -13,24 +13,24 @@ from q2q_sim.experiments.ablation.ablation_cases import CASES, LAW, PATHS, PLANT
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.conclusion import (
     MM,
-    best_contender,
+    best_variant,
     column,
     conclusion,
-    flown_contenders,
+    flown_variants,
     is_whole,
     judged_cases,
     median_ratio,
     millimetres,
     missed_targets,
 )
-from q2q_sim.experiments.ablation.contender_flight import COLUMNS
-from q2q_sim.experiments.ablation.contenders import NAMES
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
+from q2q_sim.experiments.ablation.variant_flight import COLUMNS
+from q2q_sim.experiments.ablation.variants import NAMES
 
 READING = """\
 All vehicles are Crazyflies in the room `real` (26 ms of delay, noise, losses, outliers; accelerometers with
 0.2 m/s² of noise) with K_p 10 and K_d 5, as `table6_room` is flown with `--air`. What each controller knows:
-`q2q_sim.experiments.ablation.contenders`. *Under* is the rms height error of vehicles under another and for
+`q2q_sim.experiments.ablation.variants`. *Under* is the rms height error of vehicles under another and for
 1 s after, *clear* that of the same flight's vehicles under nobody for 3 s, *worst* the largest height error
 under another (`q2q_sim.monitors.exposure`); *gain* is ignoring's worst error over the own. Values are medians
 over draws, each with its own noise, losses, gusts, turbulence and vehicles. A dash: not flown.
@@ -52,7 +52,7 @@ UNDER_WORST = "rms error under another vehicle / worst error [mm]"
 
 def page(numbers: Numbers, command: str, picture: str) -> str:
     """Return the page; `picture` is the path of the plot from it."""
-    missing = sum(len(NAMES) - len(flown_contenders(numbers, case)) for case in CASES)
+    missing = sum(len(NAMES) - len(flown_variants(numbers, case)) for case in CASES)
     rest = f"{counted(missing, 'flight')} not flown: the same command flies the rest." if missing else ""
     parts = [
         "# Ablation",
@@ -86,7 +86,7 @@ def _best(numbers: Numbers) -> str:
     rows = []
     for case in judged_cases():
         if is_whole(numbers, case):
-            name = best_contender(numbers, case)
+            name = best_variant(numbers, case)
             missed = ", ".join(missed_targets(numbers, case, name)) or "none"
             rows.append([case.name, case.plant.air, name, *_values(numbers, case, name), missed])
     return _table(head, rows, 3) if rows else ""
@@ -117,15 +117,15 @@ def _overview(numbers: Numbers, name: str) -> str:
     return "\n\n".join([f"## {name}", said[0].upper() + said[1:], table])
 
 
-def _short(numbers: Numbers, case: Case, contender: str) -> str:
-    if numbers.cell(case, contender) is None:
+def _short(numbers: Numbers, case: Case, variant: str) -> str:
+    if numbers.cell(case, variant) is None:
         return "-"
-    under, worst = (np.median(column(numbers, case, contender, one)) for one in ("under", "worst"))
+    under, worst = (np.median(column(numbers, case, variant, one)) for one in ("under", "worst"))
     return f"{millimetres(MM * float(under))} / {millimetres(MM * float(worst))}"
 
 
 def _detail(numbers: Numbers, case: Case) -> str:
-    flown = flown_contenders(numbers, case)
+    flown = flown_variants(numbers, case)
     if "ignoring" not in flown:
         return ""
     head = ["controller", "under [mm]", "clear [mm]", "worst [mm]", "under / clear", "gain"]

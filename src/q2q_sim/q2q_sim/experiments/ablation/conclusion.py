@@ -14,9 +14,9 @@ from q2q_model.counted import counted
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.ablation.ablation_cases import JUDGED, PATHS, SHOWN, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
-from q2q_sim.experiments.ablation.contender_flight import COLUMNS
-from q2q_sim.experiments.ablation.contenders import NAMES, TWINS
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
+from q2q_sim.experiments.ablation.variant_flight import COLUMNS
+from q2q_sim.experiments.ablation.variants import NAMES, TWINS
 from q2q_sim.report.significant_digits import significant_digits
 
 MM = 1e3
@@ -41,28 +41,28 @@ def judged_cases() -> list[Case]:
 
 
 def is_whole(numbers: Numbers, case: Case) -> bool:
-    """Return whether all contenders were flown."""
-    return len(flown_contenders(numbers, case)) == len(NAMES)
+    """Return whether all variants were flown."""
+    return len(flown_variants(numbers, case)) == len(NAMES)
 
 
-def flown_contenders(numbers: Numbers, case: Case) -> list[str]:
-    """Return the contenders that were flown."""
+def flown_variants(numbers: Numbers, case: Case) -> list[str]:
+    """Return the variants that were flown."""
     return [name for name in NAMES if numbers.cell(case, name) is not None]
 
 
-def best_contender(numbers: Numbers, case: Case) -> str:
-    """Return the contender that misses the fewest targets; of those, the one with the least worst error."""
+def best_variant(numbers: Numbers, case: Case) -> str:
+    """Return the variant that misses the fewest targets; of those, the one with the least worst error."""
 
     def rank(name: str) -> tuple[int, float]:
         return len(missed_targets(numbers, case, name)), _median(numbers, case, name, "worst")
 
-    return min(flown_contenders(numbers, case), key=rank)
+    return min(flown_variants(numbers, case), key=rank)
 
 
-def missed_targets(numbers: Numbers, case: Case, contender: str) -> list[str]:
-    """Return the targets that a contender's medians miss, with what it reaches."""
-    under, clear, worst = (column(numbers, case, contender, name) for name in COLUMNS)
-    gain = float(np.median(ratios(numbers, case, ("ignoring", contender), "worst")))
+def missed_targets(numbers: Numbers, case: Case, variant: str) -> list[str]:
+    """Return the targets that a variant's medians miss, with what it reaches."""
+    under, clear, worst = (column(numbers, case, variant, name) for name in COLUMNS)
+    gain = float(np.median(ratios(numbers, case, ("ignoring", variant), "worst")))
     over = float(np.median(under / clear))
     reached = (
         (over <= UNDER_CLEAR, f"under / clear {over:.1f}"),
@@ -74,16 +74,16 @@ def missed_targets(numbers: Numbers, case: Case, contender: str) -> list[str]:
 
 
 def worse_than_ignoring(numbers: Numbers, case: Case) -> list[str]:
-    """Return the contenders whose rms error under another vehicle has an interval above ignoring's."""
-    flown = flown_contenders(numbers, case)
+    """Return the variants whose rms error under another vehicle has an interval above ignoring's."""
+    flown = flown_variants(numbers, case)
     return [name for name in flown if median_ratio(numbers, case, (name, "ignoring"), "under").low > 1.0]
 
 
-def column(numbers: Numbers, case: Case, contender: str, name: str) -> Array:
+def column(numbers: Numbers, case: Case, variant: str, name: str) -> Array:
     """Return a column of a flown cell, (models, draws)."""
-    cell = numbers.cell(case, contender)
+    cell = numbers.cell(case, variant)
     if cell is None:
-        raise ValueError(f"{contender} was not flown in {case.title}: run the command without --table-only")
+        raise ValueError(f"{variant} was not flown in {case.title}: run the command without --table-only")
     return np.asarray(cell[..., COLUMNS.index(name)])
 
 
@@ -93,7 +93,7 @@ def median_ratio(numbers: Numbers, case: Case, pair: tuple[str, str], name: str)
 
 
 def ratios(numbers: Numbers, case: Case, pair: tuple[str, str], name: str) -> Array:
-    """Return a column of one contender over that of another, (models, draws); as many draws as both have."""
+    """Return a column of one variant over that of another, (models, draws); as many draws as both have."""
     first, second = (column(numbers, case, one, name) for one in pair)
     draws = min(first.shape[1], second.shape[1])
     return np.asarray(first[:, :draws] / second[:, :draws])
@@ -104,17 +104,17 @@ def millimetres(value: float) -> str:
     return significant_digits(value, 2 if value < 100.0 else 3)
 
 
-def _median(numbers: Numbers, case: Case, contender: str, name: str) -> float:
-    return float(np.median(column(numbers, case, contender, name)))
+def _median(numbers: Numbers, case: Case, variant: str, name: str) -> float:
+    return float(np.median(column(numbers, case, variant, name)))
 
 
 def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
-    best = Counter(best_contender(numbers, case) for case in cases).most_common()
+    best = Counter(best_variant(numbers, case) for case in cases).most_common()
     parts = []
     for name in SHOWN:
         own = [case for case in cases if case.name == name]
         if own:
-            worst = _span([MM * _median(numbers, one, best_contender(numbers, one), "worst") for one in own])
+            worst = _span([MM * _median(numbers, one, best_variant(numbers, one), "worst") for one in own])
             ignored = _span([MM * _median(numbers, one, "ignoring", "worst") for one in own])
             parts.append(f"{worst} mm in `{name}` (ignoring {ignored} mm)")
     others = f" (in the others {', '.join(name for name, _ in best[1:])})" if best[1:] else ""
@@ -128,7 +128,7 @@ def _reached(numbers: Numbers, cases: Sequence[Case]) -> str:
 def _parts(numbers: Numbers, cases: Sequence[Case]) -> str:
     parts = []
     for one, without in TWINS:
-        both = [case for case in cases if {one, without} <= set(flown_contenders(numbers, case))]
+        both = [case for case in cases if {one, without} <= set(flown_variants(numbers, case))]
         times = [median_ratio(numbers, case, (one, without), "worst").middle for case in both]
         if not times:
             continue
@@ -137,7 +137,7 @@ def _parts(numbers: Numbers, cases: Sequence[Case]) -> str:
 
 
 def _missed(numbers: Numbers, cases: Sequence[Case]) -> str:
-    missed = {case: missed_targets(numbers, case, best_contender(numbers, case)) for case in cases}
+    missed = {case: missed_targets(numbers, case, best_variant(numbers, case)) for case in cases}
     met = sum(not one for one in missed.values())
     said = (
         f"The best controller meets all targets (under / clear at most {UNDER_CLEAR:g}, worst "
@@ -159,7 +159,7 @@ def _worse(numbers: Numbers) -> str:
 
 
 def _times(numbers: Numbers, case: Case, name: str) -> str:
-    """Return a contender's rms error over ignoring's, as text."""
+    """Return a variant's rms error over ignoring's, as text."""
     found = median_ratio(numbers, case, (name, "ignoring"), "under")
     return f"{found.middle:.2f} times, {found.low:.2f} to {found.high:.2f}"
 

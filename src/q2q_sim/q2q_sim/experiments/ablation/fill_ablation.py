@@ -15,9 +15,9 @@ from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers, cell_name, read_numbers
 from q2q_sim.experiments.ablation.ablation_plot import ablation_figure
 from q2q_sim.experiments.ablation.ablation_table import page
-from q2q_sim.experiments.ablation.contender_flight import ContenderFlight, fly_contender
-from q2q_sim.experiments.ablation.contenders import NAMES
 from q2q_sim.experiments.ablation.learned_models import models_of
+from q2q_sim.experiments.ablation.variant_flight import VariantFlight, fly_variant
+from q2q_sim.experiments.ablation.variants import NAMES
 from q2q_sim.experiments.resume_log import exclusive_file
 from q2q_sim.processes.worker_pool import worker_pool
 from q2q_sim.scenarios.choices import TABLE_ONLY
@@ -47,7 +47,7 @@ def write(numbers: Numbers, out: Path, command: str) -> None:
     out.write_text(page(numbers, command, picture.as_posix()), encoding="utf-8")
 
 
-def _is_wanted(given: Namespace, case: Case, contender: str) -> bool:
+def _is_wanted(given: Namespace, case: Case, variant: str) -> bool:
     """Return whether a flight is among the chosen ones.
 
     Raises:
@@ -58,7 +58,7 @@ def _is_wanted(given: Namespace, case: Case, contender: str) -> bool:
     for option, value, known in (
         ("only", case.name, sorted({one.name for one in CASES})),
         ("airs", case.plant.air, airs),
-        ("controllers", contender, list(NAMES)),
+        ("controllers", variant, list(NAMES)),
     ):
         asked = getattr(given, option) or known
         unknown = sorted(set(asked) - set(known))
@@ -84,11 +84,11 @@ def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace
         asked = _missing(numbers, wanted)
         numbers.save(given.json)
         task = progress.add_task("flights", total=len(asked))
-        flights = {pool.submit(fly_contender, one): one for one in asked}
+        flights = {pool.submit(fly_variant, one): one for one in asked}
         try:
             for done in as_completed(flights):
                 one = flights[done]
-                numbers.flights[cell_name(one.case, one.contender)] = done.result()
+                numbers.flights[cell_name(one.case, one.variant)] = done.result()
                 numbers.save(given.json)
                 progress.advance(task)
         except BaseException:
@@ -96,7 +96,7 @@ def _fill(numbers: Numbers, wanted: Sequence[tuple[Case, str]], given: Namespace
             raise
 
 
-def _missing(numbers: Numbers, wanted: Sequence[tuple[Case, str]]) -> list[ContenderFlight]:
+def _missing(numbers: Numbers, wanted: Sequence[tuple[Case, str]]) -> list[VariantFlight]:
     """Return the missing flights, and learn models and airs for them."""
     left = [(case, name) for case, name in wanted if cell_name(case, name) not in numbers.flights]
     airs: dict[str, FlownAir] = {}
@@ -109,5 +109,5 @@ def _missing(numbers: Numbers, wanted: Sequence[tuple[Case, str]]) -> list[Conte
             airs[plant.air] = air = find_air(plant.air)
             numbers.airs[plant.air] = list(air.flights) if isinstance(air, RoomAir) else []
         models = tuple(numbers.models_for(case))
-        asked.append(ContenderFlight(case, name, models, airs[plant.air], numbers.draws_of(case)))
+        asked.append(VariantFlight(case, name, models, airs[plant.air], numbers.draws_of(case)))
     return asked

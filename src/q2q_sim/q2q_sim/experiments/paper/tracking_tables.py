@@ -15,8 +15,8 @@ from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_sim.air.find_air import find_air
 from q2q_sim.experiments.ablation.ablation_cases import PASSAGE, Case
-from q2q_sim.experiments.ablation.contender_flight import COLUMNS, ContenderFlight, fly_contender
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
+from q2q_sim.experiments.ablation.variant_flight import COLUMNS, VariantFlight, fly_variant
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture, Line, plot_panel
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import Mode
@@ -60,15 +60,15 @@ def mpc(folder: Path) -> ExperimentOutcome:
     return ExperimentOutcome(found, _pictures(folder, "fig15", {"aware MPC": flight, "aware PD": beside}))
 
 
-def in_learned_air(group: str, contenders: Mapping[str, str]) -> dict[str, float]:
+def in_learned_air(group: str, variants: Mapping[str, str]) -> dict[str, float]:
     """Return rms under another vehicle and in clear air, and worst error [m], medians over DRAWS.
 
-    `contenders` are the ablation's, by the suffix of their numbers.
+    `variants` are the ablation's, by the suffix of their numbers.
     """
     found, case = {}, Case(PASSAGE)
     air, models = find_air(case.plant.air), (LearnedModel("measured_law", MEASURED_LAW),)
-    for suffix, contender in contenders.items():
-        rows = fly_contender(ContenderFlight(case, contender, models, air, DRAWS))
+    for suffix, variant in variants.items():
+        rows = fly_variant(VariantFlight(case, variant, models, air, DRAWS))
         for name in ("under", "clear", "worst"):
             middle = float(np.median(rows[:, COLUMNS.index(name)]))
             found[f"{group}.learned_air_{name}_{suffix}"] = middle

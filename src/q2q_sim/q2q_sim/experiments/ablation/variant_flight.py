@@ -1,4 +1,4 @@
-"""Flight of one contender in one case, with the height errors of every draw.
+"""Flight of one variant of the controller in one case, with the height errors of every draw.
 
 The closed loop is q2q_sim.loop's. Errors are true minus planned heights.
 
@@ -19,11 +19,11 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.experiments.ablation.ablation_cases import Case, scenarios_of
-from q2q_sim.experiments.ablation.contenders import CONTENDERS, ONBOARD, Contender, Situation
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.experiments.ablation.model_groups import GroupedController, ModelGroup
 from q2q_sim.experiments.ablation.onboard_flight import Trace, fly_on_board
 from q2q_sim.experiments.ablation.side_by_side import side_by_side, with_vehicles
+from q2q_sim.experiments.ablation.variants import ONBOARD, VARIANTS, Variant, VariantInputs
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
 from q2q_sim.monitors.exposure import exposure
@@ -35,47 +35,49 @@ SEED = 19
 
 
 @dataclass(frozen=True, slots=True)
-class ContenderFlight:
+class VariantFlight:
     """One flight of the ablation: draws side by side, draw k with model k mod len(models)."""
 
     case: Case
-    contender: str
+    variant: str
     models: tuple[LearnedModel, ...]
     air: FlownAir
     draws: int
     seed: int = SEED
 
 
-def fly_contender(asked: ContenderFlight) -> Array:
+def fly_variant(asked: VariantFlight) -> Array:
     """Return COLUMNS of every draw, (draws, 3), draw k of path f in row k * paths + f."""
     apart = scenarios_of(asked.case.name)
     each = len(apart[0].names)
     scenario = side_by_side(apart, asked.draws)
     places = np.arange(len(scenario.names)) // each
     group = places // len(apart) % len(asked.models)
-    if asked.contender in ONBOARD:
+    if asked.variant in ONBOARD:
         models = [asked.models[k] for k in group]
-        trace = fly_on_board(scenario, models, asked.air, asked.seed, apps=ONBOARD[asked.contender])
+        trace = fly_on_board(scenario, models, asked.air, asked.seed, apps=ONBOARD[asked.variant])
         return draw_columns(trace, each)
-    situations = [
-        Situation(with_vehicles(scenario, tuple(np.array(scenario.names)[group == k].tolist())), model, each)
+    inputs = [
+        VariantInputs(
+            with_vehicles(scenario, tuple(np.array(scenario.names)[group == k].tolist())), model, each
+        )
         for k, model in enumerate(asked.models)
     ]
     rows = [np.flatnonzero(group == k) for k in range(len(asked.models))]
-    contender = CONTENDERS[asked.contender]
-    groups = [ModelGroup(own, contender.built(one)) for own, one in zip(rows, situations, strict=True)]
-    return draw_columns(fly_groups(scenario, contender, groups, asked), each)
+    variant = VARIANTS[asked.variant]
+    groups = [ModelGroup(own, variant.built(one)) for own, one in zip(rows, inputs, strict=True)]
+    return draw_columns(fly_groups(scenario, variant, groups, asked), each)
 
 
 def fly_groups(
-    scenario: Scenario, contender: Contender, groups: Sequence[ModelGroup], asked: ContenderFlight
+    scenario: Scenario, variant: Variant, groups: Sequence[ModelGroup], asked: VariantFlight
 ) -> Trace:
     """Return a flight of groups of vehicles in one room."""
     control = GroupedController(scenario.names, groups)
     shared = replace(
         blocks_of(scenario, BlockChoices(), NoInteraction()), controller=control, sense=control.sense
     )
-    mode: Mode = "aware" if contender.aware else "ignoring"
+    mode: Mode = "aware" if variant.aware else "ignoring"
     flight = fly_blocks(scenario, shared, LoopSettings(mode, asked.seed, asked.air))
     return Trace(flight.true_pos, flight.true_pos[..., 2] - flight.ref_pos[..., 2])
 

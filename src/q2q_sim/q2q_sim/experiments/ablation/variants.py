@@ -1,4 +1,4 @@
-"""Controllers of the ablation, all with the same gains and the same learned model.
+"""Variants of the controller in the ablation, all with the same gains and the same learned model.
 
 | name | downwash model | against what the model does not explain |
 |---|---|---|
@@ -38,8 +38,8 @@ INTEGRAL_SHARE = 0.12
 
 
 @dataclass(frozen=True, slots=True)
-class Situation:
-    """Surroundings that a contender is built for."""
+class VariantInputs:
+    """Scenario and model that a variant is built for."""
 
     scenario: Scenario
     model: LearnedModel
@@ -48,38 +48,38 @@ class Situation:
 
 
 @dataclass(frozen=True, slots=True)
-class Contender:
-    """Controller on a ground station."""
+class Variant:
+    """Variant on a ground station."""
 
-    built: Callable[[Situation], Blocks]
+    built: Callable[[VariantInputs], Blocks]
     aware: bool = True
     """Whether it is given the predicted downwash."""
 
 
-def _shipped(choice: BlockChoices) -> Callable[[Situation], Blocks]:
-    def built(given: Situation) -> Blocks:
+def _shipped(choice: BlockChoices) -> Callable[[VariantInputs], Blocks]:
+    def built(given: VariantInputs) -> Blocks:
         return blocks_of(given.scenario, choice, given.model.jet, residual=given.model.process)
 
     return built
 
 
-def _integral(given: Situation) -> Blocks:
+def _integral(given: VariantInputs) -> Blocks:
     gains = pid_params(given.scenario, limited=False)
     gains = replace(gains, k_i_z=INTEGRAL_SHARE * gains.k_p_z * gains.k_d_z)
     return _with(given, Pid(gains, given.scenario.vehicle))
 
 
-def _observed(given: Situation) -> Blocks:
+def _observed(given: VariantInputs) -> Blocks:
     gains, tracker = pid_params(given.scenario, limited=False), tracker_params(given.scenario)
     return _with(given, ObservedPid(gains, tracker, given.scenario.vehicle))
 
 
-def _with(given: Situation, controller: Controller) -> Blocks:
+def _with(given: VariantInputs, controller: Controller) -> Blocks:
     guarded = Guard(controller, FallbackParams(), given.scenario.vehicle.hover_thrust)
     return replace(_shipped(BlockChoices())(given), controller=guarded)
 
 
-def _distributed(given: Situation) -> Blocks:
+def _distributed(given: VariantInputs) -> Blocks:
     names = given.scenario.names
     controlled = tuple(names[k :: given.each] for k in range(given.each))  # draws are out of reach
     choice = BlockChoices(controller="mpc")
@@ -88,21 +88,21 @@ def _distributed(given: Situation) -> Blocks:
     return replace(_shipped(choice)(given), controller=controller)
 
 
-CONTENDERS = {
-    "ignoring": Contender(_shipped(BlockChoices("ignoring")), aware=False),
-    "integral": Contender(_integral, aware=False),
-    "observer": Contender(_observed, aware=False),
-    "aware": Contender(_shipped(BlockChoices())),
-    "aware + observer": Contender(_observed),
-    "aware + correction": Contender(_shipped(BlockChoices(correct=True))),
-    "MPC": Contender(_shipped(BlockChoices(controller="mpc"))),
-    "MPC + correction": Contender(_shipped(BlockChoices(controller="mpc", correct=True))),
-    "distributed": Contender(_distributed),
+VARIANTS = {
+    "ignoring": Variant(_shipped(BlockChoices("ignoring")), aware=False),
+    "integral": Variant(_integral, aware=False),
+    "observer": Variant(_observed, aware=False),
+    "aware": Variant(_shipped(BlockChoices())),
+    "aware + observer": Variant(_observed),
+    "aware + correction": Variant(_shipped(BlockChoices(correct=True))),
+    "MPC": Variant(_shipped(BlockChoices(controller="mpc"))),
+    "MPC + correction": Variant(_shipped(BlockChoices(controller="mpc", correct=True))),
+    "distributed": Variant(_distributed),
 }
-"""Contenders on a ground station."""
+"""Variants on a ground station."""
 ONBOARD = {"Mellinger": False, "on board": True}
-"""Contenders on the vehicle, and whether they have the app."""
-NAMES = (*CONTENDERS, *ONBOARD)
+"""Variants on the vehicle, and whether they have the app."""
+NAMES = (*VARIANTS, *ONBOARD)
 """Rows of the tables."""
 TWINS = (
     ("aware", "ignoring"),
@@ -113,4 +113,4 @@ TWINS = (
     ("distributed", "MPC"),
     ("on board", "Mellinger"),
 )
-"""Contenders that differ from another by one part."""
+"""Variants that differ from another by one part."""
