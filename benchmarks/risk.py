@@ -23,7 +23,7 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, vehicle_by_name
 from q2q_planner.experiments.crowded_room import CrowdedError, RoomSize, plan_swap, random_swap
-from q2q_planner.offline.zones.risk_zone import RiskTerms, RiskTube, risk_zone
+from q2q_planner.offline.zones.risk_zone import RiskParams, RiskTube, risk_zone
 from q2q_planner.tools.risk_options import MANOEUVRES, MODEL
 from q2q_sim.experiments.promise.tracking_tube import conformal_bound, fewest_flights
 from q2q_sim.loop.closed_loop import FlightOptions, fly
@@ -47,7 +47,7 @@ EXAMPLE = """  python benchmarks/risk.py capacity --tube 0.08 0.06 --draws 3
 
 def risk_of(tube: RiskTube) -> Zone:
     """Return the zone at ALPHA with a tube."""
-    return risk_zone(find_model(MODEL).interaction, RiskTerms(ALPHA, HOLD, tube), REAL_FLIGHTS)
+    return risk_zone(find_model(MODEL).interaction, RiskParams(ALPHA, HOLD, tube), REAL_FLIGHTS)
 
 
 def zones(tube: RiskTube) -> dict[str, tuple[Zone, float]]:

@@ -15,14 +15,14 @@ from q2q_model.model_files.find_model import find_model
 from q2q_model.trajectory.plan_file import load_with_facts
 from q2q_planner.commands.plan import main
 from q2q_planner.offline.certificate.certified_file import load_plan
-from q2q_planner.offline.zones.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
+from q2q_planner.offline.zones.risk_zone import RiskParams, RiskTube, largest_push, risk_zone
 
 TUBE = RiskTube(0.05, 0.03, 0.004)
-STRONG = RiskTerms(alpha=0.01, hold=6.0, tube=TUBE)
-WEAK = RiskTerms(alpha=0.01, hold=2.0, tube=TUBE)
+STRONG = RiskParams(alpha=0.01, hold=6.0, tube=TUBE)
+WEAK = RiskParams(alpha=0.01, hold=2.0, tube=TUBE)
 RESIDUAL = ResidualProcess(floor=0.2, slope=0.1)
 MODEL = find_model("measured_law").interaction
-ZONES = {terms: risk_zone(MODEL, terms, RESIDUAL) for terms in (STRONG, WEAK)}
+ZONES = {params: risk_zone(MODEL, params, RESIDUAL) for params in (STRONG, WEAK)}
 CROSSING = """
 vehicles:
   cf1: [{t: 0, pos: [-1, 0, 1]}, {t: 6, pos: [1, 0, 1]}]
@@ -42,13 +42,13 @@ def test_downwash_with_its_residual_exceeds_the_thrust_with_the_rest_of_the_risk
 
 @given(st.tuples(unit, unit, unit), st.tuples(unit, unit, unit), st.sampled_from([STRONG, WEAK]))
 def test_errors_within_the_tubes_never_make_a_touch_of_references_out_of_the_zone(
-    where: tuple[float, float, float], errors: tuple[float, float, float], terms: RiskTerms
+    where: tuple[float, float, float], errors: tuple[float, float, float], params: RiskParams
 ) -> None:
     across, along, up = where
-    touching = terms.touch * np.array(where) / max(1.0, float(np.linalg.norm((across, along, up))))
+    touching = params.touch * np.array(where) / max(1.0, float(np.linalg.norm((across, along, up))))
     flat = np.array(errors[:2]) / max(1.0, float(np.hypot(*errors[:2])))
     error = np.array([*(2.0 * TUBE.horizontal * flat), 2.0 * TUBE.vertical * errors[2]])
-    assert ZONES[terms].signed_distance(touching + error) <= 1e-12  # rounding
+    assert ZONES[params].signed_distance(touching + error) <= 1e-12  # rounding
 
 
 def test_the_zone_of_ample_thrust_is_the_touch_and_two_tubes() -> None:
@@ -74,13 +74,13 @@ def test_strong_downwash_is_in_the_zone_of_weak_thrust_wherever_the_tubes_lead()
 
 def test_risks_that_cannot_be_kept_are_refused() -> None:
     with pytest.raises(ValueError, match=r"risk = 0.004: the tube alone is left with probability 0.004"):
-        RiskTerms(alpha=0.004, hold=2.0, tube=TUBE)
+        RiskParams(alpha=0.004, hold=2.0, tube=TUBE)
     with pytest.raises(ValueError, match=r"hold = 0: allowed is 0 to 100, 0 excluded"):
-        RiskTerms(alpha=0.01, hold=0.0, tube=TUBE)
+        RiskParams(alpha=0.01, hold=0.0, tube=TUBE)
     with pytest.raises(ValueError, match=r"tube: vertical = -0.1: allowed is 0 to 2"):
         RiskTube(0.1, -0.1, 0.005)
     with pytest.raises(ValueError, match=r"2.51 deviations of the residual without downwash are 0.50 m/s\^2"):
-        largest_push(RiskTerms(alpha=0.01, hold=0.3, tube=TUBE), RESIDUAL)
+        largest_push(RiskParams(alpha=0.01, hold=0.3, tube=TUBE), RESIDUAL)
 
 
 def test_a_plan_at_a_risk_is_certified_and_says_what_it_rests_on(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
 from q2q_planner.offline.walls import WallProof, prove_within
 from q2q_planner.tools.export import check_upload_of, upload_rows, write_samples, write_uploads
 from q2q_planner.tools.flight_options import read_swarm
-from q2q_planner.tools.risk_options import risk_facts, terms_of
+from q2q_planner.tools.risk_options import risk_facts, risk_params
 from q2q_planner.tools.zone_options import zone_of
 
 DRAFT = "paper_law"
@@ -98,7 +98,7 @@ def run(asked: Namespace) -> int:
     warm = plan_file.load(asked.warm_start) if asked.warm_start else None
     zone, words = zone_of(asked, swarm, _params_of(asked), warm)
     made = make_plan(asked, swarm, zone, warm, before)
-    reserve = 0.0 if asked.risk is None else terms_of(asked).hold
+    reserve = 0.0 if asked.risk is None else risk_params(asked).hold
     check_feasible(made.plan, swarm, asked.vehicle, reserve, asked.tilt)
     uploads = upload_rows(made.plan) if asked.upload else {}
     facts = PlanFacts(words, made.cost, made.infimum, made.proof.clearance)

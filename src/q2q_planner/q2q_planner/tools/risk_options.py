@@ -1,4 +1,4 @@
-"""Options of `plan --risk`: terms, zone, and what the files say of them."""
+"""Options of `plan --risk`: parameters, zone, and what the files say of them."""
 
 from argparse import Namespace
 
@@ -8,7 +8,7 @@ from q2q_model.downwash.level_set import push_at_range
 from q2q_model.model_files.find_model import find_model
 from q2q_model.vehicle.constants import CONTACT, GRAVITY, Vehicle
 from q2q_planner.offline.certificate.convex_zone import ConvexZone
-from q2q_planner.offline.zones.risk_zone import RiskTerms, RiskTube, largest_push, risk_zone
+from q2q_planner.offline.zones.risk_zone import RiskParams, RiskTube, largest_push, risk_zone
 
 MODEL = "measured_law"
 """Downwash without --model: fitted to real flights."""
@@ -16,8 +16,8 @@ MANOEUVRES = 1.0
 """Acceleration that is kept for the plan itself [m/s^2]: 4 m in 5.5 s."""
 
 
-def terms_of(asked: Namespace) -> RiskTerms:
-    """Return the terms of the command line; raise ValueError naming the option that is not allowed."""
+def risk_params(asked: Namespace) -> RiskParams:
+    """Return the parameters of the command line; raise ValueError naming the option that is not allowed."""
     if asked.tube is None:
         raise ValueError(f"--risk {asked.risk:g} needs --tube, the largest tracking error of a flight [m]")
     tube_risk = 0.5 * asked.risk if asked.tube_risk is None else asked.tube_risk
@@ -31,19 +31,19 @@ def terms_of(asked: Namespace) -> RiskTerms:
     hold = spare - MANOEUVRES if asked.hold is None else asked.hold
     horizontal, vertical = asked.tube
     touch = CONTACT if asked.touch is None else asked.touch
-    return RiskTerms(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), touch)
+    return RiskParams(asked.risk, hold, RiskTube(horizontal, vertical, tube_risk), touch)
 
 
 def zone_by_risk(asked: Namespace) -> tuple[ConvexZone, str]:
     """Return the zone of the command line, and its description."""
-    terms, file = terms_of(asked), find_model(asked.model or MODEL)
+    params, file = risk_params(asked), find_model(asked.model or MODEL)
     residual = file.residual or REAL_FLIGHTS
-    push, tube = largest_push(terms, residual), terms.tube
+    push, tube = largest_push(params, residual), params.tube
     words = (
-        f"risk {terms.alpha:g} a vehicle: {terms.touch:g} m apart, {asked.model or MODEL} below {push:.2f} "
+        f"risk {params.alpha:g} a vehicle: {params.touch:g} m apart, {asked.model or MODEL} below {push:.2f} "
         f"m/s^2, tube {tube.horizontal:g} m horizontally and {tube.vertical:g} m vertically at {tube.risk:g}"
     )
-    return risk_zone(file.interaction, terms, residual), words + range_note(file.interaction, push)
+    return risk_zone(file.interaction, params, residual), words + range_note(file.interaction, push)
 
 
 def range_note(model: InteractionModel, threshold: float) -> str:
@@ -58,11 +58,11 @@ def risk_facts(asked: Namespace, vehicles: int, *, certified: bool) -> dict[str,
     """Return what --json says of the risk: of one vehicle, and, if `certified`, of any of them (Boole)."""
     if asked.risk is None:
         return {}
-    terms = terms_of(asked)
+    params = risk_params(asked)
     return {
-        "risk": terms.alpha,
-        "swarm_risk": min(1.0, vehicles * terms.alpha) if certified else None,
-        "hold": terms.hold,
-        "tube_horizontal_m": terms.tube.horizontal,
-        "tube_vertical_m": terms.tube.vertical,
+        "risk": params.alpha,
+        "swarm_risk": min(1.0, vehicles * params.alpha) if certified else None,
+        "hold": params.hold,
+        "tube_horizontal_m": params.tube.horizontal,
+        "tube_vertical_m": params.tube.vertical,
     }

@@ -58,8 +58,8 @@ class RiskTube:
 
 
 @dataclass(frozen=True, slots=True)
-class RiskTerms:
-    """Terms on which vehicles share the air."""
+class RiskParams:
+    """Risk of a vehicle, its thrust margin, and the tube of a plan."""
 
     alpha: float
     """Risk of one vehicle in one flight [-]."""
@@ -83,7 +83,7 @@ class RiskTerms:
             raise ValueError(f"risk = {self.alpha:g}: {taken}; allow more risk, or give a tube of less")
 
 
-def largest_push(terms: RiskTerms, residual: ResidualProcess) -> float:
+def largest_push(params: RiskParams, residual: ResidualProcess) -> float:
     """Return the mean downwash that, with its residual, stays below `hold` [m/s^2].
 
     Raises:
@@ -91,26 +91,26 @@ def largest_push(terms: RiskTerms, residual: ResidualProcess) -> float:
     """
     from scipy.stats import norm  # half a second to import
 
-    z = float(norm.isf(terms.alpha - terms.tube.risk))
-    push = (terms.hold - z * residual.floor) / (1.0 + z * residual.slope)
+    z = float(norm.isf(params.alpha - params.tube.risk))
+    push = (params.hold - z * residual.floor) / (1.0 + z * residual.slope)
     if not push > 0.0:
         still = f"{z:.2f} deviations of the residual without downwash are {z * residual.floor:.2f} m/s^2"
-        raise ValueError(f"hold = {terms.hold:.2f} m/s^2: {still}; allow more thrust or more risk")
+        raise ValueError(f"hold = {params.hold:.2f} m/s^2: {still}; allow more thrust or more risk")
     return push
 
 
 def risk_zone(
-    model: InteractionModel, terms: RiskTerms, residual: ResidualProcess = REAL_FLIGHTS
+    model: InteractionModel, params: RiskParams, residual: ResidualProcess = REAL_FLIGHTS
 ) -> ConvexZone:
     """Return Z; raise as `largest_push`."""
-    push = largest_push(terms, residual)
-    grown = 2.0 * np.array([terms.tube.horizontal, terms.tube.vertical])
+    push = largest_push(params, residual)
+    grown = 2.0 * np.array([params.tube.horizontal, params.tube.vertical])
     strong = np.zeros((1, 2))  # (radius, height) of corners
     if push < level_set.peak_downwash(model):
         strong = zone_around(level_set.level_set(model, push)).profile + 0.5 * level_set.STEP
 
     def support(normal: Array) -> Array:
-        core = np.maximum(terms.touch, (normal @ strong.T).max(axis=-1))
+        core = np.maximum(params.touch, (normal @ strong.T).max(axis=-1))
         return np.asarray(core + normal @ grown)
 
-    return zone_by_support(support, np.maximum(terms.touch, strong.max(axis=0)) + grown)
+    return zone_by_support(support, np.maximum(params.touch, strong.max(axis=0)) + grown)
