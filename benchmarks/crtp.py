@@ -9,7 +9,7 @@ from time import process_time
 
 import numpy as np
 
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
@@ -39,11 +39,11 @@ def _cpu(act: Callable[[], object], times: int) -> float:
 def _packets() -> list[Row]:
     from cflib.crazyflie.commander import Commander
 
-    pilot = Pilot(np.zeros((1, 4)))
-    wire = pilot.wire()
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    wire = crazyflies.wire()
     encoder = Commander(wire)
     encoder.send_full_state_setpoint(*FULL_STATE)
-    datagram, handle = wire.sent[-1], pilot.fleet.vehicles[0].handle
+    datagram, handle = wire.sent[-1], crazyflies.fleet.vehicles[0].handle
     encoding = _cpu(lambda: encoder.send_full_state_setpoint(*FULL_STATE), 500) - _cpu(
         lambda: handle(datagram), 500
     )
@@ -59,10 +59,10 @@ def _packets() -> list[Row]:
 def _fleet(vehicles: int) -> Row:
     start = np.zeros((vehicles, 4))
     start[:, 0], start[:, 2] = np.arange(vehicles), 1.0
-    pilot = Pilot(start)
-    each = pilot.hold(HOVER)
-    pilot.fly(0.5, each)
-    took_ms = _cpu(lambda: pilot.fly(0.01, each), 50) * 1e3
+    crazyflies = CflibFleet(start)
+    each = crazyflies.hold(HOVER)
+    crazyflies.fly(0.5, each)
+    took_ms = _cpu(lambda: crazyflies.fly(0.01, each), 50) * 1e3
     return Row(f"tick of {vehicles} vehicles", took_ms, "ms", "the tick itself, 10 ms", TICK_MS / took_ms)
 
 
@@ -72,8 +72,8 @@ def _connection() -> Row:
 
     logging.getLogger("cflib").setLevel(logging.ERROR)
     cflib.crtp.init_drivers()
-    pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    with CrtpEndpoint(crazyflies.fleet, 0, SharedRadioParams()) as endpoint:
         before = process_time()
         with SyncCrazyflie(endpoint.uris[0]) as client:
             client.wait_for_params()

@@ -24,8 +24,8 @@ from q2q_model.signals.values import Array, MocapFrame
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
+from q2q_sim.crtp.cflib_fleet import Wire
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
-from q2q_sim.crtp.pilot import Wire
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario

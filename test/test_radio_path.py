@@ -29,9 +29,9 @@ from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.thrust_map import BRUSHED_MOTOR, PWM_FULL
+from q2q_sim.crtp.cflib_fleet import STILL, Wire
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.crtp.packets.packet import is_stream
-from q2q_sim.crtp.pilot import STILL, Wire
 from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.motors.battery import CURVE_CHARGE, CURVE_VOLT, HOVER_TIME
 from q2q_sim.firmware.motors.thrust_curve import CURVE

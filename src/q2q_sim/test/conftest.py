@@ -1,4 +1,4 @@
-"""Pilots of simulated vehicles that speak CRTP; tests of this folder may import its other modules."""
+"""Simulated vehicles that speak CRTP; tests of this folder may import its other modules."""
 
 import sys
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 
 if TYPE_CHECKING:
     from crtp_stage import Stage
@@ -17,11 +17,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture
-def grounded() -> Pilot:
+def grounded() -> CflibFleet:
     """Return one vehicle on the ground, half a second after its start: ready to fly."""
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(0.5)
-    return pilot
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(0.5)
+    return crazyflies
 
 
 @pytest.fixture(scope="session")

@@ -1,10 +1,10 @@
 """Questions to a vehicle that speaks CRTP, for tests."""
 
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 
 
-def ask(pilot: Pilot, datagram: bytes) -> bytes:
+def ask(crazyflies: CflibFleet, datagram: bytes) -> bytes:
     """Return the answer of a vehicle to a datagram, without its header."""
-    (answer,) = pilot.fleet.vehicles[0].handle(datagram)
+    (answer,) = crazyflies.fleet.vehicles[0].handle(datagram)
     assert answer[0] & 0xF3 == datagram[0] & 0xF3  # same port and channel
     return answer[1:]

@@ -17,8 +17,8 @@ from cflib.crazyflie.log import LogConfig
 from cflib.crazyflie.syncCrazyflie import SyncCrazyflie
 from room_time import RoomTime, in_room_time
 
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams
-from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 
@@ -32,7 +32,7 @@ SPOTS = np.array([[0.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0], [0.0, 3.0, 0.0, 0.
 class Stage:
     """Room that examples fly in."""
 
-    pilot: Pilot
+    crazyflies: CflibFleet
     clock: RoomTime
     uris: tuple[str, ...]
     cache: str
@@ -44,12 +44,12 @@ class Stage:
 
 def staged(monkeypatch: pytest.MonkeyPatch, cache: str, count: int, positioning: str) -> Iterator[Stage]:
     """Yield a room with `count` vehicles that have a positioning; cflib keeps its tables in `cache`."""
-    pilot = Pilot(SPOTS[:count], build=CrtpRoomParams(positioning=positioning).build)
-    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
-        clock = RoomTime(pilot, endpoint)
+    crazyflies = CflibFleet(SPOTS[:count], build=CrtpRoomParams(positioning=positioning).build)
+    with CrtpEndpoint(crazyflies.fleet, 0, SharedRadioParams()) as endpoint:
+        clock = RoomTime(crazyflies, endpoint)
         in_room_time(clock, monkeypatch)
         cflib.crtp.init_drivers()
-        yield Stage(pilot, clock, endpoint.uris, cache)
+        yield Stage(crazyflies, clock, endpoint.uris, cache)
 
 
 def log_of(name: str, period_ms: int, variables: tuple[str, ...]) -> LogConfig:

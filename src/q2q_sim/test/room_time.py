@@ -15,7 +15,7 @@ import pytest
 from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.udpdriver import UdpDriver
 
-from q2q_sim.crtp.pilot import ECHO, Pilot
+from q2q_sim.crtp.cflib_fleet import ECHO, CflibFleet
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 TICKS_PER_S = 100
@@ -28,8 +28,8 @@ TAKEN_S = 60.0
 class RoomTime:
     """Clock of one room, in place of cflib's `time`."""
 
-    def __init__(self, pilot: Pilot, endpoint: CrtpEndpoint) -> None:
-        self._pilot, self._endpoint = pilot, endpoint
+    def __init__(self, crazyflies: CflibFleet, endpoint: CrtpEndpoint) -> None:
+        self._crazyflies, self._endpoint = crazyflies, endpoint
         self._change = threading.Condition()
         self._waits: dict[threading.Thread, Callable[[], bool]] = {}
         self._scripts: set[threading.Thread] = {threading.current_thread()}
@@ -82,10 +82,10 @@ class RoomTime:
         while self._endpoint.traffic.received < self.sent:
             assert monotonic() < give_up, f"{self.sent} packets sent, {self._endpoint.traffic} passed"
             os.sched_yield()
-        for vehicle in self._pilot.fleet.vehicles:
+        for vehicle in self._crazyflies.fleet.vehicles:
             for client in vehicle.clients:  # as a radio polls, so that nobody is taken for silent
                 vehicle.handle(ECHO, client)
-        self._endpoint.fly(self._pilot.drive)
+        self._endpoint.fly(self._crazyflies.drive)
         self._ticks += 1
 
 

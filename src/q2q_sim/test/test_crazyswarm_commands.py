@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
-from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command
 from q2q_sim.experiments.licence.client_commands.setpoint_text import setpoint_text
@@ -34,10 +34,10 @@ QUAT_PART = 7.1e-4
 
 def requested(packet: Packet) -> Setpoint:
     """Return the setpoint that a firmware makes of a packet."""
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fleet.vehicles[0].handle(datagram_of(packet))
-    assert pilot.fleet.vehicles[0].refusals.count == 0
-    return pilot.firmware().requested
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fleet.vehicles[0].handle(datagram_of(packet))
+    assert crazyflies.fleet.vehicles[0].refusals.count == 0
+    return crazyflies.firmware().requested
 
 
 def test_a_full_state_reaches_the_firmware_with_the_numbers_given():
@@ -78,14 +78,14 @@ def wave() -> UavTrajectory:
 
 
 def test_an_uploaded_trajectory_is_flown_as_it_is_evaluated():
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(1.0)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(1.0)
     trajectory = wave()
     pieces = [
         (one.duration, np.stack([np.asarray(axis.p) for axis in (one.px, one.py, one.pz, one.pyaw)]))
         for one in trajectory.polynomials
     ]
-    vehicle, begin = pilot.fleet.vehicles[0], pilot.firmware().seconds
+    vehicle, begin = crazyflies.fleet.vehicles[0], crazyflies.firmware().seconds
     for packet in server_packets.upload(3, 2, pieces):
         vehicle.handle(datagram_of(packet))
     (answer,) = vehicle.handle(
@@ -93,7 +93,7 @@ def test_an_uploaded_trajectory_is_flown_as_it_is_evaluated():
     )
     assert packet_of(answer).data[3] == 0
     for t in (0.0, 0.4, 0.99, 1.3, 2.4):
-        goal, state = pilot.firmware().planner.goal(begin + t), trajectory.eval(t)
+        goal, state = crazyflies.firmware().planner.goal(begin + t), trajectory.eval(t)
         assert goal is not None
         single = 1e-4  # coefficients have 24 bits
         assert goal.pos == pytest.approx(state.pos, abs=single)
@@ -151,22 +151,22 @@ def test_ellipsoids_touch_at_two_radii_and_sampled_points_keep_their_distance():
 
 
 def test_a_command_for_another_group_asks_nothing_of_a_vehicle():
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(1.0)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(1.0)
     for mask, kind in ((0, CommandKind.PLAN), (1, CommandKind.PLAN), (2, CommandKind.OTHER)):
-        pilot.firmware().parameters.set("hlCommander.groupmask", 1)
+        crazyflies.firmware().parameters.set("hlCommander.groupmask", 1)
         packet = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 1.0, mask)
-        asked = client_command(packet, [], pilot.firmware())
+        asked = client_command(packet, [], crazyflies.firmware())
         assert asked is not None
         assert asked.kind == kind
     assert asked.words == "takeoff for another group"
 
 
 def test_old_take_offs_are_reported_with_their_height_which_may_leave_the_room():
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(1.0)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(1.0)
     asked = client_command(
-        server_packets.vertical(server_packets.TAKE_OFF, 60.0, 2.0, 0), [], pilot.firmware()
+        server_packets.vertical(server_packets.TAKE_OFF, 60.0, 2.0, 0), [], crazyflies.firmware()
     )
     assert asked is not None
     assert asked.pos is not None
@@ -174,30 +174,30 @@ def test_old_take_offs_are_reported_with_their_height_which_may_leave_the_room()
 
 
 def test_the_start_of_a_trajectory_asks_for_one_that_is_defined():
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(1.0)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(1.0)
     start = Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBBf", 5, 0, 0, 0, 2, 1.0))
     for defined, impossible in ((1, "trajectory 2, which is not defined"), (2, "")):
-        pilot.firmware().uploads.defined[defined] = Uploaded(1, 0, 0, 1)
-        asked = client_command(start, [], pilot.firmware())
+        crazyflies.firmware().uploads.defined[defined] = Uploaded(1, 0, 0, 1)
+        asked = client_command(start, [], crazyflies.firmware())
         assert asked is not None
         assert (asked.words, asked.impossible) == ("start_trajectory", impossible)
 
 
 def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitude_is_not():
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(1.0)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(1.0)
     climb = server_packets.vertical(server_packets.TAKE_OFF, 0.5, 2.0, 0)
     there = server_packets.position((0.2, 0.0, 0.5), 0.0)
     level = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 1.0, 0.0, 0.0, 40000))
     message = "a position that its complementary estimator does not know"
     for estimator, impossible in ((2, ["", "", ""]), (1, [message, message, ""])):
-        pilot.firmware().parameters.set("stabilizer.estimator", estimator)
-        pilot.firmware().thrust_locked = False
+        crazyflies.firmware().parameters.set("stabilizer.estimator", estimator)
+        crazyflies.firmware().thrust_locked = False
         found = []
         for packet in (climb, there, level):
-            pilot.fleet.vehicles[0].handle(datagram_of(packet))
-            asked = client_command(packet, [], pilot.firmware())
+            crazyflies.fleet.vehicles[0].handle(datagram_of(packet))
+            asked = client_command(packet, [], crazyflies.firmware())
             assert asked is not None
             found.append(asked.impossible)
         assert found == impossible
@@ -205,25 +205,25 @@ def test_a_position_is_impossible_with_the_complementary_estimator_and_an_attitu
 
 @pytest.mark.parametrize("port", [(Port.SUPERVISOR, 1), (Port.LOCALIZATION, 1)])
 def test_the_emergency_stop_and_its_watchdog_have_two_ports(port: tuple[Port, int]) -> None:
-    pilot = Pilot(np.zeros((1, 4)))
+    crazyflies = CflibFleet(np.zeros((1, 4)))
     kinds = []
     for first in (3, 4, 5):
-        asked = client_command(Packet(*port, bytes([first])), [], pilot.firmware())
+        asked = client_command(Packet(*port, bytes([first])), [], crazyflies.firmware())
         kinds.append(asked.kind if asked is not None else None)
     assert kinds == [CommandKind.EMERGENCY, CommandKind.WATCHDOG, None]
 
 
 def test_a_thrust_that_the_firmware_takes_for_none_is_reported_and_no_thrust_is_not():
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(1.0)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(1.0)
     for thrust, refused in (
         (0, ""),
         (36, "the firmware takes a thrust below 1000 of 65535 for none"),
         (36000, ""),
     ):
         packet = Packet(Port.SETPOINT, 0, struct.pack("<fffH", 0.0, 0.0, 0.0, thrust))
-        pilot.fleet.vehicles[0].handle(datagram_of(packet))
-        asked = client_command(packet, [], pilot.firmware())
+        crazyflies.fleet.vehicles[0].handle(datagram_of(packet))
+        asked = client_command(packet, [], crazyflies.firmware())
         assert asked is not None
         assert (asked.kind, asked.refused) == (CommandKind.SETPOINT if thrust else CommandKind.OFF, refused)
 
@@ -237,13 +237,13 @@ def test_a_setpoint_that_is_no_number_is_reported_as_impossible_and_the_one_befo
 
 
 def test_motors_count_as_running_while_a_controller_of_the_height_may_run_them():
-    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
-    pilot.fly(2.0, pilot.hold(Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, pos=(0.0, 0.0, 1.0))))
-    one = pilot.firmware()
+    crazyflies = CflibFleet(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    crazyflies.fly(2.0, crazyflies.hold(Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, pos=(0.0, 0.0, 1.0))))
+    one = crazyflies.firmware()
     one.rows.memory[MOTOR : MOTOR + 4] = 0.0
     assert may_run_motors(one)
     one.supervisor.stop()
-    pilot.fly(0.1)
+    crazyflies.fly(0.1)
     one.rows.memory[MOTOR : MOTOR + 4] = 0.0
     assert not may_run_motors(one)
 

@@ -70,7 +70,7 @@ def test_every_parameter_is_fetched_and_one_is_set_and_read_back(stage: Stage) -
         assert done.wait(ANSWER_S)
     assert fetched["cpu.flash"] == "1024"
     assert fetched["deck.bcFlow2"] == "1"
-    assert stage.pilot.firmware().parameters["pid_attitude.pitch_kd"] == pytest.approx(0.1234)
+    assert stage.crazyflies.firmware().parameters["pid_attitude.pitch_kd"] == pytest.approx(0.1234)
 
 
 def test_the_eeprom_has_the_stock_radio_and_keeps_another_channel(stage: Stage) -> None:
@@ -135,5 +135,5 @@ def test_parameters_of_a_file_are_stored(stage: Stage, tmp_path: Path) -> None:
     with stage.crazyflie() as scf:
         scf.wait_for_params()
         assert ParamFileHelper(scf.cf).store_params_from_file(str(file))
-    stage.pilot.firmware().boot()
-    assert stage.pilot.firmware().parameters["ring.effect"] == 13
+    stage.crazyflies.firmware().boot()
+    assert stage.crazyflies.firmware().parameters["ring.effect"] == 13

@@ -32,8 +32,8 @@ OVERSHOOT = 0.12
 
 def assert_landed_at(stage: Stage, x: float, y: float, vehicle: int = 0) -> None:
     stage.clock.sleep(1.0)
-    np.testing.assert_allclose(stage.pilot.pos(vehicle), [x, y, 0.0], atol=0.1)
-    assert not stage.pilot.firmware(vehicle).supervisor.tumbled
+    np.testing.assert_allclose(stage.crazyflies.pos(vehicle), [x, y, 0.0], atol=0.1)
+    assert not stage.crazyflies.firmware(vehicle).supervisor.tumbled
 
 
 def arm(stage: Stage, cf: Crazyflie) -> None:
@@ -54,7 +54,7 @@ def test_a_sequence_of_positions_is_flown_by_position_setpoints(stage: Stage) ->
             for _ in range(50):
                 cf.commander.send_position_setpoint(*corner, 0)
                 stage.clock.sleep(0.1)
-            np.testing.assert_allclose(stage.pilot.pos(), corner, atol=OVERSHOOT)
+            np.testing.assert_allclose(stage.crazyflies.pos(), corner, atol=OVERSHOOT)
         cf.commander.send_stop_setpoint()
         cf.commander.send_notify_setpoint_stop()
         stage.clock.sleep(0.1)
@@ -77,7 +77,7 @@ def test_an_uploaded_trajectory_is_flown_between_take_off_and_landing(stage: Sta
         stage.clock.sleep(3.0)
         cf.high_level_commander.start_trajectory(1, 1.0, relative_position=True, relative_yaw=False)
         stage.clock.sleep(2.0)
-        np.testing.assert_allclose(stage.pilot.pos(), [1.0, 0.0, 1.0], atol=0.15)  # lags a little
+        np.testing.assert_allclose(stage.crazyflies.pos(), [1.0, 0.0, 1.0], atol=0.15)  # lags a little
         stage.clock.sleep(2.0)
         cf.high_level_commander.land(0.0, 2.0)
         stage.clock.sleep(2.0)
@@ -91,27 +91,27 @@ def test_a_motion_commander_moves_turns_circles_and_lands(stage: Stage) -> None:
         arm(stage, scf.cf)
         with MotionCommander(scf) as motion:
             stage.clock.sleep(1.0)
-            assert stage.pilot.pos()[2] == pytest.approx(0.3, abs=0.05)
+            assert stage.crazyflies.pos()[2] == pytest.approx(0.3, abs=0.05)
             motion.forward(0.8)
-            assert stage.pilot.pos()[0] == pytest.approx(0.8, abs=0.15)
+            assert stage.crazyflies.pos()[0] == pytest.approx(0.8, abs=0.15)
             motion.back(0.8)
             motion.up(0.5)
             motion.down(0.5)
             motion.right(0.5, velocity=0.8)
             stage.clock.sleep(1.0)
-            assert stage.pilot.pos()[1] == pytest.approx(-0.5, abs=0.15)
+            assert stage.crazyflies.pos()[1] == pytest.approx(-0.5, abs=0.15)
             motion.left(0.5, velocity=0.4)
             motion.circle_right(0.5, velocity=0.5, angle_degrees=180)
             motion.turn_left(90)
             stage.clock.sleep(1.0)
-            assert stage.pilot.firmware().rows.attitude_deg[2] == pytest.approx(-90.0, abs=10.0)
+            assert stage.crazyflies.firmware().rows.attitude_deg[2] == pytest.approx(-90.0, abs=10.0)
             motion.move_distance(-1, 0.0, 0.5, velocity=0.6)
             motion.start_left(velocity=0.5)
             stage.clock.sleep(1.0)
             motion.stop()
         stage.clock.sleep(1.0)
-    assert stage.pilot.pos()[2] == pytest.approx(0.0, abs=0.02)
-    assert not stage.pilot.firmware().supervisor.tumbled
+    assert stage.crazyflies.pos()[2] == pytest.approx(0.0, abs=0.02)
+    assert not stage.crazyflies.firmware().supervisor.tumbled
 
 
 @pytest.mark.parametrize("stage", [(1, "flow")], indirect=True, ids=["flow"])
@@ -140,7 +140,7 @@ def test_a_script_that_waits_for_a_flow_deck_finds_it_and_flies(stage: Stage) ->
 
 @pytest.mark.parametrize("stage", [(4, "deck")], indirect=True, ids=["four"])
 def test_a_swarm_lights_up_resets_arms_takes_off_flies_its_sequences_and_lands(stage: Stage) -> None:
-    clock, pilot = stage.clock, stage.pilot
+    clock, crazyflies = stage.clock, stage.crazyflies
 
     def fly(script: Callable[..., None], arguments: dict[str, list[object]] | None = None) -> None:
         with clock.parallel(len(stage.uris)):
@@ -172,7 +172,7 @@ def test_a_swarm_lights_up_resets_arms_takes_off_flies_its_sequences_and_lands(s
             swarm.reset_estimators()
         fly(lambda scf: arm(stage, scf.cf))
         fly(take_off)
-        assert [pilot.pos(k)[2] for k in range(4)] == pytest.approx([1.0] * 4, abs=OVERSHOOT)
+        assert [crazyflies.pos(k)[2] for k in range(4)] == pytest.approx([1.0] * 4, abs=OVERSHOOT)
         steps: list[object] = [[(-0.5, 0.5), (0.5, -0.5), (0.5, 0.0)]]
         fly(sequence, dict.fromkeys(stage.uris, steps))
         fly(land)

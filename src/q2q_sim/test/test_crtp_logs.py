@@ -8,7 +8,7 @@ import pytest
 from crtp_asked import ask
 
 from q2q_model.geometry.rotations import quat_from_euler, rotate_inverse
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import ATTITUDE_SETPOINT
@@ -24,20 +24,24 @@ def log_id(name: str) -> int:
     return next(k for k, one in enumerate(VARIABLES) if f"{one.group}.{one.name}" == name)
 
 
-def block(pilot: Pilot, number: int, names: list[tuple[str, int]], period: int) -> None:
+def block(crazyflies: CflibFleet, number: int, names: list[tuple[str, int]], period: int) -> None:
     """Make and start a block; `names` with the type numbers to fetch them as, the period in 10 ms."""
     operations = b"".join(bytes([kind]) + struct.pack("<H", log_id(name)) for name, kind in names)
-    assert ask(pilot, LOG_CONTROL + bytes([6, number]) + operations) == bytes([6, number, 0])
-    assert ask(pilot, LOG_CONTROL + bytes([3, number, period])) == bytes([3, number, 0])
+    assert ask(crazyflies, LOG_CONTROL + bytes([6, number]) + operations) == bytes([6, number, 0])
+    assert ask(crazyflies, LOG_CONTROL + bytes([3, number, period])) == bytes([3, number, 0])
 
 
-def logged(pilot: Pilot, number: int) -> list[tuple[int, bytes]]:
+def logged(crazyflies: CflibFleet, number: int) -> list[tuple[int, bytes]]:
     """Return time [ms] and values of every packet of a block."""
-    data = [one.datagram for one in pilot.out if one.datagram[0] == LOG_DATA and one.datagram[1] == number]
+    data = [
+        one.datagram for one in crazyflies.out if one.datagram[0] == LOG_DATA and one.datagram[1] == number
+    ]
     return [(int.from_bytes(one[2:5], "little"), one[5:]) for one in data]
 
 
-def test_blocks_come_at_their_periods_and_carry_the_state_in_the_types_asked_for(grounded: Pilot) -> None:
+def test_blocks_come_at_their_periods_and_carry_the_state_in_the_types_asked_for(
+    grounded: CflibFleet,
+) -> None:
     grounded.swarm.state[0, :3] = 1.5, -2.25, 0.0
     block(grounded, 1, [("stateEstimate.x", 7), ("stateEstimateZ.y", 5), ("stateEstimate.y", 8)], 1)
     block(grounded, 2, [("acc.z", 7), ("pm.vbatMV", 2)], 5)
@@ -54,7 +58,7 @@ def test_blocks_come_at_their_periods_and_carry_the_state_in_the_types_asked_for
 
 
 @pytest.mark.parametrize("start", [b"\x03\x01\0", b"\x08\x01\0\0"])
-def test_a_start_with_period_0_sends_a_block_once(grounded: Pilot, start: bytes) -> None:
+def test_a_start_with_period_0_sends_a_block_once(grounded: CflibFleet, start: bytes) -> None:
     """As logStartBlock of the firmware's log.c, which then leaves the block's timer alone."""
     block(grounded, 1, [("acc.z", 7)], 0)
     begin = grounded.firmware().now_ms
@@ -74,7 +78,7 @@ def test_a_start_with_period_0_sends_a_block_once(grounded: Pilot, start: bytes)
     assert len(logged(grounded, 1)) == 1
 
 
-def test_stopped_and_deleted_blocks_are_silent_and_their_numbers_are_free(grounded: Pilot) -> None:
+def test_stopped_and_deleted_blocks_are_silent_and_their_numbers_are_free(grounded: CflibFleet) -> None:
     block(grounded, 1, [("acc.x", 7)], 1)
     assert ask(grounded, LOG_CONTROL + b"\x04\x01") == b"\x04\x01\x00"
     grounded.fly(0.1)
@@ -84,7 +88,7 @@ def test_stopped_and_deleted_blocks_are_silent_and_their_numbers_are_free(ground
     block(grounded, 1, [("acc.x", 7)], 1)
 
 
-def test_blocks_too_many_too_long_twice_or_of_unknown_variables_are_refused(grounded: Pilot) -> None:
+def test_blocks_too_many_too_long_twice_or_of_unknown_variables_are_refused(grounded: CflibFleet) -> None:
     seven = b"".join(b"\x07" + struct.pack("<H", k) for k in range(7))
     assert ask(grounded, LOG_CONTROL + b"\x06\x01" + seven)[-1] == 7  # 28 bytes: E2BIG
     assert ask(grounded, LOG_CONTROL + b"\x06\x01")[-1] == 17  # EEXIST
@@ -95,7 +99,7 @@ def test_blocks_too_many_too_long_twice_or_of_unknown_variables_are_refused(grou
     assert ask(grounded, LOG_CONTROL + b"\x63\x00")[-1] == 8
 
 
-def test_every_variable_can_be_logged(grounded: Pilot) -> None:
+def test_every_variable_can_be_logged(grounded: CflibFleet) -> None:
     for k in range(len(VARIABLES)):
         ask(grounded, LOG_CONTROL + b"\x05")
         assert ask(grounded, LOG_CONTROL + bytes([6, 1, 7]) + struct.pack("<H", k))[-1] == 0
@@ -118,7 +122,7 @@ def test_everything_that_crazyswarm2_logs_and_sets_by_default_is_there() -> None
     assert set(set_there.split()) <= {one.name for one in TABLE}
 
 
-def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: Pilot) -> None:
+def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: CflibFleet) -> None:
     quat = quat_from_euler(0.1, 0.2, 0.3)
     grounded.swarm.state[0, :13] = 1.0, 2.0, 3.0, 0.5, -0.4, 0.3, *quat, 0.7, 0.8, 0.9
     values = {f"{one.group}.{one.name}": one.read(grounded.firmware()) for one in VARIABLES}
@@ -133,16 +137,16 @@ def test_the_logs_of_a_moving_vehicle_have_the_firmwares_signs(grounded: Pilot) 
 
 
 def test_logs_of_the_cascade_are_what_it_is_asked_for_and_asks_for() -> None:
-    pilot = Pilot(np.array([[0.0, 0.0, 1.0, math.pi / 2]]))
+    crazyflies = CflibFleet(np.array([[0.0, 0.0, 1.0, math.pi / 2]]))
     expected = Setpoint(
         x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.3, 0.1, 1.2), attitude_deg=(0.0, 0.0, 90.0)
     )
-    pilot.fly(1.0)  # arms
-    pilot.fly(0.05, pilot.hold(expected))
-    log = {f"{one.group}.{one.name}": one.read(pilot.firmware()) for one in VARIABLES}
+    crazyflies.fly(1.0)  # arms
+    crazyflies.fly(0.05, crazyflies.hold(expected))
+    log = {f"{one.group}.{one.name}": one.read(crazyflies.firmware()) for one in VARIABLES}
     # turned to the left by 90 degrees: the vehicle's ahead is y, its left is -x
     np.testing.assert_allclose([log[f"posCtl.target{axis}"] for axis in "XYZ"], [0.1, -0.3, 1.2], atol=1e-3)
-    x, y, z = pilot.pos()
+    x, y, z = crazyflies.pos()
     np.testing.assert_allclose(
         [log[f"posCtl.targetV{axis}"] for axis in "XY"], [2 * (0.1 - y), -2 * (0.3 - x)], atol=2e-3
     )
@@ -154,7 +158,7 @@ def test_logs_of_the_cascade_are_what_it_is_asked_for_and_asks_for() -> None:
     assert log["controller.rollRate"] == pytest.approx(rate, rel=0.2)
     assert log["controller.cmd_thrust"] == log["controller.actuatorThrust"] > 36000.0
     qw, qx, qy, qz = (log[f"kalman.q{k}"] for k in range(4))
-    np.testing.assert_allclose([qx, qy, qz, qw], pilot.swarm.state[0, QUAT])
+    np.testing.assert_allclose([qx, qy, qz, qw], crazyflies.swarm.state[0, QUAT])
     force = [log[f"acc.{axis}"] for axis in "xyz"]
     assert log["supervisor.accNorm"] == pytest.approx(math.hypot(*force))
 
@@ -165,31 +169,31 @@ def test_feed_forward_of_the_velocity_tilts_by_itself() -> None:
     )
     pitch = []
     for feed in (0.0, 10.0):
-        pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
-        pilot.firmware().parameters.set("velCtlPid.vxKFF", feed)
-        pilot.fly(1.0)  # arms
-        pilot.fly(0.01, pilot.hold(ahead))
-        pitch.append(pilot.firmware().rows.memory[ATTITUDE_SETPOINT + 1])
+        crazyflies = CflibFleet(np.array([[0.0, 0.0, 1.0, 0.0]]))
+        crazyflies.firmware().parameters.set("velCtlPid.vxKFF", feed)
+        crazyflies.fly(1.0)  # arms
+        crazyflies.fly(0.01, crazyflies.hold(ahead))
+        pitch.append(crazyflies.firmware().rows.memory[ATTITUDE_SETPOINT + 1])
     assert pitch[1] - pitch[0] == pytest.approx(-10.0 * 0.2)
 
 
-def test_the_flow_is_that_of_the_ground_below_by_velocity_and_rates_of_the_body(grounded: Pilot) -> None:
+def test_the_flow_is_that_of_the_ground_below_by_velocity_and_rates_of_the_body(grounded: CflibFleet) -> None:
     blind = {one.read(grounded.firmware()) for one in VARIABLES if one.group in {"kalman_pred", "motion"}}
     assert blind == {0.0}  # without a deck
-    pilot = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2",)))
-    state = pilot.swarm.state
+    crazyflies = CflibFleet(np.zeros((1, 4)), build=Build(decks=("bcFlow2",)))
+    state = crazyflies.swarm.state
     for height, scale in ((2.0, 0.5), (0.02, 10.0)):  # the filter divides by no less than 0.1 m
         state[0, 2], state[0, VEL], state[0, RATE] = height, (0.5, -0.3, 0.1), (0.4, -0.2, 1.0)
         state[0, QUAT] = quat_from_euler(0.0, 0.0, math.pi / 2)  # ahead is y
         read = {one.name: one.read for one in VARIABLES if one.group == "kalman_pred"}
-        flow = [read[name](pilot.firmware()) for name in ("predNX", "predNY")]
+        flow = [read[name](crazyflies.firmware()) for name in ("predNX", "predNY")]
         np.testing.assert_allclose(flow, 0.35 / 0.71674 * np.array([-0.3 * scale + 0.2, -0.5 * scale + 0.4]))
-        assert flow == [read[name](pilot.firmware()) for name in ("measNX", "measNY")]
-        turned = {one.name: one.read(pilot.firmware()) for one in VARIABLES if one.group == "motion"}
+        assert flow == [read[name](crazyflies.firmware()) for name in ("measNX", "measNY")]
+        turned = {one.name: one.read(crazyflies.firmware()) for one in VARIABLES if one.group == "motion"}
         assert turned == {"deltaX": pytest.approx(-10.0 * flow[1]), "deltaY": pytest.approx(-10.0 * flow[0])}
 
 
-def test_the_barometer_reads_the_pressure_of_the_height(grounded: Pilot) -> None:
+def test_the_barometer_reads_the_pressure_of_the_height(grounded: CflibFleet) -> None:
     grounded.swarm.state[0, 2] = 8.0
     read = {one.name: one.read(grounded.firmware()) for one in VARIABLES if one.group == "baro"}
     height = ((1015.7 / read["pressure"]) ** 0.1902630958 - 1.0) * (25.0 + 273.15) / 0.0065
@@ -200,19 +204,19 @@ def test_the_barometer_reads_the_pressure_of_the_height(grounded: Pilot) -> None
 def test_ranges_are_those_along_the_body_axes_to_the_walls_and_0_without_a_deck() -> None:
     box = RoomBox(3.0, 2.0, 2.5)
     looking = Build(decks=("bcMultiranger", "bcZRanger2"), room=box)
-    pilot = Pilot(np.array([[1.1, 0.5, 1.0, math.pi / 2]]), build=looking)  # looks along y
+    crazyflies = CflibFleet(np.array([[1.1, 0.5, 1.0, math.pi / 2]]), build=looking)  # looks along y
     names = ("front", "back", "left", "right", "up", "zrange")
 
-    def ranges(one: Pilot) -> list[float]:
+    def ranges(one: CflibFleet) -> list[float]:
         log = {variable.name: variable for variable in VARIABLES if variable.group == "range"}
         assert {variable.kind for variable in log.values()} == {"uint16"}
         return [log[name].read(one.firmware()) for name in names]
 
-    np.testing.assert_allclose(ranges(pilot), [1500, 2500, NOTHING_MM, 1900, 1500, 1000])  # left: 4.1 m
-    pilot.swarm.state[0, QUAT] = quat_from_euler(0.0, math.radians(60.0), 0.0)  # nose down
+    np.testing.assert_allclose(ranges(crazyflies), [1500, 2500, NOTHING_MM, 1900, 1500, 1000])  # left: 4.1 m
+    crazyflies.swarm.state[0, QUAT] = quat_from_euler(0.0, math.radians(60.0), 0.0)  # nose down
     down, slant = 1.0 / math.cos(math.radians(60.0)), 1.0 / math.cos(math.radians(30.0))
-    front, *_, zrange = ranges(pilot)
+    front, *_, zrange = ranges(crazyflies)
     np.testing.assert_allclose([front, zrange], [1e3 * slant, 1e3 * down])  # both end on the floor
-    assert ranges(Pilot(np.array([[1.0, 0.5, 1.0, 0.0]]))) == [0.0] * 6
-    only_down = Pilot(np.array([[1.0, 0.5, 1.0, 0.0]]), build=Build(decks=("bcFlow2",)))
+    assert ranges(CflibFleet(np.array([[1.0, 0.5, 1.0, 0.0]]))) == [0.0] * 6
+    only_down = CflibFleet(np.array([[1.0, 0.5, 1.0, 0.0]]), build=Build(decks=("bcFlow2",)))
     assert ranges(only_down) == [0.0] * 5 + [1000.0]

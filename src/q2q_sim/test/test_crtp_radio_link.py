@@ -25,7 +25,7 @@ from q2q_control.radio.firmware_params import (
 )
 from q2q_control.radio.firmware_settings import FirmwareSettings
 from q2q_control.radio.link import LinkHealth
-from q2q_sim.crtp.pilot import ECHO, Pilot
+from q2q_sim.crtp.cflib_fleet import ECHO, CflibFleet
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 
@@ -169,11 +169,11 @@ def test_a_uri_is_opened_by_one_link_of_this_machine_at_a_time(monkeypatch: pyte
 def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so_and_whether_it_flies(
     tmp_path: Path,
 ) -> None:
-    pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    with CrtpEndpoint(crazyflies.fleet, 0, SharedRadioParams()) as endpoint:
         asked = {"locSrv.extPosStDev": 0.002, "locSrv.extQuatStdDev": 0.07}
         link = CflibLink("cf1", endpoint.uris[0], asked, str(tmp_path))
-        held = pilot.firmware().parameters
+        held = crazyflies.firmware().parameters
 
         def is_known() -> bool:
             output = link.health()
@@ -181,13 +181,13 @@ def test_a_link_whose_vehicle_has_no_such_parameter_is_open_and_says_so_and_whet
             return taken and output.connected and output.own_hover is not None
 
         try:
-            fly_until(is_known, pilot, endpoint)
+            fly_until(is_known, crazyflies, endpoint)
             assert link.health().wrong.startswith("it has no parameter locSrv.extPosStDev (firmware_params)")
-            fly_until(lambda: link.health().flying is False, pilot, endpoint)
+            fly_until(lambda: link.health().flying is False, crazyflies, endpoint)
             link.arm()
-            fly_until(lambda: link.health().armed, pilot, endpoint)
+            fly_until(lambda: link.health().armed, crazyflies, endpoint)
             link.take_off(0.5, 1.0)
-            fly_until(lambda: link.health().flying is True, pilot, endpoint)
+            fly_until(lambda: link.health().flying is True, crazyflies, endpoint)
         finally:
             link.close()
 
@@ -197,16 +197,16 @@ def test_a_vehicle_that_vanishes_is_lost_without_an_error_and_found_again(
 ) -> None:
     raised: list[threading.ExceptHookArgs] = []
     monkeypatch.setattr(threading, "excepthook", raised.append)
-    pilot = Pilot(np.zeros((1, 4)))
-    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as endpoint:
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    with CrtpEndpoint(crazyflies.fleet, 0, SharedRadioParams()) as endpoint:
         port = int(endpoint.uris[0].rpartition(":")[2])
         link = CflibLink("cf1", endpoint.uris[0], {}, str(tmp_path))
 
-        fly_until(lambda: kept_open(link).quality == 1.0, pilot, endpoint)
+        fly_until(lambda: kept_open(link).quality == 1.0, crazyflies, endpoint)
     try:
         until(lambda: not kept_open(link).connected)
         assert math.isnan(link.health().quality)
-        again = Pilot(np.zeros((1, 4)))
+        again = CflibFleet(np.zeros((1, 4)))
         with CrtpEndpoint(again.fleet, port, SharedRadioParams()) as endpoint:
             fly_until(lambda: kept_open(link).quality == 1.0, again, endpoint)
     finally:
@@ -228,13 +228,13 @@ def until(reached: Callable[[], bool]) -> None:
         os.sched_yield()
 
 
-def fly_until(reached: Callable[[], bool], pilot: Pilot, endpoint: CrtpEndpoint) -> None:
+def fly_until(reached: Callable[[], bool], crazyflies: CflibFleet, endpoint: CrtpEndpoint) -> None:
     """Run ticks, and keep every client known, as a radio's polling does."""
     give_up = monotonic() + ANSWER_S
     while not reached():
         assert monotonic() < give_up, f"not within {ANSWER_S} s: {endpoint.traffic}"
-        for vehicle in pilot.fleet.vehicles:
+        for vehicle in crazyflies.fleet.vehicles:
             for client in vehicle.clients:
                 vehicle.handle(ECHO, client)
-        endpoint.fly(pilot.drive)
+        endpoint.fly(crazyflies.drive)
         os.sched_yield()

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.client_warnings import ClientWarnings
 from q2q_sim.crtp.packets.packet import MAX_DATA, MalformedError, Packet, datagram_of, is_stream, packet_of
-from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.vehicle import MOST_CLIENTS
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.supervisor.rules import State
@@ -41,19 +41,19 @@ def test_datagrams_of_no_packets_size_are_refused(size: int) -> None:
 )
 @given(st.lists(ANY, max_size=30))
 def test_no_datagram_crashes_a_vehicle_or_makes_its_answers_too_long(datagrams: list[bytes]) -> None:
-    pilot = Pilot(np.zeros((1, 4)))
-    pilot.fly(0.3)
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    crazyflies.fly(0.3)
     for number, datagram in enumerate(datagrams):
-        for answer in pilot.fleet.vehicles[0].handle(datagram, client=number % 3):
+        for answer in crazyflies.fleet.vehicles[0].handle(datagram, client=number % 3):
             assert 1 <= len(answer) <= 1 + MAX_DATA
-    pilot.fly(0.1)
-    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
-    assert all(1 <= len(one.datagram) <= 1 + MAX_DATA for one in pilot.out)
+    crazyflies.fly(0.1)
+    assert np.isfinite(crazyflies.swarm.state[:, :ROTOR_MAX1]).all()
+    assert all(1 <= len(one.datagram) <= 1 + MAX_DATA for one in crazyflies.out)
     # a sound client still gets its answer
-    assert pilot.fleet.vehicles[0].handle(b"\xdd\x00") == [b"\xdd\x00" + struct.pack("<I", 12)]
+    assert crazyflies.fleet.vehicles[0].handle(b"\xdd\x00") == [b"\xdd\x00" + struct.pack("<I", 12)]
 
 
-def test_senseless_setpoints_are_refused_with_a_word_and_the_old_one_stays(grounded: Pilot) -> None:
+def test_senseless_setpoints_are_refused_with_a_word_and_the_old_one_stays(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     vehicle.handle(b"\x7c\x07" + struct.pack("<ffff", 0.0, 0.0, 1.0, 0.0))
     before = vehicle.firmware.commander.setpoint
@@ -71,14 +71,14 @@ def test_senseless_setpoints_are_refused_with_a_word_and_the_old_one_stays(groun
     assert "not served" in vehicle.refusals.last
 
 
-def test_a_probe_is_answered_and_makes_no_client(grounded: Pilot) -> None:
+def test_a_probe_is_answered_and_makes_no_client(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     grounded.fly(1.5)
     assert vehicle.handle(b"\xff", client="probe") == [b"\xff"]
     assert vehicle.clients == ()
 
 
-def test_two_clients_have_their_own_logs_and_are_reported_each_other(grounded: Pilot) -> None:
+def test_two_clients_have_their_own_logs_and_are_reported_each_other(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     for client in ("one", "two"):
         vehicle.handle(b"\x5d\x05", client)
@@ -95,7 +95,7 @@ def test_two_clients_have_their_own_logs_and_are_reported_each_other(grounded: P
     assert b"2 clients; all may command" in words["two"]
 
 
-def test_a_silent_client_is_forgotten_and_many_clients_do_not_pile_up(grounded: Pilot) -> None:
+def test_a_silent_client_is_forgotten_and_many_clients_do_not_pile_up(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     for client in range(100):
         vehicle.handle(b"\xfc", client)
@@ -106,9 +106,9 @@ def test_a_silent_client_is_forgotten_and_many_clients_do_not_pile_up(grounded: 
 
 
 def test_what_vehicles_refuse_is_reported_with_its_count_and_cause_until_they_refuse_no_more() -> None:
-    pilot = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]))
-    one, other = pilot.fleet.vehicles
-    warnings = ClientWarnings(pilot.fleet.vehicles)
+    crazyflies = CflibFleet(np.array([[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]]))
+    one, other = crazyflies.fleet.vehicles
+    warnings = ClientWarnings(crazyflies.fleet.vehicles)
     assert warnings.poll() == ""
     for bad in (b"\x7c\x03" + bytes(16), b"\xac\x00"):
         one.handle(bad)
@@ -124,7 +124,7 @@ def test_what_vehicles_refuse_is_reported_with_its_count_and_cause_until_they_re
     assert other.refusals.count == 0  # its packets were taken
 
 
-def test_the_radios_reboot_command_starts_a_locked_vehicle_anew(grounded: Pilot) -> None:
+def test_the_radios_reboot_command_starts_a_locked_vehicle_anew(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     vehicle.handle(b"\x9d\x03")
     grounded.fly(0.2)
@@ -181,20 +181,20 @@ def test_an_uploaded_trajectory_of_no_numbers_harms_its_own_vehicle_only(
     start: tuple[int, ...], number: float
 ) -> None:
     """Only fields of packets are checked; what they leave in memory is read as floats."""
-    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [2.0, 0.0, 1.0, 0.0]]))
-    one, other = pilot.fleet.vehicles
-    pilot.fly(0.3)
+    crazyflies = CflibFleet(np.array([[0.0, 0.0, 1.0, 0.0], [2.0, 0.0, 1.0, 0.0]]))
+    one, other = crazyflies.fleet.vehicles
+    crazyflies.fly(0.3)
     for vehicle in (one, other):
         vehicle.handle(b"\x8c" + struct.pack("<BBffBf", 7, 0, 0.5, 0.0, 1, 1.0))
-    pilot.fly(1.5)
+    crazyflies.fly(1.5)
     piece = struct.pack("<33f", *[number] * 32, 1.0)
     for at in range(0, len(piece), 22):
         one.handle(b"\x4e" + struct.pack("<BI", 0, at) + piece[at : at + 22])
     one.handle(b"\x8c" + struct.pack("<BBBBIB", 6, 1, 1, 0, 0, 1))
     one.handle(b"\x8c" + struct.pack(f"<{len(start)}Bf", *start, 1.0))
-    pilot.fly(1.5)
-    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
-    assert pilot.swarm.state[1, 2] == pytest.approx(0.5, abs=0.05)
+    crazyflies.fly(1.5)
+    assert np.isfinite(crazyflies.swarm.state[:, :ROTOR_MAX1]).all()
+    assert crazyflies.swarm.state[1, 2] == pytest.approx(0.5, abs=0.05)
 
 
 HUGE = st.sampled_from([3.4e38, -3.4e38, 1e20, 0.0, -1.0])
@@ -206,10 +206,10 @@ WRITABLE = [number for number, one in enumerate(TABLE) if one.kind == "float" an
 def test_senseless_gains_and_setpoints_never_make_the_room_no_number(
     parameter: int, gain: float, kind: int, demanded: float, controller: int
 ) -> None:
-    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0], [0.05, 0.0, 1.5, 0.0]]))
-    vehicle = pilot.fleet.vehicles[0]
+    crazyflies = CflibFleet(np.array([[0.0, 0.0, 1.0, 0.0], [0.05, 0.0, 1.5, 0.0]]))
+    vehicle = crazyflies.fleet.vehicles[0]
     vehicle.firmware.parameters.set("stabilizer.controller", controller)
-    pilot.fly(0.4)
+    crazyflies.fly(0.4)
     vehicle.handle(b"\x2e" + struct.pack("<Hf", parameter, gain))
-    pilot.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[demanded] * 4)))
-    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
+    crazyflies.fly(0.4, lambda _: vehicle.handle(b"\x7c" + struct.pack("<Bffff", kind, *[demanded] * 4)))
+    assert np.isfinite(crazyflies.swarm.state[:, :ROTOR_MAX1]).all()

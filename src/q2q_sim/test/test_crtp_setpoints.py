@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from q2q_model.geometry.quaternion32 import compress_quat, decompress_quat
 from q2q_model.geometry.rotations import quat_from_euler
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 
 pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.txt has it")
@@ -28,11 +28,11 @@ MILLI = 1.001e-3
 """cflib cuts thousandths off."""
 
 
-def commanded(grounded: Pilot) -> Setpoint:
+def commanded(grounded: CflibFleet) -> Setpoint:
     return grounded.firmware().commander.setpoint
 
 
-def test_thrust_stays_locked_until_a_packet_without_thrust_has_come(grounded: Pilot) -> None:
+def test_thrust_stays_locked_until_a_packet_without_thrust_has_come(grounded: CflibFleet) -> None:
     commander = Commander(grounded.wire())
     commander.send_setpoint(0.0, 0.0, 0.0, 30000)
     assert commanded(grounded).thrust_pwm == 0.0
@@ -42,14 +42,16 @@ def test_thrust_stays_locked_until_a_packet_without_thrust_has_come(grounded: Pi
 
 
 @pytest.mark.parametrize(("sent", "flown"), [(999, 0.0), (1000, 1000.0), (60000, 60000.0), (65535, 60000.0)])
-def test_thrust_below_1000_is_none_and_above_60000_is_60000(grounded: Pilot, sent: int, flown: float) -> None:
+def test_thrust_below_1000_is_none_and_above_60000_is_60000(
+    grounded: CflibFleet, sent: int, flown: float
+) -> None:
     commander = Commander(grounded.wire())
     commander.send_setpoint(0.0, 0.0, 0.0, 0)
     commander.send_setpoint(0.0, 0.0, 0.0, sent)
     assert commanded(grounded).thrust_pwm == flown
 
 
-def test_rpyt_turns_the_signs_of_pitch_and_yaw_rate(grounded: Pilot) -> None:
+def test_rpyt_turns_the_signs_of_pitch_and_yaw_rate(grounded: CflibFleet) -> None:
     Commander(grounded.wire()).send_setpoint(3.0, 4.0, 5.0, 0)
     one = commanded(grounded)
     assert (one.roll, one.pitch, one.yaw, one.x, one.z) == (
@@ -71,7 +73,7 @@ def test_rpyt_turns_the_signs_of_pitch_and_yaw_rate(grounded: Pilot) -> None:
     ],
 )
 def test_flightmode_parameters_change_what_an_rpyt_setpoint_means(
-    grounded: Pilot, parameter: str, value: float, expected: dict[str, object]
+    grounded: CflibFleet, parameter: str, value: float, expected: dict[str, object]
 ) -> None:
     grounded.firmware().parameters.set(parameter, value)
     Commander(grounded.wire()).send_setpoint(3.0, 4.0, 5.0, 32767)
@@ -87,11 +89,11 @@ def test_flightmode_parameters_change_what_an_rpyt_setpoint_means(
     angles=st.tuples(st.floats(-3.0, 3.0), st.floats(-1.5, 1.5), st.floats(-3.0, 3.0)),
 )
 def test_full_state_carries_every_number_in_its_place(numbers: list[float], angles: Numbers) -> None:
-    pilot = Pilot(np.zeros((1, 4)))
+    crazyflies = CflibFleet(np.zeros((1, 4)))
     pos, vel, acc, rates = (numbers[k : k + 3] for k in (0, 3, 6, 9))
     quat = quat_from_euler(*angles)
-    Commander(pilot.wire()).send_full_state_setpoint(pos, vel, acc, quat, *rates)
-    one = commanded(pilot)
+    Commander(crazyflies.wire()).send_full_state_setpoint(pos, vel, acc, quat, *rates)
+    one = commanded(crazyflies)
     np.testing.assert_allclose(one.pos, pos, atol=MILLI)
     np.testing.assert_allclose(one.vel, vel, atol=MILLI)
     np.testing.assert_allclose(one.acc, acc, atol=MILLI)
@@ -100,7 +102,7 @@ def test_full_state_carries_every_number_in_its_place(numbers: list[float], angl
     assert abs(np.dot(one.attitude_quat, quat)) > ALIKE
 
 
-def test_position_velocity_hover_distance_manual_and_stop_are_read(grounded: Pilot) -> None:
+def test_position_velocity_hover_distance_manual_and_stop_are_read(grounded: CflibFleet) -> None:
     commander = Commander(grounded.wire())
     commander.send_position_setpoint(1.0, 2.0, 3.0, 40.0)
     assert commanded(grounded) == Setpoint(
@@ -131,7 +133,7 @@ def test_position_velocity_hover_distance_manual_and_stop_are_read(grounded: Pil
 
 
 def test_an_rpyt_setpoint_after_a_hover_packet_moves_in_the_bodys_frame_under_poshold(
-    grounded: Pilot,
+    grounded: CflibFleet,
 ) -> None:
     grounded.firmware().parameters.set("flightmode.poshold", 1)
     commander = Commander(grounded.wire())
@@ -149,13 +151,13 @@ def test_an_rpyt_setpoint_after_a_hover_packet_moves_in_the_bodys_frame_under_po
 
 
 @pytest.mark.parametrize("kind", [12, 99, 255])
-def test_setpoints_of_unknown_types_stop_the_motors(grounded: Pilot, kind: int) -> None:
+def test_setpoints_of_unknown_types_stop_the_motors(grounded: CflibFleet, kind: int) -> None:
     Commander(grounded.wire()).send_position_setpoint(1.0, 2.0, 3.0, 40.0)
     grounded.fleet.vehicles[0].handle(bytes([0x7C, kind]))
     assert commanded(grounded) == STOP
 
 
-def test_radio_control_pulses_are_angles_or_by_the_fifth_channel_rates(grounded: Pilot) -> None:
+def test_radio_control_pulses_are_angles_or_by_the_fifth_channel_rates(grounded: CflibFleet) -> None:
     channels = (1750, 1250, 2000, 1500)
     grounded.fleet.vehicles[0].handle(struct.pack("<BBB4H", 0x7C, 3, 0, *channels))
     assert commanded(grounded) == Setpoint(
@@ -169,7 +171,7 @@ def test_radio_control_pulses_are_angles_or_by_the_fifth_channel_rates(grounded:
     assert one.rate_deg == (-50.0, 360.0, -400.0)
 
 
-def test_old_setpoints_of_the_same_kind_turn_the_other_way(grounded: Pilot) -> None:
+def test_old_setpoints_of_the_same_kind_turn_the_other_way(grounded: CflibFleet) -> None:
     wire = grounded.wire()
     wire.version = 8
     with pytest.warns(DeprecationWarning, match="legacy"):
@@ -190,7 +192,7 @@ def test_quaternions_are_packed_and_unpacked_as_cflib_does(parts: Numbers) -> No
     assert abs(np.dot(decompress_quaternion(mine), quat)) > ALIKE
 
 
-def test_notify_setpoint_stop_gives_way_to_the_high_level_commander(grounded: Pilot) -> None:
+def test_notify_setpoint_stop_gives_way_to_the_high_level_commander(grounded: CflibFleet) -> None:
     commander = Commander(grounded.wire())
     commander.send_position_setpoint(0.0, 0.0, 1.0, 0.0)
     assert grounded.firmware().commander.priority == 2

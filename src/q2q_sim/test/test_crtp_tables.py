@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams
-from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.tables import log_toc, param_toc
 from q2q_sim.crtp.tables.log_toc import VARIABLES
 from q2q_sim.crtp.tables.toc import Toc, TocEntry
@@ -30,7 +30,7 @@ def param_id(name: str) -> int:
     ("port", "element", "count"), [(5, LogTocElement, len(VARIABLES)), (2, ParamTocElement, len(TABLE))]
 )
 def test_every_entry_of_a_table_is_what_cflib_reads(
-    grounded: Pilot, port: int, element: type, count: int
+    grounded: CflibFleet, port: int, element: type, count: int
 ) -> None:
     info = ask(grounded, bytes([port << 4 | 0x0C, 3]))
     output, crc = struct.unpack("<HI", info[1:7])
@@ -45,7 +45,7 @@ def test_every_entry_of_a_table_is_what_cflib_reads(
         assert read.ctype.removesuffix("_t") == mine.kind
 
 
-def test_an_entry_beyond_the_table_is_answered_empty(grounded: Pilot) -> None:
+def test_an_entry_beyond_the_table_is_answered_empty(grounded: CflibFleet) -> None:
     assert ask(grounded, b"\x5c\x02\xff\xff") == b"\x02"
 
 
@@ -70,7 +70,7 @@ def test_flags_of_persistent_and_read_only_parameters_are_those_of_the_firmware(
     assert kinds["firmware.revision0"] == 0x0A | 0x40
 
 
-def test_a_written_parameter_is_read_back_and_acts(grounded: Pilot) -> None:
+def test_a_written_parameter_is_read_back_and_acts(grounded: CflibFleet) -> None:
     number = struct.pack("<H", param_id("ctrlMel.kp_z"))
     assert ask(grounded, PARAM_WRITE + number + struct.pack("<f", 2.5)) == number + struct.pack("<f", 2.5)
     assert ask(grounded, PARAM_READ + number) == number + b"\0" + struct.pack("<f", 2.5)
@@ -78,7 +78,7 @@ def test_a_written_parameter_is_read_back_and_acts(grounded: Pilot) -> None:
     assert 2.5 in grounded.firmware().parameters.gains()
 
 
-def test_unknown_read_only_short_and_senseless_writes_change_nothing(grounded: Pilot) -> None:
+def test_unknown_read_only_short_and_senseless_writes_change_nothing(grounded: CflibFleet) -> None:
     vehicle = grounded.fleet.vehicles[0]
     before = grounded.firmware().parameters.changes
     assert ask(grounded, PARAM_WRITE + b"\xff\xff\0") == b"\xff\xff\x02"
@@ -98,7 +98,7 @@ def test_unknown_read_only_short_and_senseless_writes_change_nothing(grounded: P
      ("firmware.modified", 0x08, 1, 13)],
 )  # fmt: skip
 def test_set_by_name_answers_as_the_firmware_does(
-    grounded: Pilot, name: str, type_number: int, value: float, error: int
+    grounded: CflibFleet, name: str, type_number: int, value: float, error: int
 ) -> None:
     wire = grounded.wire()
     Param(wire).set_value_raw(name, type_number, value)
@@ -107,7 +107,7 @@ def test_set_by_name_answers_as_the_firmware_does(
         assert grounded.firmware().parameters[name] == pytest.approx(value)
 
 
-def test_extended_types_defaults_and_the_eeprom_answer_with_a_status(grounded: Pilot) -> None:
+def test_extended_types_defaults_and_the_eeprom_answer_with_a_status(grounded: CflibFleet) -> None:
     kept, plain = (struct.pack("<H", param_id(name)) for name in ("ctrlMel.kp_z", "kalman.initialX"))
     two, new = struct.pack("<f", 1.25), struct.pack("<f", 2.5)
     assert ask(grounded, PARAM_MISC + b"\x07" + kept) == b"\x07" + kept + b"\x00\x01"
@@ -123,7 +123,7 @@ def test_extended_types_defaults_and_the_eeprom_answer_with_a_status(grounded: P
     assert ask(grounded, PARAM_MISC + b"\x05" + kept) == b"\x05" + kept + b"\x02"
 
 
-def test_after_a_reboot_the_controllers_fly_the_gains_that_a_client_reads(grounded: Pilot) -> None:
+def test_after_a_reboot_the_controllers_fly_the_gains_that_a_client_reads(grounded: CflibFleet) -> None:
     def roll_gains() -> tuple[float, float]:
         grounded.fly(0.01)
         (read,) = struct.unpack("<f", ask(grounded, PARAM_READ + gain)[3:])
@@ -153,7 +153,7 @@ def test_clients_find_the_lights_card_decks_and_loops_that_they_ask_for() -> Non
 
 
 def test_decks_of_the_build_are_reported_as_attached() -> None:
-    output = Pilot(np.zeros((1, 4)), build=Build(decks=("bcFlow2", "bcUSD"))).firmware().parameters
+    output = CflibFleet(np.zeros((1, 4)), build=Build(decks=("bcFlow2", "bcUSD"))).firmware().parameters
     attached = {one.name for one in TABLE if one.group == "deck" and output[one.name] == 1}
     assert attached == {"deck.bcFlow2", "deck.bcUSD"}
     assert output["usd.canLog"] == 1
@@ -164,7 +164,7 @@ def test_a_deck_that_no_firmware_knows_is_refused_with_those_it_knows() -> None:
         CrtpRoomParams(decks=("flow",))
 
 
-def test_the_trajectory_memory_keeps_what_is_written_within_it(grounded: Pilot) -> None:
+def test_the_trajectory_memory_keeps_what_is_written_within_it(grounded: CflibFleet) -> None:
     memory = grounded.fleet.vehicles[0]
     assert ask(grounded, b"\x4c\x01") == b"\x01\x02"
     assert ask(grounded, b"\x4c\x02\x01")[2:7] == b"\x00" + struct.pack("<I", 0x1FFF)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from q2q_model.geometry.rotations import matrix_from_quat
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import (
     CONTROL,
@@ -116,24 +116,24 @@ def test_torques_brake_every_rotation(controller: int) -> None:
 
 
 def test_a_change_of_controller_starts_its_integrals_anew() -> None:
-    pilot = Pilot(np.array([[0.0, 0.0, 1.0, 0.0]]))
+    crazyflies = CflibFleet(np.array([[0.0, 0.0, 1.0, 0.0]]))
     off = Setpoint(x=Mode.ABS, y=Mode.ABS, z=Mode.ABS, yaw=Mode.ABS, pos=(0.0, 0.0, 1.2))
-    pilot.fly(1.0, pilot.hold(off))
-    memory, gains = pilot.firmware().rows.memory, pilot.firmware().parameters
+    crazyflies.fly(1.0, crazyflies.hold(off))
+    memory, gains = crazyflies.firmware().rows.memory, crazyflies.firmware().parameters
     z, roll = PIDS + 2 * PID_WIDTH, PIDS + PID_ROLL * PID_WIDTH
     memory[roll] = 0.125
     assert memory[z] > 0.0
     gains.set("stabilizer.controller", MELLINGER)
-    pilot.fly(0.5, pilot.hold(off))
+    crazyflies.fly(0.5, crazyflies.hold(off))
     integrals = memory[I_POS : I_POS + 6].copy()
     assert integrals[2] > 0.0
     gains.set("stabilizer.controller", PID)
-    pilot.firmware().tick()
+    crazyflies.firmware().tick()
     np.testing.assert_array_equal(memory[PIDS:roll], 0.0)
     assert memory[roll] == 0.125  # the attitude's PIDs go on
     np.testing.assert_array_equal(memory[I_POS : I_POS + 6], integrals)
     gains.set("stabilizer.controller", MELLINGER)
-    pilot.firmware().tick()
+    crazyflies.firmware().tick()
     np.testing.assert_array_equal(memory[I_POS : I_POS + 6], 0.0)
 
 
@@ -141,7 +141,9 @@ def test_a_change_of_controller_starts_its_integrals_anew() -> None:
     ("asked", "flies", "word"),
     [(0, PID, ""), (3, MELLINGER, "INDI"), (5, MELLINGER, "Lee"), (6, MELLINGER, "")],
 )
-def test_the_controller_reads_back_what_flies(grounded: Pilot, asked: int, flies: int, word: str) -> None:
+def test_the_controller_reads_back_what_flies(
+    grounded: CflibFleet, asked: int, flies: int, word: str
+) -> None:
     firmware = grounded.firmware()
     firmware.parameters.set("stabilizer.controller", MELLINGER)
     grounded.fly(0.01)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.estimator import Estimator
 from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.motors.battery import LOW_POWER, Battery
@@ -44,7 +44,7 @@ def test_process_noise_grows_each_millisecond_on_the_diagonal_within_bounds() ->
     np.testing.assert_allclose(one.variance[:3], 1e-6, rtol=1e-12)
 
 
-def test_a_reset_of_the_estimate_happens_once(grounded: Pilot) -> None:
+def test_a_reset_of_the_estimate_happens_once(grounded: CflibFleet) -> None:
     firmware = grounded.firmware()
     firmware.parameters.set("kalman.initialX", 2.0)
     firmware.parameters.set("kalman.resetEstimation", 1)
@@ -56,10 +56,10 @@ def test_a_reset_of_the_estimate_happens_once(grounded: Pilot) -> None:
 
 def test_external_positions_matter_without_a_deck_only() -> None:
     for deck in (True, False):
-        pilot = Pilot(np.zeros((1, 4)), build=Build(positioning_deck=deck))
-        pilot.fly(1.0, lambda _, one=pilot: one.firmware().locate((3.0, 4.0, 0.0)))
+        crazyflies = CflibFleet(np.zeros((1, 4)), build=Build(positioning_deck=deck))
+        crazyflies.fly(1.0, lambda _, one=crazyflies: one.firmware().locate((3.0, 4.0, 0.0)))
         expected = [0.0, 0.0] if deck else [3.0, 4.0]
-        np.testing.assert_allclose(pilot.firmware().rows.pos[:2], expected, atol=1e-2)
+        np.testing.assert_allclose(crazyflies.firmware().rows.pos[:2], expected, atol=1e-2)
 
 
 def test_a_battery_lasts_for_its_hover_time_and_says_when_it_is_low() -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BPoly
 
 from q2q_model.signals.values import Array
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
 from q2q_sim.firmware.commander.planner import Planner, PlannerResult, PlanState, Target, Vertical
@@ -221,57 +221,57 @@ def test_a_quarter_circle_keeps_its_radius_and_its_speed(clockwise: bool, sidewa
         assert ahead > 0.0
 
 
-def test_cflibs_high_level_commands_reach_the_planner(grounded: Pilot) -> None:
+def test_cflibs_high_level_commands_reach_the_planner(grounded: CflibFleet) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     wire = grounded.wire()
-    pilot = commander(wire)
+    crazyflies = commander(wire)
     planner = grounded.firmware().planner
-    pilot.takeoff(1.0, 2.0, yaw=None)
+    crazyflies.takeoff(1.0, 2.0, yaw=None)
     assert planner.state == PlanState.FLYING
     assert wire.answers[-1] == wire.sent[-1][:4] + b"\0"
     assert planner.goal(grounded.firmware().seconds + 2.0).pos[2] == pytest.approx(1.0)
-    pilot.go_to(1.0, 2.0, 3.0, 0.5, 4.0, relative=True, linear=False)
+    crazyflies.go_to(1.0, 2.0, 3.0, 0.5, 4.0, relative=True, linear=False)
     end = planner.goal(grounded.firmware().seconds + 4.0)
     np.testing.assert_allclose(end.pos, [1.0, 2.0, 3.0], atol=1e-6)  # from the ground; 32-bit floats
-    pilot.spiral(math.pi, 1.0, 1.0, 0.0, 3.0)
+    crazyflies.spiral(math.pi, 1.0, 1.0, 0.0, 3.0)
     assert planner.goal(grounded.firmware().seconds + 3.0).yaw == pytest.approx(0.5 + math.pi, abs=1e-6)
-    pilot.land(0.0, 2.0)
+    crazyflies.land(0.0, 2.0)
     assert planner.state == PlanState.LANDING
-    pilot.stop()
+    crazyflies.stop()
     assert planner.state == PlanState.IDLE
 
 
-def test_a_group_mask_keeps_commands_from_vehicles_of_other_groups(grounded: Pilot) -> None:
+def test_a_group_mask_keeps_commands_from_vehicles_of_other_groups(grounded: CflibFleet) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
-    pilot = commander(grounded.wire())
-    pilot.set_group_mask(0b0010)
-    pilot.takeoff(1.0, 2.0, group_mask=0b0100)
+    crazyflies = commander(grounded.wire())
+    crazyflies.set_group_mask(0b0010)
+    crazyflies.takeoff(1.0, 2.0, group_mask=0b0100)
     assert grounded.firmware().planner.state == PlanState.IDLE
-    pilot.takeoff(1.0, 2.0, group_mask=0b0110)
+    crazyflies.takeoff(1.0, 2.0, group_mask=0b0110)
     assert grounded.firmware().planner.state == PlanState.FLYING
 
 
-def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded: Pilot) -> None:
+def test_an_uploaded_trajectory_is_flown_and_an_unsound_one_is_refused(grounded: CflibFleet) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     wire = grounded.wire()
-    pilot = commander(wire)
+    crazyflies = commander(wire)
     rise = np.zeros((4, 8), dtype="<f4")
     rise[2, 1] = 0.5
     packed = rise.tobytes() + struct.pack("<f", 2.0)
     for at in range(0, len(packed), 24):
         grounded.fleet.vehicles[0].handle(b"\x4e\x00" + struct.pack("<I", at) + packed[at : at + 24])
-    pilot.define_trajectory(3, 0, 1)
-    pilot.start_trajectory(3)
+    crazyflies.define_trajectory(3, 0, 1)
+    crazyflies.start_trajectory(3)
     assert wire.answers[-1][-1] == PlannerResult.OK
     goal = grounded.firmware().planner.goal(grounded.firmware().seconds + 1.0)
     np.testing.assert_allclose((goal.pos[2], goal.vel[2]), (0.5, 0.5))
     for number, pieces in ((4, 0), (5, 40)):  # none, beyond the memory
-        pilot.define_trajectory(number, 0, pieces)
-        pilot.start_trajectory(number)
+        crazyflies.define_trajectory(number, 0, pieces)
+        crazyflies.start_trajectory(number)
         assert wire.answers[-1][-1] == PlannerResult.UNKNOWN
 
 
-def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(grounded: Pilot) -> None:
+def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(grounded: CflibFleet) -> None:
     """Axes constant, linear, cubic and of degree 7, in two segments, against scipy's BPoly."""
     memory = pytest.importorskip("cflib.crazyflie.mem")
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
@@ -284,9 +284,9 @@ def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(groun
     for at in range(0, len(packed), 24):
         grounded.fleet.vehicles[0].handle(b"\x4e\x00" + struct.pack("<I", at) + packed[at : at + 24])
     wire, firmware = grounded.wire(), grounded.firmware()
-    pilot = commander(wire)
-    pilot.define_trajectory(3, 0, 3, type=1)
-    pilot.start_trajectory(3)
+    crazyflies = commander(wire)
+    crazyflies.define_trajectory(3, 0, 3, type=1)
+    crazyflies.start_trajectory(3)
     assert wire.answers[-1][-1] == PlannerResult.OK
     curves = [BPoly(np.c_[axis], [0.0, 2.0]) for axis in ([0.0, 1.0], [0.0, *cubic], [0.25, *seventh])]
     for since in (0.0, 0.7, 1.9):
@@ -297,7 +297,7 @@ def test_a_compressed_trajectory_of_cflib_is_flown_along_its_bezier_curves(groun
         goal = firmware.planner.goal(firmware.seconds + since)
         np.testing.assert_allclose((*goal.pos, goal.yaw), [1.0, y, 1.2, 0.0], atol=1e-6)
     for how in ({"time_scale": 2.0}, {"reversed": True}):
-        pilot.start_trajectory(3, **how)
+        crazyflies.start_trajectory(3, **how)
         assert wire.answers[-1][-1] == PlannerResult.UNKNOWN
 
 
@@ -313,20 +313,22 @@ def test_a_compressed_trajectory_turns_as_the_firmware_does_and_needs_an_end() -
             compressed_pieces(lacking, 0)
 
 
-def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined(grounded: Pilot) -> None:
+def test_an_undefined_trajectory_is_answered_and_not_flown_and_31_can_be_defined(
+    grounded: CflibFleet,
+) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     wire = grounded.wire()
-    pilot, planner = commander(wire), grounded.firmware().planner
-    pilot.start_trajectory(9)
+    crazyflies, planner = commander(wire), grounded.firmware().planner
+    crazyflies.start_trajectory(9)
     assert (wire.answers[-1][-1], planner.state) == (PlannerResult.OK, PlanState.IDLE)
     for number, answer in ((30, PlannerResult.OK), (31, PlannerResult.UNKNOWN)):
-        pilot.define_trajectory(number, 0, 1)
+        crazyflies.define_trajectory(number, 0, 1)
         assert wire.answers[-1][-1] == answer
-    pilot.start_trajectory(31)
+    crazyflies.start_trajectory(31)
     assert (wire.answers[-1][-1], planner.state) == (PlannerResult.OK, PlanState.IDLE)
 
 
-def test_a_command_of_more_than_an_hour_is_taken(grounded: Pilot) -> None:
+def test_a_command_of_more_than_an_hour_is_taken(grounded: CflibFleet) -> None:
     commander = pytest.importorskip("cflib.crazyflie.high_level_commander").HighLevelCommander
     wire, firmware = grounded.wire(), grounded.firmware()
     commander(wire).takeoff(1.0, 7200.0)

@@ -7,7 +7,7 @@ import pytest
 from firmware_hover import HOVER, hovering
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.planner import PlannerResult, Target, Vertical
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR, SET_THRUST
@@ -22,8 +22,8 @@ LOOK_S = 0.04
 """The supervisor looks 25 times per second."""
 
 
-def state(pilot: Pilot) -> State:
-    return pilot.firmware().supervisor.state
+def state(crazyflies: CflibFleet) -> State:
+    return crazyflies.firmware().supervisor.state
 
 
 def test_rules_fire_on_set_on_clear_and_on_all_clear_but_not_while_blocked() -> None:
@@ -46,9 +46,9 @@ def test_an_emergency_stop_ends_every_state_that_may_run_motors_within_two_looks
 
 
 def test_the_stock_build_arms_itself_and_the_other_waits_for_the_word() -> None:
-    stock, careful = (Pilot(np.zeros((1, 4)), build=Build(auto_arming=auto)) for auto in (True, False))
-    for pilot in (stock, careful):
-        pilot.fly(0.5)
+    stock, careful = (CflibFleet(np.zeros((1, 4)), build=Build(auto_arming=auto)) for auto in (True, False))
+    for crazyflies in (stock, careful):
+        crazyflies.fly(0.5)
     assert state(stock) == State.READY_TO_FLY
     assert state(careful) == State.CHECKS_PASSED
     assert careful.firmware().info & Info.CAN_BE_ARMED
@@ -58,61 +58,61 @@ def test_the_stock_build_arms_itself_and_the_other_waits_for_the_word() -> None:
 
 
 def test_an_armed_vehicle_that_does_not_fly_disarms_after_30_s() -> None:
-    pilot = Pilot(np.zeros((1, 4)), build=Build(auto_arming=False))
-    pilot.fly(0.5)
-    pilot.firmware().supervisor.request_arming(arm=True)
-    pilot.fly(29.0)
-    assert pilot.firmware().supervisor.armed
-    pilot.fly(2.0)
-    assert not pilot.firmware().supervisor.armed
-    assert state(pilot) == State.CHECKS_PASSED
+    crazyflies = CflibFleet(np.zeros((1, 4)), build=Build(auto_arming=False))
+    crazyflies.fly(0.5)
+    crazyflies.firmware().supervisor.request_arming(arm=True)
+    crazyflies.fly(29.0)
+    assert crazyflies.firmware().supervisor.armed
+    crazyflies.fly(2.0)
+    assert not crazyflies.firmware().supervisor.armed
+    assert state(crazyflies) == State.CHECKS_PASSED
 
 
 def test_half_a_second_without_setpoint_levels_out_and_two_cut_the_motors() -> None:
-    pilot = hovering()
+    crazyflies = hovering()
     tilted = Setpoint(
         roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, attitude_deg=(8.0, 0.0, 0.0), thrust_pwm=46000
     )
-    pilot.firmware().accept(tilted)
-    pilot.fly(0.5)
-    assert state(pilot) == State.FLYING
-    assert pilot.firmware().flown.attitude_deg[0] == 8.0
-    pilot.fly(LOOK_S + 0.01)
-    assert state(pilot) == State.LEVEL_OUT
-    assert pilot.firmware().flown.attitude_deg == (0.0, 0.0, 0.0)
-    assert pilot.firmware().flown.thrust_pwm == 46000
-    pilot.fly(1.4)
-    assert pilot.firmware().supervisor.motors_may_run
-    pilot.fly(0.1 + 2 * LOOK_S)
-    assert state(pilot) == State.LOCKED
-    assert not pilot.firmware().supervisor.motors_may_run
-    pilot.fly(1.5, pilot.hold(HOVER))
-    assert pilot.pos()[2] == 0.0  # locked: it fell, and obeys nobody
-    assert state(pilot) == State.LOCKED
+    crazyflies.firmware().accept(tilted)
+    crazyflies.fly(0.5)
+    assert state(crazyflies) == State.FLYING
+    assert crazyflies.firmware().flown.attitude_deg[0] == 8.0
+    crazyflies.fly(LOOK_S + 0.01)
+    assert state(crazyflies) == State.LEVEL_OUT
+    assert crazyflies.firmware().flown.attitude_deg == (0.0, 0.0, 0.0)
+    assert crazyflies.firmware().flown.thrust_pwm == 46000
+    crazyflies.fly(1.4)
+    assert crazyflies.firmware().supervisor.motors_may_run
+    crazyflies.fly(0.1 + 2 * LOOK_S)
+    assert state(crazyflies) == State.LOCKED
+    assert not crazyflies.firmware().supervisor.motors_may_run
+    crazyflies.fly(1.5, crazyflies.hold(HOVER))
+    assert crazyflies.pos()[2] == 0.0  # locked: it fell, and obeys nobody
+    assert state(crazyflies) == State.LOCKED
 
 
 def test_levelling_out_keeps_the_rates_of_roll_and_pitch_and_drifts_under_mellinger() -> None:
-    pilot = hovering()
-    firmware = pilot.firmware()
+    crazyflies = hovering()
+    firmware = crazyflies.firmware()
     firmware.parameters.set("stabilizer.controller", 2)
-    pilot.fly(1.0, pilot.hold(HOVER))
+    crazyflies.fly(1.0, crazyflies.hold(HOVER))
     turning = replace(HOVER, rate_deg=(0.0, 20.0, 30.0), attitude_deg=(0.0, 0.0, 5.0))
     firmware.accept(turning)
-    pilot.fly(0.5 + LOOK_S)
-    assert state(pilot) == State.LEVEL_OUT
+    crazyflies.fly(0.5 + LOOK_S)
+    assert state(crazyflies) == State.LEVEL_OUT
     off = Mode.DISABLE
     assert firmware.flown == replace(
         turning, x=off, y=off, roll=Mode.ABS, pitch=Mode.ABS, yaw=Mode.VELOCITY, rate_deg=(0.0, 20.0, 0.0)
     )
-    before = pilot.pos()[0]
-    pilot.fly(1.0)
-    assert pilot.pos()[0] - before > 0.2  # nose down at a wanted rate, level or not
+    before = crazyflies.pos()[0]
+    crazyflies.fly(1.0)
+    assert crazyflies.pos()[0] - before > 0.2  # nose down at a wanted rate, level or not
 
 
 def test_a_setpoint_is_flown_one_step_after_the_supervisor_lets_the_vehicle_fly() -> None:
-    pilot = Pilot(np.zeros((1, 4)))
-    firmware, lift = pilot.firmware(), Setpoint(roll=Mode.ABS, pitch=Mode.ABS, thrust_pwm=20000.0)
-    while state(pilot) != State.READY_TO_FLY:
+    crazyflies = CflibFleet(np.zeros((1, 4)))
+    firmware, lift = crazyflies.firmware(), Setpoint(roll=Mode.ABS, pitch=Mode.ABS, thrust_pwm=20000.0)
+    while state(crazyflies) != State.READY_TO_FLY:
         firmware.accept(lift)
         first, others = firmware.tick()
     assert (first[SET_THRUST], others[SET_THRUST]) == (0.0, 20000.0)
@@ -121,21 +121,21 @@ def test_a_setpoint_is_flown_one_step_after_the_supervisor_lets_the_vehicle_fly(
 
 
 def test_a_vehicle_that_must_be_armed_idles_at_7000_pwm_without_flying() -> None:
-    pilot = Pilot(np.zeros((1, 4)), build=Build(auto_arming=False))
-    pilot.fly(0.5)
-    motors = pilot.firmware().rows.memory[MOTOR : MOTOR + 4]
+    crazyflies = CflibFleet(np.zeros((1, 4)), build=Build(auto_arming=False))
+    crazyflies.fly(0.5)
+    motors = crazyflies.firmware().rows.memory[MOTOR : MOTOR + 4]
     np.testing.assert_array_equal(motors, 0.0)
-    assert pilot.firmware().supervisor.request_arming(arm=True)
-    pilot.fly(0.5)
+    assert crazyflies.firmware().supervisor.request_arming(arm=True)
+    crazyflies.fly(0.5)
     np.testing.assert_array_equal(motors, 7000.0)
-    assert state(pilot) == State.READY_TO_FLY
-    assert pilot.firmware().supervisor.request_arming(arm=False)
-    pilot.fly(0.1)
+    assert state(crazyflies) == State.READY_TO_FLY
+    assert crazyflies.firmware().supervisor.request_arming(arm=False)
+    crazyflies.fly(0.1)
     np.testing.assert_array_equal(motors, 0.0)
-    assert Pilot(np.zeros((1, 4))).firmware().parameters["powerDist.idleThrust"] == 0
+    assert CflibFleet(np.zeros((1, 4))).firmware().parameters["powerDist.idleThrust"] == 0
 
 
-def test_info_shows_a_landing_as_an_active_plan_and_a_plan_that_was_given_up(grounded: Pilot) -> None:
+def test_info_shows_a_landing_as_an_active_plan_and_a_plan_that_was_given_up(grounded: CflibFleet) -> None:
     firmware = grounded.firmware()
     firmware.planner.take_off(Vertical(1.0, 1.0), firmware.seconds)
     grounded.fly(1.5)
@@ -153,44 +153,44 @@ def test_info_shows_a_landing_as_an_active_plan_and_a_plan_that_was_given_up(gro
 
 
 def test_a_linear_go_to_in_no_time_leaves_the_vehicle_without_setpoints() -> None:
-    pilot = hovering()
-    firmware = pilot.firmware()
+    crazyflies = hovering()
+    firmware = crazyflies.firmware()
     firmware.relax()
     firmware.planner.go_to(Target((0.0, 0.0, 1.0), 0.0, 1.0), firmware.seconds)
-    pilot.fly(1.5)
+    crazyflies.fly(1.5)
     assert (
         firmware.planner.go_to(Target((0.5, 0.0, 1.0), 0.0, 0.0, linear=True), firmware.seconds)
         == PlannerResult.OK
     )
-    pilot.fly(0.5 + 2 * LOOK_S)
-    assert state(pilot) == State.LEVEL_OUT
+    crazyflies.fly(0.5 + 2 * LOOK_S)
+    assert state(crazyflies) == State.LEVEL_OUT
 
 
 def test_a_new_setpoint_in_time_ends_the_levelling() -> None:
-    pilot = hovering()
-    pilot.fly(1.0)
-    assert state(pilot) == State.LEVEL_OUT
-    pilot.fly(0.1, pilot.hold(HOVER))
-    assert state(pilot) == State.FLYING
+    crazyflies = hovering()
+    crazyflies.fly(1.0)
+    assert state(crazyflies) == State.LEVEL_OUT
+    crazyflies.fly(0.1, crazyflies.hold(HOVER))
+    assert state(crazyflies) == State.FLYING
 
 
 @pytest.mark.parametrize("how", ["stop", "watchdog", "parameter"])
 def test_emergency_stops_stop_the_motors_for_good(how: str) -> None:
-    pilot = hovering()
-    one = pilot.firmware()
+    crazyflies = hovering()
+    one = crazyflies.firmware()
     if how == "stop":
         one.supervisor.stop()
     elif how == "watchdog":
         one.supervisor.feed(one.now_ms)
-        pilot.fly(0.9, pilot.hold(HOVER))
-        assert state(pilot) == State.FLYING
-        pilot.fly(0.1, pilot.hold(HOVER))
+        crazyflies.fly(0.9, crazyflies.hold(HOVER))
+        assert state(crazyflies) == State.FLYING
+        crazyflies.fly(0.1, crazyflies.hold(HOVER))
     else:
         one.parameters.set("stabilizer.stop", 1)
-    pilot.fly(2 * LOOK_S + 0.01, pilot.hold(HOVER))
-    assert state(pilot) == State.LOCKED
-    pilot.fly(2.0, pilot.hold(HOVER))
-    assert pilot.pos()[2] == 0.0
+    crazyflies.fly(2 * LOOK_S + 0.01, crazyflies.hold(HOVER))
+    assert state(crazyflies) == State.LOCKED
+    crazyflies.fly(2.0, crazyflies.hold(HOVER))
+    assert crazyflies.pos()[2] == 0.0
 
 
 def look(now_ms: int, acc_z: float, *, running: bool = True) -> SupervisorInput:
@@ -226,7 +226,7 @@ def test_falling_freely_is_no_tumbling() -> None:
     assert one.state == State.FLYING
 
 
-def test_the_supervisor_port_answers_cflib(grounded: Pilot) -> None:
+def test_the_supervisor_port_answers_cflib(grounded: CflibFleet) -> None:
     supervisor = pytest.importorskip("cflib.crazyflie.supervisor").Supervisor
     wire = grounded.wire()
     client = supervisor(wire)

@@ -8,7 +8,7 @@ import pytest
 
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
 from q2q_sim.experiments.licence.crazyflie_py.modules import CONNECT_S
-from q2q_sim.experiments.licence.crazyflie_py.pilot_input import PRESS_AFTER_S, PRESS_S
+from q2q_sim.experiments.licence.crazyflie_py.operator_input import PRESS_AFTER_S, PRESS_S
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import (
     STOCK_PARAMETERS,
     ServedVehicle,

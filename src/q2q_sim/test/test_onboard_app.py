@@ -19,9 +19,9 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.find_air import find_air
+from q2q_sim.crtp.cflib_fleet import ECHO
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
-from q2q_sim.crtp.pilot import ECHO
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps

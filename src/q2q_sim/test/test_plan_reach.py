@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.packets.packet import Packet, Port, datagram_of, packet_of
-from q2q_sim.crtp.pilot import Pilot
 from q2q_sim.crtp.ports import memory
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command
 from q2q_sim.experiments.licence.client_commands.plan_extent import plan_extent
@@ -76,20 +76,20 @@ def test_a_plan_without_duration_is_away_by_its_distance_to_the_goal_before(dura
     assert refusal(0.5, -0.3, 1.16) == f"a place that is 0.16 {farther}"
 
 
-def hovering(height: float) -> Pilot:
+def hovering(height: float) -> CflibFleet:
     """Return a vehicle whose high-level commander has taken it to a height and keeps it there."""
-    pilot = Pilot(np.array([[0.2, 0.0, height, 0.0]]))
-    pilot.fly(0.1)
+    crazyflies = CflibFleet(np.array([[0.2, 0.0, height, 0.0]]))
+    crazyflies.fly(0.1)
     rise = server_packets.vertical(server_packets.TAKE_OFF, height, 1.0, 0)
-    pilot.fleet.vehicles[0].handle(datagram_of(rise))
-    pilot.fly(0.5)
-    return pilot
+    crazyflies.fleet.vehicles[0].handle(datagram_of(rise))
+    crazyflies.fly(0.5)
+    return crazyflies
 
 
-def impossible(pilot: Pilot, packet: Packet) -> str:
+def impossible(crazyflies: CflibFleet, packet: Packet) -> str:
     """Return what of a command a vehicle cannot follow."""
-    answers = pilot.fleet.vehicles[0].handle(datagram_of(packet))
-    asked = client_command(packet, [packet_of(one) for one in answers], pilot.firmware())
+    answers = crazyflies.fleet.vehicles[0].handle(datagram_of(packet))
+    asked = client_command(packet, [packet_of(one) for one in answers], crazyflies.firmware())
     if asked is None:
         return ""
     assert asked.refused == ""
@@ -100,14 +100,14 @@ def test_commands_in_zero_seconds_are_told_by_how_far_they_take_the_goal():
     def go(x: float, z: float, *, relative: bool = False) -> Packet:
         return server_packets.go_to((x, 0.0, z), 0.0, 0.0, relative=relative, mask=0)
 
-    pilot = hovering(1.0)
-    assert impossible(pilot, go(0.2, 1.0)) == ""
-    assert impossible(pilot, go(0.0, 0.0, relative=True)) == ""
-    assert impossible(pilot, go(1.7, 1.0)).startswith("a place that is 1.50 m farther")
-    pilot = hovering(1.0)
-    assert impossible(pilot, go(0.0, 0.5, relative=True)).startswith("a place that is 0.50 m farther")
-    pilot.fly(0.02)  # the goal is there now, the vehicle is not
-    assert impossible(pilot, go(0.0, 0.0, relative=True)) == ""
+    crazyflies = hovering(1.0)
+    assert impossible(crazyflies, go(0.2, 1.0)) == ""
+    assert impossible(crazyflies, go(0.0, 0.0, relative=True)) == ""
+    assert impossible(crazyflies, go(1.7, 1.0)).startswith("a place that is 1.50 m farther")
+    crazyflies = hovering(1.0)
+    assert impossible(crazyflies, go(0.0, 0.5, relative=True)).startswith("a place that is 0.50 m farther")
+    crazyflies.fly(0.02)  # the goal is there now, the vehicle is not
+    assert impossible(crazyflies, go(0.0, 0.0, relative=True)) == ""
 
 
 @pytest.mark.parametrize(
@@ -118,116 +118,120 @@ def test_commands_in_zero_seconds_are_told_by_how_far_they_take_the_goal():
     ],
 )
 def test_a_line_and_a_spiral_in_zero_seconds_have_no_place(content: bytes):
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     told = "a place that is not finite, as that of a line or a spiral in 0 s is: it drops the plan"
-    assert impossible(pilot, Packet(Port.HIGH_LEVEL, 0, content)) == told
-    pilot.fly(0.01)
-    assert pilot.firmware().planner.state == PlanState.DISABLED
+    assert impossible(crazyflies, Packet(Port.HIGH_LEVEL, 0, content)) == told
+    crazyflies.fly(0.01)
+    assert crazyflies.firmware().planner.state == PlanState.DISABLED
 
 
-def test_a_take_off_in_zero_seconds_is_a_jump_and_a_landing_in_zero_seconds_stops_the_motors(grounded: Pilot):
+def test_a_take_off_in_zero_seconds_is_a_jump_and_a_landing_in_zero_seconds_stops_the_motors(
+    grounded: CflibFleet,
+):
     jump = server_packets.vertical(server_packets.TAKE_OFF, 0.4, 0.0, 0)
     assert impossible(grounded, jump).startswith("a place that is 0.40 m farther")
-    pilot = hovering(1.0)
-    assert impossible(pilot, server_packets.vertical(server_packets.LAND, 0.0, 0.0, 0)) == ""
-    pilot.fly(0.01)
-    assert pilot.firmware().planner.state == PlanState.IDLE
+    crazyflies = hovering(1.0)
+    assert impossible(crazyflies, server_packets.vertical(server_packets.LAND, 0.0, 0.0, 0)) == ""
+    crazyflies.fly(0.01)
+    assert crazyflies.firmware().planner.state == PlanState.IDLE
 
 
 def test_an_uploaded_trajectory_that_begins_away_from_the_goal_is_told_by_how_far():
     level = np.zeros((4, 8))
     level[2, 0] = 1.0  # at rest at (0, 0, 1)
     for relative, told in ((False, "a trajectory that begins 0.20 m from where it is"), (True, "")):
-        pilot = hovering(1.0)  # at x = 0.2
+        crazyflies = hovering(1.0)  # at x = 0.2
         for packet in server_packets.upload(1, 0, [(2.0, level)]):
-            assert not impossible(pilot, packet)
+            assert not impossible(crazyflies, packet)
         start = server_packets.start(1, 1.0, backwards=False, relative=relative, mask=0)
-        assert impossible(pilot, start) == told
+        assert impossible(crazyflies, start) == told
 
 
 def test_a_trajectory_that_is_started_during_its_upload_is_told():
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     *written, defined = server_packets.upload(3, 1, [(1.0, np.ones((4, 8)) * 1e-3)] * 4)
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
     half = len(written) // 2  # two pieces
     for packet in (*written[:half], defined):
-        assert not impossible(pilot, packet)
-    assert impossible(pilot, start) == "trajectory 3, of which 2 of 4 pieces are not uploaded"
+        assert not impossible(crazyflies, packet)
+    assert impossible(crazyflies, start) == "trajectory 3, of which 2 of 4 pieces are not uploaded"
     changes = "a change of the trajectory that it flies"
-    assert {impossible(pilot, packet) for packet in written[half:]} == {changes}
+    assert {impossible(crazyflies, packet) for packet in written[half:]} == {changes}
     (other,) = list(server_packets.upload(4, 0, [(1.0, np.ones((4, 8)))]))[:1]
-    assert impossible(pilot, other) == ""  # before its first piece
-    pilot.fly(4.1)
-    assert impossible(pilot, written[0]) == ""  # it is over
+    assert impossible(crazyflies, other) == ""  # before its first piece
+    crazyflies.fly(4.1)
+    assert impossible(crazyflies, written[0]) == ""  # it is over
 
 
 def test_a_piece_of_no_duration_that_was_uploaded_is_there():
     """The firmware steps over it."""
     coefficients = np.ones((4, 8)) * 1e-4
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     for packet in server_packets.upload(1, 0, [(1.0, coefficients), (0.0, coefficients)]):
-        assert not impossible(pilot, packet)
+        assert not impossible(crazyflies, packet)
     start = server_packets.start(1, 1.0, backwards=False, relative=True, mask=0)
-    assert impossible(pilot, start) == ""
+    assert impossible(crazyflies, start) == ""
 
 
 def test_a_compressed_trajectory_that_was_not_uploaded_is_told():
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     define = Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBIB", 6, 3, 1, 1, 0, 1))
-    assert not impossible(pilot, define)
+    assert not impossible(crazyflies, define)
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
-    assert impossible(pilot, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
+    assert impossible(crazyflies, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
 
 
 def test_a_change_of_a_compressed_trajectory_that_is_flown_is_told():
     """One segment of 2 s that rises by two control points on x, and its end mark: 8 + 3 + 3 * 2 + 3 bytes."""
     packed = struct.pack("<4hBH3hBH", 200, 0, 1000, 0, 0b10, 2000, 200, 210, 220, 0, 0)
-    pilot, at = hovering(1.0), 100  # at x = 0.2
+    crazyflies, at = hovering(1.0), 100  # at x = 0.2
 
     def write(place: int, content: bytes) -> Packet:
         return Packet(Port.MEMORY, memory.WRITE, struct.pack("<BI", 0, place) + content)
 
     for packet in (write(at, packed), Packet(Port.HIGH_LEVEL, 0, struct.pack("<BBBBIB", 6, 3, 1, 1, at, 1))):
-        assert not impossible(pilot, packet)
-    assert not impossible(pilot, server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
+        assert not impossible(crazyflies, packet)
+    assert not impossible(crazyflies, server_packets.start(3, 1.0, backwards=False, relative=False, mask=0))
     changes = "a change of the trajectory that it flies"
     writes = {at - 1: "", at: changes, at + len(packed) - 1: changes, at + len(packed): ""}
-    assert {place: impossible(pilot, write(place, b"\1")) for place in writes} == writes
-    pilot.fly(2.1)
-    assert impossible(pilot, write(at, b"\2")) == ""  # it is over
+    assert {place: impossible(crazyflies, write(place, b"\1")) for place in writes} == writes
+    crazyflies.fly(2.1)
+    assert impossible(crazyflies, write(at, b"\2")) == ""  # it is over
 
 
 def test_the_same_upload_again_is_no_change_of_the_trajectory_that_is_flown():
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     *written, defined = server_packets.upload(3, 0, [(5.0, np.ones((4, 8)) * 1e-6)])
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
     *other, _ = server_packets.upload(3, 0, [(5.0, np.ones((4, 8)) * 2e-6)])
-    assert {impossible(pilot, packet) for packet in (*written, defined, start, *written)} == {""}
-    assert {impossible(pilot, packet) for packet in other} == {"a change of the trajectory that it flies"}
+    assert {impossible(crazyflies, packet) for packet in (*written, defined, start, *written)} == {""}
+    assert {impossible(crazyflies, packet) for packet in other} == {
+        "a change of the trajectory that it flies"
+    }
 
 
 @pytest.mark.parametrize("arrived", range(6))
 def test_a_piece_of_which_packets_have_not_arrived_is_not_uploaded(arrived: int) -> None:
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     *written, defined = server_packets.upload(3, 0, [(1.0, np.ones((4, 8)) * 1e-3)])
     assert len(written) == 6
     for packet in (*written[:arrived], defined):
-        assert not impossible(pilot, packet)
+        assert not impossible(crazyflies, packet)
     start = server_packets.start(3, 1.0, backwards=False, relative=True, mask=0)
-    assert impossible(pilot, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
+    assert impossible(crazyflies, start) == "trajectory 3, of which 1 of 1 pieces are not uploaded"
 
 
 def test_an_upload_changes_no_trajectory_that_was_left_for_setpoints():
-    pilot = hovering(1.0)
+    crazyflies = hovering(1.0)
     *written, defined = server_packets.upload(3, 0, [(10.0, np.ones((4, 8)) * 1e-6)])
     for packet in (*written, defined):
-        assert not impossible(pilot, packet)
-    assert not impossible(pilot, server_packets.start(3, 1.0, backwards=False, relative=True, mask=0))
+        assert not impossible(crazyflies, packet)
+    assert not impossible(crazyflies, server_packets.start(3, 1.0, backwards=False, relative=True, mask=0))
     first, second, *_ = server_packets.upload(4, 0, [(10.0, np.ones((4, 8)) * 2e-6)])
-    assert impossible(pilot, first) == "a change of the trajectory that it flies"
-    impossible(pilot, server_packets.position((0.2, 0.0, 1.0), 0.0))
-    pilot.fly(0.1)
-    assert impossible(pilot, second) == ""
+    assert impossible(crazyflies, first) == "a change of the trajectory that it flies"
+    impossible(crazyflies, server_packets.position((0.2, 0.0, 1.0), 0.0))
+    crazyflies.fly(0.1)
+    assert impossible(crazyflies, second) == ""
 
 
 def test_the_extent_of_a_plan_is_that_of_all_its_goals_shifted_and_turned():
@@ -248,10 +252,10 @@ def test_the_extent_of_a_bow_is_found_to_within_5_mm():
 
 
 def test_a_relative_go_to_asks_for_the_places_that_it_leads_through():
-    pilot = hovering(0.5)  # at x = 0.2
+    crazyflies = hovering(0.5)  # at x = 0.2
     down = server_packets.go_to((0.0, 1.0, -0.9), 0.0, 2.0, relative=True, mask=0)
-    answers = pilot.fleet.vehicles[0].handle(datagram_of(down))
-    asked = client_command(down, [packet_of(one) for one in answers], pilot.firmware())
+    answers = crazyflies.fleet.vehicles[0].handle(datagram_of(down))
+    asked = client_command(down, [packet_of(one) for one in answers], crazyflies.firmware())
     assert asked is not None
     assert asked.extent is not None
     np.testing.assert_allclose(asked.extent, [[0.2, 0.0, -0.4], [0.2, 1.0, 0.5]], atol=0.02)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from open_ports import addresses_of
 
-from q2q_sim.crtp.pilot import Pilot
+from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 from q2q_sim.plant.body.state_row import ROTOR_MAX1
@@ -21,15 +21,15 @@ TRIES = 40
 
 
 @pytest.fixture
-def pilot() -> Pilot:
-    made = Pilot(np.array([[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]))
+def crazyflies() -> CflibFleet:
+    made = CflibFleet(np.array([[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]))
     made.fly(0.5)
     return made
 
 
 @pytest.fixture
-def endpoint(pilot: Pilot) -> Iterator[CrtpEndpoint]:
-    with CrtpEndpoint(pilot.fleet, 0, SharedRadioParams()) as opened:
+def endpoint(crazyflies: CflibFleet) -> Iterator[CrtpEndpoint]:
+    with CrtpEndpoint(crazyflies.fleet, 0, SharedRadioParams()) as opened:
         yield opened
 
 
@@ -61,7 +61,7 @@ def test_a_probe_is_answered_at_every_vehicles_port(endpoint: CrtpEndpoint) -> N
 
 
 def test_ten_thousand_datagrams_of_garbage_starve_neither_the_room_nor_a_sound_client(
-    endpoint: CrtpEndpoint, pilot: Pilot
+    endpoint: CrtpEndpoint, crazyflies: CflibFleet
 ) -> None:
     rng = np.random.default_rng(0)
     garbage = [rng.bytes(int(size)) for size in rng.integers(0, 200, 500)]
@@ -69,15 +69,15 @@ def test_ten_thousand_datagrams_of_garbage_starve_neither_the_room_nor_a_sound_c
         for number in range(10_000):
             noisy.send(garbage[number % len(garbage)])
             if number % 100 == 0:
-                endpoint.fly(pilot.drive)
+                endpoint.fly(crazyflies.drive)
         assert answer(sound, VERSION) == VERSION + struct.pack("<I", 12)
-    assert np.isfinite(pilot.swarm.state[:, :ROTOR_MAX1]).all()
-    assert pilot.fleet.vehicles[0].refusals.count > 0
-    assert pilot.fleet.vehicles[1].refusals.count == 0
+    assert np.isfinite(crazyflies.swarm.state[:, :ROTOR_MAX1]).all()
+    assert crazyflies.fleet.vehicles[0].refusals.count > 0
+    assert crazyflies.fleet.vehicles[1].refusals.count == 0
 
 
 def test_logs_reach_their_client_and_a_client_that_is_gone_disturbs_nobody(
-    endpoint: CrtpEndpoint, pilot: Pilot
+    endpoint: CrtpEndpoint, crazyflies: CflibFleet
 ) -> None:
     gone, alive = client_of(endpoint), client_of(endpoint)
     for client in (gone, alive):
@@ -85,7 +85,7 @@ def test_logs_reach_their_client_and_a_client_that_is_gone_disturbs_nobody(
         assert answer(client, b"\x5d\x03\x01\x01")[-1] == 0
     gone.close()
     for _ in range(50):
-        endpoint.fly(pilot.drive)
+        endpoint.fly(crazyflies.drive)
     stamps = []
     while len(stamps) < 50:
         got = alive.recv(64)
@@ -95,20 +95,20 @@ def test_logs_reach_their_client_and_a_client_that_is_gone_disturbs_nobody(
     assert np.diff(stamps).tolist() == [10] * 49
 
 
-def test_a_delayed_link_answers_late_but_answers(pilot: Pilot) -> None:
+def test_a_delayed_link_answers_late_but_answers(crazyflies: CflibFleet) -> None:
     now = [0.0]
     link = SharedRadioParams(latency=0.05)
-    opened = CrtpEndpoint(pilot.fleet, 0, link, now=lambda: now[0])
+    opened = CrtpEndpoint(crazyflies.fleet, 0, link, now=lambda: now[0])
     with opened as endpoint, client_of(endpoint) as client:
         client.send(VERSION)
         while endpoint.traffic.received == 0:
-            endpoint.fly(pilot.drive)
+            endpoint.fly(crazyflies.drive)
         assert endpoint.traffic.sent == 0
         now[0] = 0.06  # the request has arrived, its answer is under way
-        endpoint.fly(pilot.drive)
+        endpoint.fly(crazyflies.drive)
         now[0] = 0.12
         while endpoint.traffic.sent == 0:
-            endpoint.fly(pilot.drive)
+            endpoint.fly(crazyflies.drive)
         assert client.recv(64)[:1] in {b"\xdd", b"\x0c"}
 
 
@@ -123,19 +123,19 @@ def _below_a_free_port() -> socket.socket:
         probe.close()
 
 
-def test_a_taken_port_closes_what_was_opened_and_says_so(pilot: Pilot) -> None:
+def test_a_taken_port_closes_what_was_opened_and_says_so(crazyflies: CflibFleet) -> None:
     with _below_a_free_port() as probe:
         second = probe.getsockname()[1]
         with pytest.raises(OSError, match=f"UDP port {second} of cf2 is taken on 127.0.0.1"):
-            CrtpEndpoint(pilot.fleet, second - 1, SharedRadioParams())
+            CrtpEndpoint(crazyflies.fleet, second - 1, SharedRadioParams())
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
             again.bind(("127.0.0.1", second - 1))
 
 
-def test_ports_that_do_not_exist_are_refused_with_those_that_do(pilot: Pilot) -> None:
-    last = 65536 - len(pilot.swarm.names)
+def test_ports_that_do_not_exist_are_refused_with_those_that_do(crazyflies: CflibFleet) -> None:
+    last = 65536 - len(crazyflies.swarm.names)
     with pytest.raises(ValueError, match=f"need a port each: 0 to {last} is allowed"):
-        CrtpEndpoint(pilot.fleet, last + 1, SharedRadioParams())
+        CrtpEndpoint(crazyflies.fleet, last + 1, SharedRadioParams())
 
 
 def test_ports_are_open_on_loopback_only(endpoint: CrtpEndpoint) -> None:

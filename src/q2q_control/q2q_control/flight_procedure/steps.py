@@ -34,7 +34,7 @@ FOLLOWS_SETPOINTS = frozenset({Step.GLIDE, Step.FLIGHT, Step.HOLD})
 
 
 class Call(Enum):
-    """Request of a pilot."""
+    """Request of an operator."""
 
     START = "start"
     """Fly the present setpoints from where vehicles are, as when held by hand or in simulation."""

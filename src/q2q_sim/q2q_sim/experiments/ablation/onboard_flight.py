@@ -22,8 +22,8 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.air.find_air import FlownAir
+from q2q_sim.crtp.cflib_fleet import ECHO
 from q2q_sim.crtp.fleet import Fleet
-from q2q_sim.crtp.pilot import ECHO
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware_build import Build

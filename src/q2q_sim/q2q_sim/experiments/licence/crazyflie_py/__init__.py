@@ -15,7 +15,7 @@ licence, commit f6154e2), the packets those of its library crazyflie_cpp; neithe
 | vehicle_calls | class Crazyflie |
 | swarm_calls | class CrazyflieServer: commands to all vehicles |
 | time_helper | class TimeHelper |
-| pilot_input | joystick and keyboard, on which a button is pressed after a while |
+| operator_input | joystick and keyboard, on which a button is pressed after a while |
 | uav_trajectory | piecewise polynomials from a CSV file |
 | ellipsoids | module `util`: collisions of ellipsoids, positions at random |
 | absent | what cannot be stood in for says so |

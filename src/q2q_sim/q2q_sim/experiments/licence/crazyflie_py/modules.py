@@ -12,7 +12,7 @@ from types import ModuleType
 
 from q2q_sim.experiments.licence.crazyflie_py import ellipsoids
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence, AbsentModule
-from q2q_sim.experiments.licence.crazyflie_py.pilot_input import Joystick, KeyPoller
+from q2q_sim.experiments.licence.crazyflie_py.operator_input import Joystick, KeyPoller
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.swarm_calls import CrazyflieServer

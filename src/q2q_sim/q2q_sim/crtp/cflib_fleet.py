@@ -1,7 +1,7 @@
 """Control of a fleet in simulated time by cflib's own encoders, without network, threads or clock.
 
 `Wire` replaces the Crazyflie object of cflib's Commander, HighLevelCommander, Localization and Supervisor;
-`Pilot` is a swarm that flies by its own firmware, tick by tick.
+`CflibFleet` is such a fleet, which flies by its own firmware, tick by tick.
 """
 
 from collections.abc import Callable, Hashable
@@ -73,8 +73,8 @@ class Wire:
         self.answers += self._deliver(datagram)
 
 
-class Pilot:
-    """Swarm of Crazyflies 2.0 that flies by its own firmware."""
+class CflibFleet:
+    """Crazyflies 2.0 that fly by their own firmware, commanded by `wire`."""
 
     def __init__(self, start: Array, wake: WakeLaw = WakeLaw.NONE, build: Build | None = None) -> None:
         """Place vehicles cf1, cf2, ... at rest at `start` (n, 4): x, y, z [m], yaw [rad]."""
