@@ -168,6 +168,6 @@ def _explicit_law() -> float:
     count = 200
     ahead = pair_horizon(random_situations(count, PARAMS.step, rng), teacher)
     # three times the push: a bound is met, the network is evaluated
-    pairs = PairHorizon(ahead.states, -3.0 * np.abs(ahead.push) - 0.5, ahead.slope)
+    pairs = PairHorizon(ahead.states, -3.0 * np.abs(ahead.push) - 0.5, ahead.gradient)
     weights, work = weights_of(law), workspace_of(law)
     return least_time(lambda: evaluate_all(weights, pairs, work), 20) / count

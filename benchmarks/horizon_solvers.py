@@ -19,7 +19,7 @@ from processor_time import least_time
 from q2q_control.mpc.axis_cost import AxisWeights
 from q2q_control.mpc.axis_model import axis_model
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
@@ -62,7 +62,7 @@ def pair_problem(params: MpcParams) -> LqProblem:
     axis = np.tile([0.0, 0.0, 1.0], (2, stages, 1))
     path = np.ascontiguousarray(reference[..., :3].transpose(1, 0, 2))
     downwash = predict_downwash(
-        PAPER_LAW, Tracks(times, path, axis, np.ones((2, stages)), 0), SlopeRule((2,), 10.0)
+        PAPER_LAW, Tracks(times, path, axis, np.ones((2, stages)), 0), GradientRule((2,), 10.0)
     )
     start = np.zeros((2, 3, 3))
     start[:, 2, 0] = [1.49, 2.0]

@@ -8,7 +8,7 @@ from q2q_control.inputs.preview import SAME, interpolated, is_on_plan
 from q2q_control.mpc.axis_cost import AxisWeights
 from q2q_control.mpc.axis_model import axis_model
 from q2q_control.mpc.prediction.downwash_horizon import (
-    SlopeRule,
+    GradientRule,
     predict_downwash,
 )
 from q2q_control.mpc.prediction.downwash_horizon_kernel import (
@@ -62,7 +62,7 @@ def horizon_of(n: int, seed: int) -> Horizon:
 
 
 def downwash_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array, Array, bool]:
-    """Return one pair's law (N, 3), its slope along z (N, 3), whether it counts: no compiled loop."""
+    """Return one pair's law (N, 3), its gradient along z (N, 3), whether it counts: no compiled loop."""
     path = tracks.pos[tracks.first :]
     middle, step = 0.5 * (path[1:] + path[:-1]), np.diff(tracks.times[tracks.first :])[:, None]
     when = 0.5 * (tracks.times[tracks.first + 1 :] + tracks.times[tracks.first : -1])
@@ -83,19 +83,19 @@ def downwash_by_numpy(model: Jet, tracks: Tracks, i: int, j: int) -> tuple[Array
 @pytest.mark.parametrize("n", [2, 3, 6])  # all pairs, all pairs, the sweep over x
 def test_downwashs_are_those_of_numpy_pair_by_pair(model: Jet, n: int):
     tracks = stacked_tracks(n, n)
-    found = predict_downwash(model, tracks, SlopeRule((2,), 10.0))
+    found = predict_downwash(model, tracks, GradientRule((2,), 10.0))
     pairs = set(zip(found.i.tolist(), found.j.tolist(), strict=True))
     total = np.zeros((n, STAGES, 3))
     for i in range(n):
         for j in range(n):
             if i == j:
                 continue
-            law, slope, counts = downwash_by_numpy(model, tracks, i, j)
+            law, gradient, counts = downwash_by_numpy(model, tracks, i, j)
             assert ((i, j) in pairs) is counts
             if (i, j) in pairs:
                 total[i] += law
                 row = int(np.flatnonzero((found.i == i) & (found.j == j))[0])
-                assert np.allclose(found.slope[row, :, :, 2], slope, rtol=1e-7, atol=1e-9)
+                assert np.allclose(found.gradient[row, :, :, 2], gradient, rtol=1e-7, atol=1e-9)
     assert pairs
     assert np.allclose(found.eta, total, rtol=1e-9, atol=1e-12)
 
@@ -113,7 +113,7 @@ class AnyModel:
 def test_the_loop_of_jets_computes_what_any_models_prediction_does_bit_for_bit(
     model: Jet, moves: tuple[int, ...]
 ):
-    tracks, rule = stacked_tracks(6, 2), SlopeRule(moves, 10.0)
+    tracks, rule = stacked_tracks(6, 2), GradientRule(moves, 10.0)
     found, expected = (predict_downwash(one, tracks, rule) for one in (model, AnyModel(model)))
     assert 0 < found.i.size <= 30
     for one, other in zip(found, expected, strict=True):
@@ -146,8 +146,8 @@ def test_a_group_solved_in_one_call_is_built_and_solved_in_two():
     rng = np.random.default_rng(2)
     n, group = 4, np.array([1, 3])
     shape, horizon = group_shape(2, (0, 2), MODELS), horizon_of(n, 3)
-    slope = rng.normal(size=(2, STAGES, 3, 3))
-    downwash = DownwashHorizon(horizon.push, np.array([1, 3]), np.array([3, 1]), slope)
+    gradient = rng.normal(size=(2, STAGES, 3, 3))
+    downwash = DownwashHorizon(horizon.push, np.array([1, 3]), np.array([3, 1]), gradient)
     warm_start = rng.integers(0, 3, (n, STAGES, 3)).astype(np.int8)
     pos, inputs = np.full((n, STAGES + 1, 3), np.nan), np.full((n, STAGES, 3), np.nan)
     active_set = np.zeros((n, STAGES, 3), np.int8)
@@ -187,10 +187,10 @@ def test_all_free_axes_swept_at_once_are_those_swept_one_by_one():
 
 
 def coupled(pairs: dict[tuple[int, int], float], vehicles: int = 8) -> DownwashHorizon:
-    """Return pairs (i, j) with their slopes."""
+    """Return pairs (i, j) with their gradients."""
     i, j = np.array(list(pairs), np.intp).reshape(-1, 2).T.copy()
-    slope = np.tile(np.array(list(pairs.values()))[:, None, None, None], (1, STAGES, 3, 3))
-    return DownwashHorizon(np.zeros((vehicles, STAGES, 3)), i, j, slope)
+    gradient = np.tile(np.array(list(pairs.values()))[:, None, None, None], (1, STAGES, 3, 3))
+    return DownwashHorizon(np.zeros((vehicles, STAGES, 3)), i, j, gradient)
 
 
 def test_groups_are_what_pairs_join_together():

@@ -28,7 +28,7 @@ from q2q_control.experiments.explicit.teacher import Teacher, downwash_between, 
 from q2q_control.mpc.axis_model import axis_models
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon
 from q2q_control.mpc.problem.joint_problem import group_shape, joint_problem
@@ -153,7 +153,7 @@ def test_the_teacher_of_many_answers_as_the_solver_of_one():
             tracks = Tracks(
                 times, np.ascontiguousarray(path.transpose(1, 0, 2)), axis, np.ones((2, stages)), 0
             )
-            downwash = predict_downwash(PAPER_LAW, tracks, SlopeRule((2,), PARAMS.slope_max))
+            downwash = predict_downwash(PAPER_LAW, tracks, GradientRule((2,), PARAMS.slope_max))
             push = downwash.eta.copy()
             push[..., 2] += asked.extra[k]
             low, rate = np.full((2, 3), TEACHER.bounds[0]), np.full(3, np.inf)
@@ -188,7 +188,7 @@ def test_where_no_bound_is_met_the_law_is_the_optimum():
     asked = random_situations(200, PARAMS.step, np.random.default_rng(7))
     law = distil(calm, replace(SHORT, situations=200), np.random.default_rng(8))
     off = evaluate(law, pair_horizon(asked, calm)) - solve_situations(asked, calm).inputs[:, 0]
-    # slopes are not in the linear law: downwash changes by 1 m/s^2 a metre, errors of cm pass within 0.2 s
+    # gradients are not in the linear law: downwash changes by 1 m/s^2 a metre, errors of cm pass within 0.2 s
     assert np.percentile(np.abs(off), 95) < 0.02
     assert not law.last.any()
 

@@ -9,7 +9,7 @@ from mpc_bench import DT, IDEAL, PAIR, Air, controller, first_tick, hover, pass_
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import DownwashHorizon, Tracks
 from q2q_control.mpc.problem.horizon import Horizon, HorizonSolution
 from q2q_control.mpc.solver.active_set import ActiveSet
@@ -102,25 +102,25 @@ def test_the_predicted_downwashs_are_those_that_come_with_their_delay():
     pos = glide.at(PAIR, times)[..., :3].transpose(1, 0, 2)
     axis = np.tile([0.0, 0.0, 1.0], (2, when.size - 1, 1))
     found = predict_downwash(
-        model, Tracks(times, pos, axis, np.ones((2, middles.size)), past.size), SlopeRule((2,), 10.0)
+        model, Tracks(times, pos, axis, np.ones((2, middles.size)), past.size), GradientRule((2,), 10.0)
     )
     # the predictor goes by samples 5 ms apart: a peak 0.05 m wide at 0.25 m/s bends by 1e-4
     assert np.abs(found.eta[0].T - exact).max() < 1e-3 * np.abs(exact).max()
     assert np.abs(exact).max() > 0.1
 
 
-def test_slopes_are_the_derivative_of_the_downwash():
+def test_gradients_are_the_derivative_of_the_downwash():
     rel = np.array([0.03, 0.02, 0.5])
     pos = np.zeros((5, 2, 3))
     pos[:, 1] = rel
     tracks = Tracks(np.arange(5) * 0.05, pos, np.tile([0.0, 0.0, 1.0], (2, 4, 1)), np.ones((2, 4)), 0)
-    downwash = predict_downwash(PAPER_LAW, tracks, SlopeRule((0, 1, 2), 100.0))
+    downwash = predict_downwash(PAPER_LAW, tracks, GradientRule((0, 1, 2), 100.0))
     row = int(np.flatnonzero(downwash.i == 0)[0])
     for axis in range(3):
         nudge = np.zeros(3)
         nudge[axis] = 1e-5
         up, down = (PAPER_LAW.acceleration(rel + s * nudge, pairs_at_rest(rel)) for s in (1.0, -1.0))
-        assert np.allclose(downwash.slope[row, 0, :, axis], (up - down) / 2e-5, rtol=1e-3, atol=1e-6)
+        assert np.allclose(downwash.gradient[row, 0, :, axis], (up - down) / 2e-5, rtol=1e-3, atol=1e-6)
 
 
 def test_vehicles_of_another_controller_are_extrapolated_at_constant_velocity():

@@ -6,7 +6,7 @@ import pytest
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.constant_velocity import FAR, Neighbours, at_constant_velocity
-from q2q_control.mpc.prediction.downwash_horizon import Others, SlopeRule, predict_downwash
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule, Others, predict_downwash
 from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.prediction.neighbours import (
     LATE_FADE,
@@ -195,7 +195,7 @@ def downwash_below(x: float, spread: float, jet: Jet) -> Array:
     pos[:, 1] = x, 0.0, 0.5
     tracks = Tracks(TIMES, pos, np.tile([0.0, 0.0, 1.0], (2, STAGES, 1)), np.ones((2, STAGES)), 0)
     others = Others(1, np.array([0.0, spread]))
-    return predict_downwash(jet, tracks, SlopeRule((2,), 100.0), others).eta[0, :, 2]
+    return predict_downwash(jet, tracks, GradientRule((2,), 100.0), others).eta[0, :, 2]
 
 
 def test_the_downwash_of_an_uncertain_source_is_its_mean_over_a_normal_distribution() -> None:

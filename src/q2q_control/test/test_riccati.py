@@ -47,14 +47,14 @@ def horizon(
     return Horizon(start, reference, rng.normal(size=(n, stages, 3)) * 0.1, path, low, high, slew_max)
 
 
-def pairs(rng: np.random.Generator, n: int, stages: int, slope: float) -> DownwashHorizon:
-    """Return slopes between all pairs."""
+def pairs(rng: np.random.Generator, n: int, stages: int, gradient: float) -> DownwashHorizon:
+    """Return gradients between all pairs."""
     i, j = np.nonzero(~np.eye(n, dtype=bool))
-    return DownwashHorizon(np.zeros((n, stages, 3)), i, j, rng.normal(size=(len(i), stages, 3, 3)) * slope)
+    return DownwashHorizon(np.zeros((n, stages, 3)), i, j, rng.normal(size=(len(i), stages, 3, 3)) * gradient)
 
 
 def problem(seed: int, n: int, stages: int, bound: float, slew_max: Array = FREE_RATE) -> LqProblem:
-    """Return a joint problem of n vehicles on z, coupled by slopes of downwash."""
+    """Return a joint problem of n vehicles on z, coupled by gradients of downwash."""
     rng = np.random.default_rng(seed)
     asked = horizon(rng, n, stages, bound, slew_max)
     shape = group_shape(n, (2,), MODELS)

@@ -5,7 +5,7 @@ of s^2 + sqrt 2 w s + w^2. The terminal weight P is that of the infinite horizon
 equation), so that the length of the horizon does not matter to an unbounded axis: it is the linear-quadratic
 regulator, whose cost to go falls by the stage cost. Vehicles that are solved together, and axes that meet a
 bound, are given a share of P (MpcParams.terminal_weight), for which that is not so. Only inputs are bounded,
-so every problem is feasible. There is no proof of stability for them, nor under a wake, whose slopes change
+so every problem is feasible. There is no proof of stability for them, nor under a wake, whose gradients change
 from tick to tick; with all of P the cost to go is exact where the last predicted inputs are within their
 bounds (Chmielewski, Manousiouthakis, Syst. Control Lett. 29, 1996; Scokaert, Rawlings, IEEE Trans. Automat.
 Contr. 43, 1998).

@@ -35,7 +35,7 @@ from q2q_control.mpc.correction import faded_residual, thrust_reserve, with_corr
 from q2q_control.mpc.limited_command import CommandLaw, limited_command
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.constant_velocity import Neighbours, at_constant_velocity
-from q2q_control.mpc.prediction.downwash_horizon import SlopeRule
+from q2q_control.mpc.prediction.downwash_horizon import GradientRule
 from q2q_control.mpc.prediction.forecast import Forecast, Forecaster, correct_downwash, future_reference
 from q2q_control.mpc.prediction.initial_state import InitialState, InitialStateEstimator
 from q2q_control.mpc.prediction.neighbours import (
@@ -146,8 +146,8 @@ class Mpc:
 
     def reset(self) -> None:
         """Forget all memory."""
-        slopes = SlopeRule(coupled_axes(self._params), self._params.slope_max)
-        self._forecaster = Forecaster(self._params, self._model, slopes)
+        gradients = GradientRule(coupled_axes(self._params), self._params.slope_max)
+        self._forecaster = Forecaster(self._params, self._model, gradients)
         self._initial_state = InitialStateEstimator(self._params, self._vehicle, self._setup.residual_process)
         self._last_commands.reset()
         self._received = ReceivedPredictions(self._setup.exchange_period)

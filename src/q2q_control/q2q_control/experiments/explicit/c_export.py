@@ -1,6 +1,6 @@
 """Export of the explicit law to one C99 file for the vehicle's own processor: tanhf only, no heap.
 
-    float q2q_explicit(const float states[2][3], const float push[2][N], const float slope[2][N]);
+    float q2q_explicit(const float states[2][3], const float push[2][N], const float gradient[2][N]);
 
 Returns the vertical acceleration command, the reference's included [m/s^2]. Inputs are those of
 features.PairHorizon; the features are computed from them. Single precision: a Cortex-M4 has no other.
@@ -11,9 +11,9 @@ import numpy as np
 
 from q2q_control.experiments.explicit.features import (
     EDGES,
+    GRADIENT_EDGES,
+    GRADIENTS,
     OWN,
-    SLOPE_EDGES,
-    SLOPES,
     SOFT,
     STAGES,
     WIDTH,
@@ -73,7 +73,7 @@ static float network(float x[WIDTH]) {
   return total;
 }
 
-float q2q_explicit(const float states[2][3], const float push[2][N], const float slope[2][N]) {
+float q2q_explicit(const float states[2][3], const float push[2][N], const float gradient[2][N]) {
   float x[WIDTH], u[N], base = 0.0f, most = 0.0f;
   for (int v = 0; v < 2; ++v) {
     roll_out(states[v], push[v], u);
@@ -87,8 +87,8 @@ float q2q_explicit(const float states[2][3], const float push[2][N], const float
       x[v * OWN + 3 + w] = mean(push[v], EDGES[w], EDGES[w + 1]);
       x[v * OWN + 3 + WINDOWS + w] = mean(u, EDGES[w], EDGES[w + 1]);
     }
-    for (int w = 0; w < SLOPES; ++w)
-      x[2 * OWN + v * SLOPES + w] = mean(slope[v], SLOPE_EDGES[w], SLOPE_EDGES[w + 1]);
+    for (int w = 0; w < GRADIENTS; ++w)
+      x[2 * OWN + v * GRADIENTS + w] = mean(gradient[v], GRADIENT_EDGES[w], GRADIENT_EDGES[w + 1]);
   }
   if (most > 0.0f) base += most / (most + SOFT) * network(x);
   if (!(base >= LOW)) return LOW; /* also where an input is not a number */
@@ -101,7 +101,7 @@ def c_source(law: ExplicitLaw) -> str:
     """Return the law as C99 source."""
     low, high = law.bounds
     sizes = {
-        "N": STAGES, "OWN": OWN, "WIDTH": WIDTH, "WINDOWS": WINDOWS, "SLOPES": SLOPES,
+        "N": STAGES, "OWN": OWN, "WIDTH": WIDTH, "WINDOWS": WINDOWS, "GRADIENTS": GRADIENTS,
         "H1": law.first.shape[0], "H2": law.second.shape[0],
     }  # fmt: skip
     parts = [
@@ -111,7 +111,7 @@ def c_source(law: ExplicitLaw) -> str:
         f"static const float LOW = {_number(low)}, HIGH = {_number(high)}; /* [m/s^2] */",
         f"static const float SOFT = {_number(SOFT)}; /* [m/s^2] */",
         f"static const int EDGES[] = {{{', '.join(map(str, EDGES))}}};",
-        f"static const int SLOPE_EDGES[] = {{{', '.join(map(str, SLOPE_EDGES))}}};",
+        f"static const int GRADIENT_EDGES[] = {{{', '.join(map(str, GRADIENT_EDGES))}}};",
         _array("GAINS", law.gains),
         _array("MEAN", law.mean),
         _array("INVERSE_SCALE", 1.0 / law.scale),

@@ -55,13 +55,13 @@ class ExplicitSolver:
         ref = horizon.reference
         states = horizon.start[:, 2] - np.stack([ref[:, 0, 2], ref[:, 0, 5], np.zeros(len(ref))], axis=1)
         push = horizon.push[..., 2] - ref[:, :-1, 8]
-        vertical = np.ascontiguousarray(downwash.slope[..., 2, 2])
-        other, slope = neighbours((downwash.i, downwash.j), vertical, len(ref))
+        vertical = np.ascontiguousarray(downwash.gradient[..., 2, 2])
+        other, gradient = neighbours((downwash.i, downwash.j), vertical, len(ref))
         known = (other >= 0)[:, None]
         pairs = PairHorizon(
             np.stack([states, np.where(known, states[other], 0.0)], axis=1),
             np.stack([push, np.where(known, push[other], 0.0)], axis=1),
-            slope,
+            gradient,
         )
         return evaluate_all(self._weights, pairs, self._work)
 
@@ -87,24 +87,24 @@ def explicit_solver(law: ExplicitLaw) -> SolverFactory:
 
 
 @compiled
-def neighbours(pairs: tuple[Rows, Rows], slope: Array, n: int) -> tuple[Rows, Array]:
-    """Return each vehicle's neighbour of strongest slope, or -1, (n,), and the slopes both ways, (n, 2, N).
+def neighbours(pairs: tuple[Rows, Rows], gradient: Array, n: int) -> tuple[Rows, Array]:
+    """Return each vehicle's neighbour of largest gradient, or -1, (n,), and those both ways, (n, 2, N).
 
-    `slope` (pairs, N) is the vertical one.
+    `gradient` (pairs, N) is the vertical one.
     """
     i, j = pairs
     other, strongest = np.full(n, -1), np.zeros(n)
-    both = np.zeros((n, 2, slope.shape[1]))
+    both = np.zeros((n, 2, gradient.shape[1]))
     for pair in range(i.size):
         if i[pair] >= n or j[pair] >= n:
             continue
-        strength = np.abs(slope[pair]).max()
+        strength = np.abs(gradient[pair]).max()
         for v, partner in ((i[pair], j[pair]), (j[pair], i[pair])):
             if strength > strongest[v]:
                 strongest[v], other[v] = strength, partner
     for pair in range(i.size):
         if i[pair] < n and other[i[pair]] == j[pair]:
-            both[i[pair], 0] = slope[pair]
+            both[i[pair], 0] = gradient[pair]
         if j[pair] < n and other[j[pair]] == i[pair]:
-            both[j[pair], 1] = slope[pair]
+            both[j[pair], 1] = gradient[pair]
     return other, both

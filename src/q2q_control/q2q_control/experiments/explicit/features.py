@@ -20,7 +20,7 @@ neighbour matters because it may evade: G is the benefit of that.
 |---|---|---|
 | e e' a | states | height error [m], climb error [m/s], acceleration by thrust [m/s^2] |
 | p | push | downwash, disturbance and minus the reference's acceleration of each stage [m/s^2] |
-| G | slope | change of downwash with the height of its source above [1/s^2] |
+| G | gradient | change of downwash with the height of its source above [1/s^2] |
 """
 
 from dataclasses import dataclass
@@ -37,12 +37,12 @@ STAGES = 40
 """Of the horizon."""
 EDGES = (0, 1, 2, 4, 7, 10, 14, 18, 23, 28, 34, STAGES)
 """Windows of pushes, in stages: narrow in the near future."""
-SLOPE_EDGES = (0, 4, 14, STAGES)
-"""Windows of slopes."""
-WINDOWS, SLOPES = len(EDGES) - 1, len(SLOPE_EDGES) - 1
+GRADIENT_EDGES = (0, 4, 14, STAGES)
+"""Windows of gradients."""
+WINDOWS, GRADIENTS = len(EDGES) - 1, len(GRADIENT_EDGES) - 1
 OWN = 3 + 2 * WINDOWS
 """Features of one vehicle."""
-WIDTH = 2 * (OWN + SLOPES)
+WIDTH = 2 * (OWN + GRADIENTS)
 """Features of a pair."""
 SOFT = 0.05
 """Excess at which the gate is half open [m/s^2]: a sixth of the paper's thrust margin."""
@@ -55,12 +55,12 @@ class PairHorizon(NamedTuple):
     """e, e', a, (..., 2, 3)."""
     push: Array
     """(..., 2, STAGES) [m/s^2]."""
-    slope: Array
+    gradient: Array
     """(..., 2, STAGES) [1/s^2]."""
 
     def swapped(self) -> "PairHorizon":
         """Return the same with the second vehicle first."""
-        return PairHorizon(self.states[..., ::-1, :], self.push[..., ::-1, :], self.slope[..., ::-1, :])
+        return PairHorizon(self.states[..., ::-1, :], self.push[..., ::-1, :], self.gradient[..., ::-1, :])
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +81,8 @@ def features(pair: PairHorizon, gains: AxisGains, high: float) -> Features:
     excess = np.maximum(unbounded - high, 0.0)
     most = excess.max(axis=(-1, -2))
     own = np.concatenate([pair.states, _means(pair.push, EDGES), _means(excess, EDGES)], axis=-1)
-    slopes = _means(pair.slope, SLOPE_EDGES)
-    parts = [own[..., 0, :], own[..., 1, :], slopes[..., 0, :], slopes[..., 1, :]]
+    gradients = _means(pair.gradient, GRADIENT_EDGES)
+    parts = [own[..., 0, :], own[..., 1, :], gradients[..., 0, :], gradients[..., 1, :]]
     return Features(np.concatenate(parts, axis=-1), most / (most + SOFT), unbounded[..., 0, 0])
 
 
@@ -124,11 +124,11 @@ def write_features(
             width = EDGES[w + 1] - EDGES[w]
             x[v * OWN + 3 + w] = total / width
             x[v * OWN + 3 + WINDOWS + w] = taken / width
-        for w in range(SLOPES):
+        for w in range(GRADIENTS):
             total = 0.0
-            for k in range(SLOPE_EDGES[w], SLOPE_EDGES[w + 1]):
-                total += pair.slope[v, k]
-            x[2 * OWN + v * SLOPES + w] = total / (SLOPE_EDGES[w + 1] - SLOPE_EDGES[w])
+            for k in range(GRADIENT_EDGES[w], GRADIENT_EDGES[w + 1]):
+                total += pair.gradient[v, k]
+            x[2 * OWN + v * GRADIENTS + w] = total / (GRADIENT_EDGES[w + 1] - GRADIENT_EDGES[w])
     return unbounded[0, 0], most / (most + SOFT)
 
 

@@ -136,7 +136,7 @@ def evaluate_all(law: LawWeights, pairs: PairHorizon, work: LawWorkspace) -> Arr
     """Return u [m/s^2] of K pairs, (K,)."""
     u = np.empty(pairs.states.shape[0])
     for k in range(u.size):
-        u[k] = evaluate_one(law, PairHorizon(pairs.states[k], pairs.push[k], pairs.slope[k]), work)
+        u[k] = evaluate_one(law, PairHorizon(pairs.states[k], pairs.push[k], pairs.gradient[k]), work)
     return u
 
 

@@ -93,20 +93,20 @@ def solve_situations(
         np.zeros((count, STAGES, 2), np.int8),
     )
     for _ in range(ROUNDS):
-        eta, slope = downwash_between(situations.paths, found.errors, teacher)
-        pairs = PairHorizon(situations.states, eta + situations.extra, slope)
+        eta, gradient = downwash_between(situations.paths, found.errors, teacher)
+        pairs = PairHorizon(situations.states, eta + situations.extra, gradient)
         _solve_all(shape, pairs, _Limits(*teacher.bounds, slew_max), found)
     return found
 
 
 def pair_horizon(situations: Situations, teacher: Teacher) -> PairHorizon:
     """Return the law's view of situations, with downwash along paths parallel to the references."""
-    eta, slope = downwash_between(situations.paths, situations.states[..., :1], teacher)
-    return PairHorizon(situations.states, eta + situations.extra, slope)
+    eta, gradient = downwash_between(situations.paths, situations.states[..., :1], teacher)
+    return PairHorizon(situations.states, eta + situations.extra, gradient)
 
 
 def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Array, Array]:
-    """Return the downwash of pairs at the stages' middles, and their slopes, (..., 2, N) each.
+    """Return the downwash of pairs at the stages' middles, and their gradients, (..., 2, N) each.
 
     `paths` (..., 2, N + 1, 3) are references, `errors` (..., 2, N + 1 or 1) heights above them [m].
     """
@@ -127,8 +127,8 @@ def downwash_between(paths: Array, errors: Array, teacher: Teacher) -> tuple[Arr
     )
     nudge = np.array([0.0, 0.0, DELTA])
     eta, above, below = (model.acceleration(rel + side * nudge, motion)[..., 2] for side in (0.0, 1.0, -1.0))
-    slope = (above - below) / (2.0 * DELTA)
-    return eta, np.clip(slope, -teacher.params.slope_max, teacher.params.slope_max)
+    gradient = (above - below) / (2.0 * DELTA)
+    return eta, np.clip(gradient, -teacher.params.slope_max, teacher.params.slope_max)
 
 
 @compiled
@@ -137,13 +137,13 @@ def _solve_all(shape: GroupShape, pairs: PairHorizon, limits: _Limits, out: Teac
     stages = pairs.push.shape[2]
     pair, other = np.array([0, 1]), np.array([1, 0])
     reference, path = np.zeros((2, stages + 1, 9)), np.zeros((2, stages + 1, 3))
-    start, push, slope = np.zeros((2, 3, 3)), np.zeros((2, stages, 3)), np.zeros((2, stages, 3, 3))
+    start, push, gradient = np.zeros((2, 3, 3)), np.zeros((2, stages, 3)), np.zeros((2, stages, 3, 3))
     low, high = np.full((2, 3), limits.low), np.full((2, stages, 3), limits.high)
     horizon = Horizon(start, reference, push, path, low, high, np.full(3, limits.slew_max))
-    downwash = DownwashHorizon(push, pair, other, slope)
+    downwash = DownwashHorizon(push, pair, other, gradient)
     for q in range(out.inputs.shape[0]):
         start[:, 2], path[:, :, 2] = pairs.states[q], out.errors[q]
-        push[:, :, 2], slope[:, :, 2, 2] = pairs.push[q], pairs.slope[q]
+        push[:, :, 2], gradient[:, :, 2, 2] = pairs.push[q], pairs.gradient[q]
         found = solve_from(joint_problem(shape, pair, horizon, downwash), out.active_set[q], ITERATIONS)
         for v in range(2):
             out.inputs[q, v], out.errors[q, v] = found.inputs[0, v], found.states[:, 3 * v]

@@ -1,4 +1,4 @@
-"""Prediction of the downwash along the horizon, and of its slopes as vehicles leave their last prediction.
+"""Prediction of the downwash along the horizon, and of its gradients as vehicles leave their last prediction.
 
 The downwash of stage k is taken at its middle, where each vehicle is half-way between two stages of its last
 predicted path. The source's position is that of a delay tau earlier: in the past, or on its predicted path.
@@ -16,7 +16,7 @@ as the path is the predicted one.
 |---|---|---|
 | i, j | i, j | vehicle that feels, vehicle that causes |
 | eta | eta | downwash acceleration [m/s^2], world, (n, N, 3) |
-| G | slope | [1/s^2], (pairs, N, 3, 3): row feels, column moves |
+| G | gradient | [1/s^2], (pairs, N, 3, 3): row feels, column moves |
 | s | weight | of a source's downwash [-], (n, N) |
 | sigma | spread | uncertainty of a source's horizontal position, which widens its downwash [m], (n,) |
 """
@@ -62,13 +62,13 @@ NEGLIGIBLE_SPREAD = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class SlopeRule:
-    """Selection of the slopes that are evaluated."""
+class GradientRule:
+    """Selection of the gradients that are evaluated."""
 
     moves: tuple[int, ...]
     """Axes along which vehicles may move off their paths: 0 1 2 for x y z."""
     slope_max: float
-    """Slopes are clipped to +- this [1/s^2]."""
+    """Gradients are clipped to +- this [1/s^2]."""
 
 
 class Others(NamedTuple):
@@ -81,9 +81,9 @@ class Others(NamedTuple):
 
 
 def predict_downwash(
-    model: InteractionModel, tracks: Tracks, rule: SlopeRule, others: Others | None = None
+    model: InteractionModel, tracks: Tracks, rule: GradientRule, others: Others | None = None
 ) -> DownwashHorizon:
-    """Return downwash and slopes along the horizon; with `others`, only what `own` vehicles feel."""
+    """Return downwash and gradients along the horizon; with `others`, only what `own` vehicles feel."""
     n, absorption = len(tracks.axis), source_terms(model).absorption  # loading is in the tracks' weight
     pairs = _pairs_to_check(model.reach, tracks, others.own if others is not None and not absorption else n)
     jets = _jet_rule(model, rule) if isinstance(model, Jet) and not absorption else None
@@ -104,21 +104,21 @@ def predict_downwash(
 
 
 @lru_cache(maxsize=KNOWN_MODELS)
-def _jet_rule(model: Jet, rule: SlopeRule) -> JetRule:
+def _jet_rule(model: Jet, rule: GradientRule) -> JetRule:
     reach = model.reach.horizontal, model.reach.vertical
     return JetRule(np.array(jet_law(model)), np.array(rule.moves), rule.slope_max, reach)
 
 
-def _summed(law: Array, tracks: Tracks, pairs: Pairs, rule: SlopeRule) -> DownwashHorizon:
+def _summed(law: Array, tracks: Tracks, pairs: Pairs, rule: GradientRule) -> DownwashHorizon:
     """Return the downwash of pairs at all places, (1 + 2 moves, pairs, N, 3), without faint ones."""
     (i, j), (n, stages) = pairs, tracks.axis.shape[:2]
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
     strong = sum_downwash(law, tracks.weight, np.array(rule.moves), rule.slope_max, downwash)
-    return DownwashHorizon(downwash.eta, i[strong], j[strong], downwash.slope[strong])
+    return DownwashHorizon(downwash.eta, i[strong], j[strong], downwash.gradient[strong])
 
 
 def _law_of(
-    model: InteractionModel, tracks: Tracks, pairs: Pairs, rule: SlopeRule, spread: Array | None
+    model: InteractionModel, tracks: Tracks, pairs: Pairs, rule: GradientRule, spread: Array | None
 ) -> Array:
     """Return the downwash of a model at all places [m/s^2], (1 + 2 moves, pairs, N, 3).
 

@@ -15,7 +15,7 @@ from q2q_model.downwash.sweep_and_prune import Pairs
 from q2q_model.signals.values import Array, Mask, Rows
 
 DELTA = 1e-3
-"""Step of the differences [m]: a fiftieth of downwash's width errs by 1e-4 of the slope."""
+"""Step of the differences [m]: a fiftieth of downwash's width errs by 1e-4 of the gradient."""
 LEAST_DOWNWASH = 1e-4
 """Pairs whose downwash stays below this [m/s^2] on the whole horizon are dropped."""
 
@@ -36,7 +36,7 @@ class Tracks(NamedTuple):
 
 
 class DownwashHorizon(NamedTuple):
-    """Predicted downwash accelerations and their slopes."""
+    """Predicted downwash accelerations and their gradients."""
 
     eta: Array
     """[m/s^2], world, (n, N, 3)."""
@@ -44,7 +44,7 @@ class DownwashHorizon(NamedTuple):
     """(p,)"""
     j: Rows
     """(p,)"""
-    slope: Array
+    gradient: Array
     """[1/s^2], (p, N, 3, 3): row feels, column moves."""
 
 
@@ -101,7 +101,7 @@ def displaced_places(places: Array, moves: Rows) -> Array:
 
 @compiled
 def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: DownwashHorizon) -> Mask:
-    """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint.
+    """Add the downwash of pairs to `out.eta` and write their gradients; return the pairs that are not faint.
 
     `weight` is that of Tracks.
     """
@@ -114,12 +114,12 @@ def sum_downwash(law: Array, weight: Array, moves: Rows, slope_max: float, out: 
 
 
 @compiled(**BORROWING)
-def add_pair(law: Array, weight: Array, slopes: tuple[Rows, float], p: int, out: DownwashHorizon) -> None:
-    """Add the downwash (m, N, 3) of pair p at all places to `out.eta`, and write its slopes.
+def add_pair(law: Array, weight: Array, gradients: tuple[Rows, float], p: int, out: DownwashHorizon) -> None:
+    """Add the downwash (m, N, 3) of pair p at all places to `out.eta`, and write its gradients.
 
-    `slopes` are the axes of displacement and the largest slope [1/s^2].
+    `gradients` are the axes of displacement and the largest gradient [1/s^2].
     """
-    moves, slope_max = slopes
+    moves, slope_max = gradients
     i, j = out.i[p], out.j[p]
     for k in range(law.shape[1]):
         share = weight[j, k]
@@ -127,7 +127,7 @@ def add_pair(law: Array, weight: Array, slopes: tuple[Rows, float], p: int, out:
             out.eta[i, k, c] += law[0, k, c] * share
             for a in range(moves.size):
                 rise = (law[1 + 2 * a, k, c] - law[2 + 2 * a, k, c]) / (2.0 * DELTA) * share
-                out.slope[p, k, c, moves[a]] = min(max(rise, -slope_max), slope_max)
+                out.gradient[p, k, c, moves[a]] = min(max(rise, -slope_max), slope_max)
 
 
 @compiled(**BORROWING)

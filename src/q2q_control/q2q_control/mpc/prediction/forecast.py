@@ -8,8 +8,8 @@ from q2q_control.inputs.alignment import ETA, POS, VEL, Aligned
 from q2q_control.mpc.mpc_params import MpcParams
 from q2q_control.mpc.prediction.constant_velocity import Neighbours
 from q2q_control.mpc.prediction.downwash_horizon import (
+    GradientRule,
     Others,
-    SlopeRule,
     no_downwash,
     predict_downwash,
 )
@@ -44,9 +44,9 @@ class Forecast:
 class Forecaster:
     """Memory of solutions and of past positions, from which forecasts are made."""
 
-    def __init__(self, params: MpcParams, model: InteractionModel, slopes: SlopeRule) -> None:
+    def __init__(self, params: MpcParams, model: InteractionModel, gradients: GradientRule) -> None:
         """Predict downwash by `model`."""
-        self._params, self._model, self._slopes = params, model, slopes
+        self._params, self._model, self._gradients = params, model, gradients
         self._previous = PreviousSolution(params.steps, params.step)
         self._tracks = VehicleTracks(model.max_delay, source_terms(model).loading or params.loading)
         self._ahead = params.step * np.arange(params.steps + 1)
@@ -69,7 +69,7 @@ class Forecaster:
             certain = np.zeros(len(tick.names))
             others = Others(len(tick.names), np.concatenate((certain, neighbours.spread)))
         downwash = (
-            predict_downwash(self._model, tracks, self._slopes, others) if aware else no_downwash(tracks)
+            predict_downwash(self._model, tracks, self._gradients, others) if aware else no_downwash(tracks)
         )
         predicted = np.ascontiguousarray(tracks.pos[tracks.first :].transpose(1, 0, 2))
         return Forecast(reference, previous, downwash, predicted)

@@ -24,7 +24,7 @@ from q2q_model.signals.values import Array, Mask, Rows
 
 
 class JetRule(NamedTuple):
-    """Law of the jets, and the slopes that are evaluated."""
+    """Law of the jets, and the gradients that are evaluated."""
 
     numbers: Array
     """Those of the JetLaw, (12,)."""
@@ -44,12 +44,12 @@ def sum_near_jets(rule: JetRule, tracks: Tracks, pairs: Pairs) -> DownwashHorizo
     strong = _sum_jets(rule, tracks, out)
     if strong.all():
         return out
-    return DownwashHorizon(out.eta, i[strong], j[strong], out.slope[strong])
+    return DownwashHorizon(out.eta, i[strong], j[strong], out.gradient[strong])
 
 
 @compiled
 def _sum_jets(rule: JetRule, tracks: Tracks, out: DownwashHorizon) -> Mask:
-    """Add the downwash of pairs to `out.eta` and write their slopes; return the pairs that are not faint."""
+    """Add the downwash of pairs to `out.eta` and write their gradients; return those not faint."""
     law = law_of_numbers(rule.numbers)
     stages, count = tracks.axis.shape[1], 1 + 2 * rule.moves.size
     strong = np.zeros(out.i.size, np.bool_)

@@ -83,7 +83,7 @@ def joint_problem(
     )
     _fill_targets(shape, vehicles, horizon, problem)
     _fill_bounds(shape, vehicles, horizon, problem)
-    _fill_slopes(shape, vehicles, downwash, horizon.path, problem)
+    _fill_gradients(shape, vehicles, downwash, horizon.path, problem)
     return problem
 
 
@@ -122,10 +122,10 @@ def _fill_targets(shape: GroupShape, vehicles: Rows, horizon: Horizon, problem: 
 
 
 @compiled
-def _fill_slopes(
+def _fill_gradients(
     shape: GroupShape, vehicles: Rows, downwash: DownwashHorizon, path: Array, problem: LqProblem
 ) -> None:
-    """Add G of each pair to the slopes, and -G r~ to the drift."""
+    """Add G of each pair to the gradients, and -G r~ to the drift."""
     axes, count = shape.axes, shape.axes.size
     place = np.full(path.shape[0], -1)
     for g in range(vehicles.size):
@@ -143,8 +143,8 @@ def _fill_slopes(
                         continue
                     moves = place[vehicle] * count + b
                     for k in range(problem.drift.shape[0]):
-                        slope = sign * downwash.slope[pair, k, axes[a], axes[b]]
-                        problem.slope[k, feels, moves] += slope
+                        gradient = sign * downwash.gradient[pair, k, axes[a], axes[b]]
+                        problem.gradient[k, feels, moves] += gradient
                         for row in range(2):
-                            pushed = shape.push_gain[feels, row] * slope
+                            pushed = shape.push_gain[feels, row] * gradient
                             problem.drift[k, 3 * feels + row] -= pushed * path[vehicle, k, axes[b]]

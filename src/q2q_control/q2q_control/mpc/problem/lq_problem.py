@@ -16,7 +16,7 @@ Problem and solution are NamedTuples, which compiled code can take.
 | N, n | | stages, axes of all vehicles (one input each); the state has 3 n entries |
 | A | transition | of each axis |
 | D | push_gain | of each axis: position [s^2], velocity [s] per acceleration |
-| G_k | slope | acceleration of one axis per position of another [1/s^2] |
+| G_k | gradient | acceleration of one axis per position of another [1/s^2] |
 | B | input_gain | of each axis: position [s^2], velocity [s], acceleration [-] per input |
 | u | input | commanded acceleration [m/s^2] |
 """
@@ -38,7 +38,7 @@ class LqProblem(NamedTuple):
     """A, (n, 3, 3)."""
     push_gain: Array
     """D, (n, 3); the acceleration's is 0."""
-    slope: Array
+    gradient: Array
     """G_k, (N, n, n): row feels, column moves."""
     drift: Array
     """c_k, (N, 3n)."""
@@ -84,7 +84,7 @@ def dense_matrices(problem: LqProblem) -> Array:
         own = slice(3 * c, 3 * c + 3)
         dense[:, own, own] = problem.transition[c]
     for c in range(n):
-        dense[:, 3 * c : 3 * c + 3, ::3] += problem.push_gain[c, :, None] * problem.slope[:, c, None, :]
+        dense[:, 3 * c : 3 * c + 3, ::3] += problem.push_gain[c, :, None] * problem.gradient[:, c, None, :]
     return dense
 
 

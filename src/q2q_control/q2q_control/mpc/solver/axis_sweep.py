@@ -1,8 +1,8 @@
 """Solution of many separate axes at once where no bound is active.
 
-An axis without slopes of downwash is the same at every stage, and its terminal weight is that of the infinite
-horizon, so the Riccati matrix P is constant too. What is left of the recursion is one vector per stage,
-backward and forward (q2q_control.mpc.solver.riccati has the general form):
+An axis without gradients of downwash is the same at every stage, and its terminal weight is that of the
+infinite horizon, so the Riccati matrix P is constant too. What is left of the recursion is one vector per
+stage, backward and forward (q2q_control.mpc.solver.riccati has the general form):
 
     V_k(x) = x' P x + 2 p_k' x;   Quu = R + S + B' P B;   Qux = B' P A - S e_a
     o_k = -(B' (P c_k + p_{k+1}) - R u*_k) / Quu

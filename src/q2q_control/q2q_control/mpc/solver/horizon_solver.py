@@ -166,10 +166,10 @@ def group_roots(downwash: DownwashHorizon, n: int, most: int) -> Rows:
 
 @compiled
 def _couplings(downwash: DownwashHorizon) -> Array:
-    """Return the coupling of each pair: the sum of the absolute slopes over the horizon."""
+    """Return the coupling of each pair: the sum of the absolute gradients over the horizon."""
     coupling = np.zeros(downwash.i.size)
     for pair in range(downwash.i.size):
-        coupling[pair] = np.abs(downwash.slope[pair]).sum()
+        coupling[pair] = np.abs(downwash.gradient[pair]).sum()
     return coupling
 
 

@@ -127,7 +127,7 @@ def next_state(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     for c in range(n):
         push = 0.0
         for d in range(n):
-            push += problem.slope[k, c, d] * before[3 * d]
+            push += problem.gradient[k, c, d] * before[3 * d]
         A, u, at = problem.transition[c], work.inputs[k, c], 3 * c
         for row in range(3):
             after[at + row] = (

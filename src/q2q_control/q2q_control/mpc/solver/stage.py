@@ -37,7 +37,7 @@ def last_cost(problem: LqProblem, work: Workspace, n: int) -> None:
 def stage_product(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write P A and P c + p of stage k, with P, p of the stage after it."""
     P, p, product = work.cost_matrix[k + 1], work.cost_vector[k + 1], work.product
-    gain, slope, drift = problem.push_gain, problem.slope[k], problem.drift[k]
+    gain, gradient, drift = problem.push_gain, problem.gradient[k], problem.drift[k]
     for i in range(3 * n):
         total = p[i]
         for j in range(3 * n):
@@ -51,7 +51,7 @@ def stage_product(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
         for c in range(n):
             pushed = P[i, 3 * c] * gain[c, 0] + P[i, 3 * c + 1] * gain[c, 1]
             for d in range(n):
-                product[i, 3 * d] += pushed * slope[c, d]
+                product[i, 3 * d] += pushed * gradient[c, d]
 
 
 @compiled(**FAST_HOT)
@@ -143,14 +143,14 @@ def _substitute(factor: Array, right: Array, i: int, n: int) -> None:
 def stage_cost(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
     """Write P, p of stage k."""
     P, p, product, ahead = work.cost_matrix[k], work.cost_vector[k], work.product, work.ahead
-    gain, slope = problem.push_gain, problem.slope[k]
+    gain, gradient = problem.push_gain, problem.gradient[k]
     for c in range(n):
         A, at = problem.transition[c], 3 * c
         for j in range(at, 3 * n):
             total = product[at, j]
             for d in range(n):
                 pushed = gain[d, 0] * product[3 * d, j] + gain[d, 1] * product[3 * d + 1, j]
-                total += slope[d, c] * pushed
+                total += gradient[d, c] * pushed
             P[at, j] = total
             P[at + 1, j] = A[0, 1] * product[at, j] + product[at + 1, j]
             P[at + 2, j] = (
@@ -158,7 +158,7 @@ def stage_cost(problem: LqProblem, k: int, work: Workspace, n: int) -> None:
             )
         total = ahead[at]
         for d in range(n):
-            total += slope[d, c] * (gain[d, 0] * ahead[3 * d] + gain[d, 1] * ahead[3 * d + 1])
+            total += gradient[d, c] * (gain[d, 0] * ahead[3 * d] + gain[d, 1] * ahead[3 * d + 1])
         p[at] = total
         p[at + 1] = A[0, 1] * ahead[at] + ahead[at + 1]
         p[at + 2] = A[0, 2] * ahead[at] + A[1, 2] * ahead[at + 1] + A[2, 2] * ahead[at + 2]
