@@ -42,7 +42,7 @@ class MpcParams:
         high=10.0,
     )
     jerk_weight: float = tunable(0.2, "weight of jerk over that of effort", low=0.0, high=100.0)
-    slope_max: float = tunable(10.0, "largest slope of downwash used", unit="1/s^2", low=0.0, high=100.0)
+    slope_max: float = tunable(10.0, "largest gradient of downwash used", unit="1/s^2", low=0.0, high=100.0)
     loading: float = tunable(
         0.0,
         "share of a source's thrust beyond its weight that strengthens its downwash: 1 by momentum theory, "
