@@ -2,13 +2,13 @@
 
 The weights place the closed loop: for T = 0 and J = sum (p - p*)^2 + (u - u*)^2 / w^4 its poles are those
 of s^2 + sqrt 2 w s + w^2. The terminal weight P is that of the infinite horizon (the discrete Riccati
-equation), so that the length of the horizon does not matter to an unbounded axis: it is the linear-quadratic
-regulator, whose cost to go falls by the stage cost. Vehicles that are solved together, and axes that meet a
-bound, are given a share of P (MpcParams.terminal_weight), for which that is not so. Only inputs are bounded,
-so every problem is feasible. There is no proof of stability for them, nor under a wake, whose gradients change
-from tick to tick; with all of P the cost to go is exact where the last predicted inputs are within their
-bounds (Chmielewski, Manousiouthakis, Syst. Control Lett. 29, 1996; Scokaert, Rawlings, IEEE Trans. Automat.
-Contr. 43, 1998).
+equation), so that the length of the horizon does not matter to an unbounded axis: it is the
+linear-quadratic regulator, whose cost to go falls by the stage cost. Vehicles that are solved together, and
+axes that meet a bound, are given a share of P (MpcParams.terminal_weight), for which that is not so. Only
+inputs are bounded, so every problem is feasible. There is no proof of stability for them, nor under a wake,
+whose gradients change from tick to tick; with all of P the cost to go is exact where the last predicted
+inputs are within their bounds (Chmielewski, Manousiouthakis, Syst. Control Lett. 29, 1996; Scokaert,
+Rawlings, IEEE Trans. Automat. Contr. 43, 1998).
 
 | symbol | name | meaning [unit] |
 |---|---|---|
