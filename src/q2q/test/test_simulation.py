@@ -1,4 +1,4 @@
-"""`q2q.fly` flies what the closed loop flies, and takes controllers and airs of one's own."""
+"""`q2q.fly` flies what the closed loop flies, and takes controllers and air models of one's own."""
 
 from dataclasses import replace
 

@@ -27,7 +27,7 @@ def fit_remarks(flights: Iterable[Flight], names: Sequence[str], digests: Collec
     Args:
         flights: flights that are not to be in the fit.
         names: names of the fitted flights.
-        digests: their digests; none in files of models and airs that are older than these.
+        digests: their digests; none in files of models and air that are older than these.
     """
     flights = list(flights)
     named = {one.name: IN_FIT for one in flights if is_among(one.name, names)}

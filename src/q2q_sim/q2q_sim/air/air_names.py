@@ -1,4 +1,4 @@
-"""Names of airs, checked without the imports that airs need."""
+"""Names of air models, checked without the imports that these need."""
 
 import os
 import re
@@ -11,7 +11,7 @@ SUFFIX = ".air"
 LAWS = ("none", "paper", "measured")
 """Wake laws (q2q_sim.air.wake_laws)."""
 SYNTHETIC = ("ring", "heavy_tailed", "bent", "meandering")
-"""Airs of other families than the models (q2q_sim.air.synthetic_airs)."""
+"""Air of other families than the models (q2q_sim.air.synthetic_airs)."""
 ROOM = "room"
 """Shipped air of a room, learned from real flights."""
 RECORDED = "recorded"

@@ -1,4 +1,4 @@
-"""Airs of other families than the models that controllers may know (q2q_model.downwash: a Gaussian jet).
+"""Air of other families than the models that controllers may know (q2q_model.downwash: a Gaussian jet).
 
 Each has the measured law's largest push at every height difference (q2q_sim.air.wake_laws), 2.5 m/s^2 at
 0.4 m, its travel at 7.5 m/s and its 2 % for the upper vehicle.

@@ -1,4 +1,4 @@
-"""Compare controllers in airs that their models were not learned from: plot, tables.
+"""Compare controllers in air that their models were not learned from: plot, tables.
 
 Models are learned from the flights of Q2Q_DATA (docs/real_flights.md) unless --json has them already, as
 docs/ablation.json has.

@@ -35,7 +35,7 @@ All vehicles are Crazyflies in the room `real` (26 ms of delay, noise, losses, o
 under another (`q2q_sim.monitors.exposure`); *gain* is ignoring's worst error over the own. Values are medians
 over draws, each with its own noise, losses, gusts, turbulence and vehicles. A dash: not flown.
 
-**Models and airs share no flight.** In `room` and `recorded`, learned from the flights dc21, the models are
+**Models and air share no flight.** In `room` and `recorded`, learned from the flights dc21, the models are
 learned from dc19; in `ring`, `heavy_tailed`, `bent` and `meandering`, of other forms than the models and as
 strong as a law fitted to dc19, from dc21. `paper` is the exception: the controllers know its law, and it is
 not judged.

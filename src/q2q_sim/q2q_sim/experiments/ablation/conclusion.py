@@ -2,7 +2,7 @@
 
 The first names the best controllers and what they reach; the second what each part is worth; the third how
 often the targets are met, and what is worse than ignoring, on all paths. All ratios are of the same draw, and
-ranges are those of the medians in the airs that are not of the models' family.
+ranges are those of the medians in air that is not of the models' family.
 """
 
 from collections import Counter

@@ -163,7 +163,7 @@ def _with_reference_control(case: FlightCase) -> FlightCase:
 
 
 def _fitting_model(case: FlightCase) -> str:
-    """Return the model of the flown wake; in other airs, and where downwash is ignored, the flight's own."""
+    """Return the model of the flown wake; in other air, and where downwash is ignored, the flight's own."""
     law = wake_by_name(case.scenario.wake) if case.air is None else case.air
     if isinstance(law, WakeLaw) and case.options.aware:
         return BELIEFS[law]
