@@ -176,12 +176,12 @@ class Mpc:
         solution = self._solver.solve(
             horizon, forecast.downwash, forecast.previous.active_set, self._setup.in_time
         )
-        answer = commanded_acceleration(solution, horizon, forecast, self._command_rule)
-        self._forecaster.keep(tick.names, answer.predicted)
-        self._predicted = PredictedTick(tick, reference, answer.predicted.offset, times)
-        self.report = answer.report
+        commanded = commanded_acceleration(solution, horizon, forecast, self._command_rule)
+        self._forecaster.keep(tick.names, commanded.predicted)
+        self._predicted = PredictedTick(tick, reference, commanded.predicted.offset, times)
+        self.report = commanded.report
         last_commands = self._last_commands.memory(tick.names)
-        self._last = limited_command(tick, answer.acc, self._law, last_commands)
+        self._last = limited_command(tick, commanded.acc, self._law, last_commands)
         self._initial_state.sent(self._last, tick)
         return self._last
 

@@ -72,6 +72,6 @@ class ObservedPid:
         tick.table[:, POS] = np.where(tick.usable[:, None], estimate.pos, tick.table[:, POS])
         tick.table[:, VEL] = np.where(tick.usable[:, None], estimate.vel, tick.table[:, VEL])
         tick.table[:, ETA] += np.where(tick.usable[:, None], estimate.disturbance, 0.0)
-        self._last = self._pid.answer(tick)
+        self._last = self._pid.command(tick)
         self._tracker.sent(self._last, tick)
         return self._last

@@ -93,9 +93,9 @@ class Pid:
             return last
         if last is not None and setpoint.t < last.t:
             self.reset()
-        return self.answer(align(state, setpoint, self._stale_fade.faded(interference), names))
+        return self.command(align(state, setpoint, self._stale_fade.faded(interference), names))
 
-    def answer(self, tick: Aligned) -> SwarmCommand:
+    def command(self, tick: Aligned) -> SwarmCommand:
         """Return the command of a tick that is newer than all before."""
         dt = min(tick.t - self._last.t, DT_MAX) if self._last is not None else 0.0
         if tick.names != self._names:

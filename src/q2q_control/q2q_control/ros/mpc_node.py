@@ -98,7 +98,7 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
         receive_accelerometers(node, block.sense, wiring.health)
     exchange = PredictionExchange(node, block, own.vehicles, period) if mpc.distributed else None
 
-    def answer(
+    def compute(
         state: SwarmState, setpoint: SwarmSetpoint, downwash: Interference | None = None
     ) -> SwarmCommand:
         if exchange is not None:
@@ -110,11 +110,11 @@ def build(node: Node) -> TickWiring[SwarmCommand]:
 
     wiring.add_diagnostic_values(lambda: {"iterations": str(block.report.iterations)})
     _receive_plans(node, block, wiring)
-    warmed_up = _receiving_itself(block, answer) if mpc.distributed else answer
+    warmed_up = _receiving_itself(block, compute) if mpc.distributed else compute
     _warm_up(block, wiring, warmed_up, guarded.reset, (*(own.vehicles or STAND_IN), NEIGHBOUR))
     if exchange is not None:
         exchange.wire(wiring, live=own.live)
-    wiring.start(_within(budget, answer))
+    wiring.start(_within(budget, compute))
     return wiring
 
 
@@ -161,11 +161,11 @@ def _warm_up(
     block.follow(None)
 
 
-def _receiving_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
-    """Return `answer`, after which the block receives its own prediction as that of NEIGHBOUR."""
+def _receiving_itself(block: Mpc, compute: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
+    """Return `compute`, after which the block receives its own prediction as that of NEIGHBOUR."""
 
     def update(*signals: Signal) -> SwarmCommand:
-        command, own = answer(*signals), block.prediction
+        command, own = compute(*signals), block.prediction
         if own is not None:
             block.receive(replace(own, names=(NEIGHBOUR,), pos=own.pos[:1]))
         return command
@@ -173,12 +173,12 @@ def _receiving_itself(block: Mpc, answer: Callable[..., SwarmCommand]) -> Callab
     return update
 
 
-def _within(budget: TimeBudget, answer: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
-    """Return `answer` with a budget that starts at each tick; the warm-up, without it, loads all code."""
+def _within(budget: TimeBudget, compute: Callable[..., SwarmCommand]) -> Callable[..., SwarmCommand]:
+    """Return `compute` with a budget that starts at each tick; the warm-up, without it, loads all code."""
 
     def update(*signals: Signal) -> SwarmCommand:
         budget.begin()
-        return answer(*signals)
+        return compute(*signals)
 
     return update
 

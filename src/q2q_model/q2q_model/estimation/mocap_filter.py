@@ -121,7 +121,7 @@ class MocapFilter:
         return self._last
 
     def _left_out(self, frame: MocapFrame, last: SwarmState) -> SwarmState:
-        """Return the last state as the answer to another frame: no vehicle was measured there then.
+        """Return the last state for another frame: no vehicle was measured there then.
 
         The frame's poses are remembered, as they may come again under new stamps.
         """

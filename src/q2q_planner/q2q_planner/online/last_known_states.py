@@ -61,8 +61,8 @@ class LastKnownStates:
     def update(self, state: SwarmState) -> None:
         """Store a state; rows with NaN, or not newer than the stored one, are ignored."""
         self._expect(state.names)
-        heard = _Rows(np.array(state.pos), np.array(state.vel), state.t - state.age)
-        _take_newest(self._rows, heard, index_of(state.names, self._names))
+        measured = _Rows(np.array(state.pos), np.array(state.vel), state.t - state.age)
+        _take_newest(self._rows, measured, index_of(state.names, self._names))
 
     def forget(self, t: float, oldest: float) -> Names:
         """Forget the states older than `oldest` [s] at t [s]; return the vehicles that had been measured."""
@@ -110,16 +110,16 @@ class LastKnownStates:
 
 
 @compiled
-def _take_newest(known: _Rows, heard: _Rows, rows: Rows) -> None:
+def _take_newest(known: _Rows, measured: _Rows, rows: Rows) -> None:
     """Update known states by finite ones that are newer; `rows` are their rows there, (m,)."""
     for row in range(rows.size):
         there = rows[row]
-        finite = np.isfinite(heard.stamp[row])
+        finite = np.isfinite(measured.stamp[row])
         for axis in range(3):
-            finite &= np.isfinite(heard.pos[row, axis]) and np.isfinite(heard.vel[row, axis])
-        if finite and heard.stamp[row] > known.stamp[there]:
-            known.pos[there], known.vel[there] = heard.pos[row], heard.vel[row]
-            known.stamp[there] = heard.stamp[row]
+            finite &= np.isfinite(measured.pos[row, axis]) and np.isfinite(measured.vel[row, axis])
+        if finite and measured.stamp[row] > known.stamp[there]:
+            known.pos[there], known.vel[there] = measured.pos[row], measured.vel[row]
+            known.stamp[there] = measured.stamp[row]
 
 
 @lru_cache(maxsize=KNOWN_NAMES)

@@ -103,7 +103,7 @@ class PotentialField:
         self._on_reference = True
         self._order.reset()
         self._before: SwarmSetpoint | None = None
-        self._answer: SwarmSetpoint | None = None
+        self._output: SwarmSetpoint | None = None
 
     def update(self, setpoint: SwarmSetpoint, state: SwarmState | None) -> SwarmSetpoint:  # noqa: ARG002
         """Return the modified setpoints of the tick.
@@ -112,15 +112,15 @@ class PotentialField:
         of a clock that was set back keeps the error; a gap over LONGEST_GAP either way restarts on the
         reference; other gaps are integrated.
         """
-        if is_repeated(self._answer, setpoint.t, setpoint.names):
-            return self._answer
+        if is_repeated(self._output, setpoint.t, setpoint.names):
+            return self._output
         if self._order.reject_stamp(setpoint.t):
             error = match_rows(self._error, setpoint.names)
             return _shifted(
                 setpoint, error, swarm_repulsion(setpoint.pos + error.pos, self.params), self.params
             )
         if self._on_reference and not self.params.enabled:  # neither a repulsion nor an error to integrate
-            self._before = self._answer = setpoint
+            self._before = self._output = setpoint
             return setpoint
         before = self._before
         if before is None or abs(setpoint.t - before.t) > LONGEST_GAP:
@@ -132,8 +132,8 @@ class PotentialField:
         repulsion = swarm_repulsion(setpoint.pos + self._error.pos, self.params)
         self._error = settle(self._error, np.asarray(repulsion.any(axis=1)))
         self._on_reference = not (self._error.pos.any() or self._error.vel.any())
-        self._before, self._answer = setpoint, _shifted(setpoint, self._error, repulsion, self.params)
-        return self._answer
+        self._before, self._output = setpoint, _shifted(setpoint, self._error, repulsion, self.params)
+        return self._output
 
 
 def repulsive_force(rel_pos: Array, params: PotentialFieldParams) -> Array:

@@ -26,15 +26,15 @@ def recorded_types(topics: Collection[str], extra: Collection[str], *, by_header
     return {topic: kind for topic, kind in TYPE_NAMES.items() if not topics or topic in topics} | further
 
 
-def silent_topics_note(asked: Collection[str], heard: Collection[str]) -> str:
+def silent_topics_note(asked: Collection[str], received: Collection[str]) -> str:
     """Return what a user has to know of topics without a message; empty if there is nothing.
 
     Args:
         asked: topics that the user has named.
-        heard: topics with a message.
+        received: topics with a message.
     """
-    silent = [topic for topic in asked if topic not in heard]
-    if heard and not silent:
+    silent = [topic for topic in asked if topic not in received]
+    if received and not silent:
         return ""
     which = f"on {', '.join(silent)}" if silent else "on any topic"
     return f"no message came {which}: do their nodes run, with these names and in this ROS_DOMAIN_ID?"

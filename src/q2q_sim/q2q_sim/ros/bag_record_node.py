@@ -82,7 +82,7 @@ class Recorder:
             validate_topic_name(topic)  # before the bag's folder is made: resolve_topic_name raises RCLError
         asked = types if params.topics else types.keys() - TYPE_NAMES
         self._asked = sorted(node.resolve_topic_name(topic) for topic in asked)
-        self._heard: set[str] = set()
+        self._received: set[str] = set()
         self._writer = BagWriter(Path(params.bag), facts=facts, compress=params.compression == "zstd")
         bus = bus_of(node)
         for topic, kind in types.items():
@@ -129,7 +129,7 @@ class Recorder:
         Once a second: an event of the match would come at once, but to take one can block the process for
         ever (ros2/rmw_fastrtps#890).
         """
-        silent = self._take_latched.keys() - self._heard  # of others, the last message would come again
+        silent = self._take_latched.keys() - self._received  # of others, the last message would come again
         for topic in sorted(silent):
             if _is_latched(self._node, topic):
                 self._take_latched[topic]()
@@ -147,7 +147,7 @@ class Recorder:
             self._writer.close()
         except BagError as refusal:
             self._give_up(refusal)
-        if silence := silent_topics_note(self._asked, self._heard):
+        if silence := silent_topics_note(self._asked, self._received):
             print(f"bag_record: {silence}", file=sys.stderr)
         for topic, count in self._lost.items():
             lost = f"lost {counted(count, 'message')} of {topic}"
@@ -176,7 +176,7 @@ class Recorder:
         if self.is_full:
             self.health.missed += 1
             return
-        self._heard.add(topic)
+        self._received.add(topic)
         if stamp_ns < 0:
             self.health.refuse(f"{topic}: stamp of {1e-9 * stamp_ns:g} s; bags begin at 0 s; not recorded")
             return

@@ -3,7 +3,7 @@
     u = clip(base + gate (w0 . z + b0 + W3 tanh(W2 tanh(W1 z + b1) + b2)), low, high),  z = (x - mean) / scale
 
 base, gate and x are those of `features`; u is the first vehicle's vertical acceleration command, its
-reference's included. Where no bound is met the gate is 0 and u the MPC's own answer.
+reference's included. Where no bound is met the gate is 0 and u the MPC's own command.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Neighbours that a lockstep tick waits for, so that its numbers do not depend on who answers first."""
+"""Neighbours that a lockstep tick waits for, so that its numbers do not depend on who computes first."""
 
 from collections.abc import Callable
 

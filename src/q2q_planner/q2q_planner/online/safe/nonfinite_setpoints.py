@@ -51,7 +51,7 @@ def moves_finitely(committed: CommittedMotion | None) -> bool:
 def flyable_inputs(
     given: SwarmSetpoint, committed: CommittedMotion | None, last: SwarmSetpoint | None
 ) -> Flyable:
-    """Return what a tick can be computed from; `last` is the last answer, whose yaw a hover keeps."""
+    """Return what a tick can be computed from; `last` is the last output, whose yaw a hover keeps."""
     motion = _finite_motion(committed)
     moving = () if motion is None else motion.names
     rows, bad = index_of(given.names, moving), nonfinite_rows(given)
@@ -74,19 +74,19 @@ def off_reference(committed: CommittedMotion | None, given: SwarmSetpoint) -> Co
     return committed.with_rows(rows._replace(on_reference=rows.on_reference & ~bad))
 
 
-def answer_for_all(given: SwarmSetpoint, answer: SwarmSetpoint) -> SwarmSetpoint:
-    """Return the answer for all vehicles given; those without finite setpoints broke the promise."""
-    have, names = answer.names, given.names
-    status = rows_by_name(answer.status, have, names, SetpointStatus.PROMISE_BROKEN)
+def output_for_all(given: SwarmSetpoint, output: SwarmSetpoint) -> SwarmSetpoint:
+    """Return the output for all vehicles given; those without finite setpoints broke the promise."""
+    have, names = output.names, given.names
+    status = rows_by_name(output.status, have, names, SetpointStatus.PROMISE_BROKEN)
     status[nonfinite_rows(given)] = SetpointStatus.PROMISE_BROKEN
     return SwarmSetpoint(
         given.t,
         names,
-        rows_by_name(answer.pos, have, names, given.pos),
-        rows_by_name(answer.vel, have, names, given.vel),
-        rows_by_name(answer.acc, have, names, given.acc),
-        rows_by_name(answer.yaw, have, names, given.yaw),
-        rows_by_name(answer.yaw_rate, have, names, given.yaw_rate),
+        rows_by_name(output.pos, have, names, given.pos),
+        rows_by_name(output.vel, have, names, given.vel),
+        rows_by_name(output.acc, have, names, given.acc),
+        rows_by_name(output.yaw, have, names, given.yaw),
+        rows_by_name(output.yaw_rate, have, names, given.yaw_rate),
         status,
     )
 

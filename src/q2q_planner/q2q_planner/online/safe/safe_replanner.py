@@ -69,11 +69,11 @@ from q2q_planner.online.safe.followed_reference import ReferenceRows, reference_
 from q2q_planner.online.safe.lost_vehicles import LostVehicles, far_from_motion, restart_motion, tracked_now
 from q2q_planner.online.safe.motion_propagation import propagate
 from q2q_planner.online.safe.nonfinite_setpoints import (
-    answer_for_all,
     flyable_inputs,
     is_finite,
     moves_finitely,
     off_reference,
+    output_for_all,
 )
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import BrakingLaw
@@ -97,7 +97,7 @@ class SafeReplanner:
     def reset(self) -> None:
         """Forget the modified trajectories and external vehicles; the next update starts as the first did."""
         self._committed: CommittedMotion | None = None
-        self._answer: SwarmSetpoint | None = None
+        self._output: SwarmSetpoint | None = None
         self._turn = 0
         self._last_known.reset()
         self._order.reset()
@@ -124,25 +124,25 @@ class SafeReplanner:
         the clock is set back motions go on in the new time (StampOrder); after a gap over LONGEST_GAP either
         way vehicles start as at the first tick. `state` None assumes ideal tracking and no external vehicles.
         """
-        last = self._answer
+        last = self._output
         if is_repeated(last, setpoint.t, setpoint.names):
             return last
         if self._order.reject_stamp(setpoint.t) and last is not None:
-            return answer_for_all(setpoint, last)
+            return output_for_all(setpoint, last)
         if self._order.set_back > 0.0:
             self._set_back(self._order.set_back)
         if state is not None:
             self._last_known.update(state)
         reference = reference_rows(setpoint)
         if is_finite(reference) and moves_finitely(self._committed):
-            self._answer = self._tick(setpoint, reference, state)
-            return self._answer
-        some = flyable_inputs(setpoint, self._committed, self._answer)
+            self._output = self._tick(setpoint, reference, state)
+            return self._output
+        some = flyable_inputs(setpoint, self._committed, self._output)
         self._committed = some.committed
-        answer = self._tick(some.setpoint, reference_rows(some.setpoint), state)
+        output = self._tick(some.setpoint, reference_rows(some.setpoint), state)
         self._committed = off_reference(self._committed, setpoint)
-        self._answer = answer_for_all(setpoint, answer)
-        return self._answer
+        self._output = output_for_all(setpoint, output)
+        return self._output
 
     def _set_back(self, by: float) -> None:
         """Go on in the time of a clock that was set back [s]; motions, if not for too long."""
@@ -163,7 +163,7 @@ class SafeReplanner:
         if state is not None and known is not None:
             committed = self._with_found(committed, known, state)
         growth = own_uncertainty(committed, known, params)
-        unheard = not set(self._last_known.forget(setpoint.t, params.forget)).issubset(names)
+        outdated = not set(self._last_known.forget(setpoint.t, params.forget)).issubset(names)
         external = self._last_known.external(names, setpoint.t)
         committed, traffic = traffic_at(committed, reference, growth, external, params)
         desired = desired_motion(committed, reference, traffic, params)
@@ -171,10 +171,10 @@ class SafeReplanner:
         choice = _choice(committed, traffic, desired, self._proven, _rule(params, self._turn))
         self._committed, decision = decide(committed, desired, choice, traffic.pairs, params)
         off = off_trajectory(committed, known, self.params)
-        broken = (choice == BROKEN) | off | decision.outside | unheard
+        broken = (choice == BROKEN) | off | decision.outside | outdated
         if known is not None:
             broken |= self._lost.forgotten(setpoint.t, params.forget)
-        return _answer(setpoint, self._committed, broken & params.enabled, decision.acc)
+        return _output(setpoint, self._committed, broken & params.enabled, decision.acc)
 
     def _with_found(
         self, committed: CommittedMotion, known: KnownStates, state: SwarmState
@@ -218,7 +218,7 @@ def _choice(
     return choices_at(committed.rows, desired, whole, proven, rule)
 
 
-def _answer(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
+def _output(setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array) -> SwarmSetpoint:
     """Return the setpoint of the tick; the reference object itself if no vehicle deviates from it."""
     status, rows = setpoint.status.copy(), committed.rows
     if not _marked(status, rows.pos, np.array(setpoint.pos), rows.on_reference, broken):
