@@ -116,7 +116,7 @@ def test_numbers_are_kept_and_read_again(tmp_path: Path) -> None:
     cell = again.cell(PASSAGE, "ignoring")
     assert cell is not None
     assert cell[1, 0, COLUMNS.index("under")] == pytest.approx(1.1 * 0.123456789, rel=5e-3)  # three digits
-    with pytest.raises(ValueError, match="holds 1 seeds, not 3"):
+    with pytest.raises(ValueError, match="holds 1 draws, not 3"):
         read_numbers(file, 3)
     file.write_text("{}")
     with pytest.raises(ValueError, match="is not an ablation"):
