@@ -51,7 +51,7 @@ from q2q_planner.online.safe.traffic import TrafficTable
 
 # ruff: noqa: SLF001  a mutant replaces what nobody else may touch
 _associated, _with_fallback = PositionTracks.associated, Guard._with_fallback
-_answer = safe_replanner._answer
+_output = safe_replanner._output
 _write_signal = BagWriter.write_signal
 
 
@@ -156,7 +156,7 @@ def _half_zone(eps: float, d: float, brake: float, jerk: float) -> BrakingLaw:
 def _break_unreported(
     setpoint: SwarmSetpoint, committed: CommittedMotion, broken: Mask, acc: Array
 ) -> SwarmSetpoint:
-    return _answer(setpoint, committed, np.zeros_like(broken), acc)
+    return _output(setpoint, committed, np.zeros_like(broken), acc)
 
 
 _newest: WeakKeyDictionary[BagWriter, dict[str, float]] = WeakKeyDictionary()
@@ -178,10 +178,10 @@ def _nan_as_zero(self: BagWriter, topic: str, stamp_ns: int, signal: Signal) -> 
 SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("open_gate", mocap_filter, "track_params", _open_gate),
     SeededBug("long_coast", mocap_filter, "track_params", _long_coast),
-    SeededBug("never_ambiguous", Reacquisition, "ambiguous", _never_ambiguous),
+    SeededBug("never_ambiguous", Reacquisition, "update_ambiguous", _never_ambiguous),
     SeededBug("repeats_accepted", PositionTracks, "associated", _repeats_accepted),
     SeededBug("swap_without_gate", position_tracks, "swapped_sources", _swap_without_gate),
-    SeededBug("clock_never_reset", ClockResetDetector, "rise", _clock_never_reset),
+    SeededBug("clock_never_reset", ClockResetDetector, "confirm_reset", _clock_never_reset),
     SeededBug("age_always_zero", PositionTracks, "age", _age_always_zero),
     SeededBug("degraded_unreported", Guard, "_with_fallback", _degraded_unreported),
     SeededBug("held_unreported", guard, "repeated_command", _held_unreported),
@@ -193,7 +193,7 @@ SEEDED_BUGS: Sequence[SeededBug] = (
     SeededBug("no_proof", safe_replanner, "_choice", _no_proof),
     SeededBug("hold_forgotten", safe_replanner, "propagate", _hold_forgotten),
     SeededBug("half_zone", safe_replanner, "BrakingLaw", _half_zone),
-    SeededBug("break_unreported", safe_replanner, "_answer", _break_unreported),
+    SeededBug("break_unreported", safe_replanner, "_output", _break_unreported),
     SeededBug("old_stamps_dropped", BagWriter, "write_signal", _old_stamps_dropped),
     SeededBug("nan_as_zero", BagWriter, "write_signal", _nan_as_zero),
 )
