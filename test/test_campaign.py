@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from q2q_model.bag import BagReader
+from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.commands import campaign
 from q2q_sim.experiments.campaign import campaign_flight, parallel_runs, random_run
 from q2q_sim.experiments.campaign.campaign_flight import JUDGED
@@ -32,7 +33,6 @@ from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.resident import ResidentNodes
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario_document import scenario_from_document
-from q2q_sim.tools.judge_bags import trace_in
 
 KEYS = {"runs", "through_nodes", "violations", "by_policy", "seeds_of_violations", "seconds"}
 ONCE_BROKEN = (

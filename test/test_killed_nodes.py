@@ -7,11 +7,11 @@ import pytest
 
 from q2q_model.bag import BagReader
 from q2q_model.signals.values import CommandStatus, SwarmCommand
+from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.monitors.policies import POLICIES, Circumstances, FlightTrace, judge
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.process_faults import ProcessFault, Waiting, fly_with_process_faults
 from q2q_sim.scenarios import library
-from q2q_sim.tools.judge_bags import trace_in
 
 TABLE6 = "table6_room"
 LOW = str(Path(__file__).parent / "scenarios" / "low_hover.yaml")

@@ -12,13 +12,13 @@ import yaml
 from two_hosts import ADDRESS, DESK, ROOM
 
 from q2q_model.model_files.find_model import find_model
+from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.loop.closed_loop import FlightOptions
 from q2q_sim.loop.closed_loop import fly as fly_pure
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.processes.processes import find_executable
 from q2q_sim.scenarios import library
-from q2q_sim.tools.judge_bags import trace_in
 
 SHORT = str(Path(__file__).parent / "scenarios" / "short_room.yaml")
 SEED = 3

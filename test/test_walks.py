@@ -87,7 +87,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/recordings/filtered_states.py",
     "q2q_model/signals/cdr/cdr_format.py",
     "q2q_model/signals/cdr/cdr_head.py",
-    "q2q_model/tools/bag_vehicle.py",
+    "q2q_model/recordings/bag_vehicle.py",
     "q2q_model/tools/identify_report.py",
     "q2q_model/vehicle/constants.py",
     "q2q_model/vehicle/thrust_map.py",

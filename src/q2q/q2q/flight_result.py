@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from q2q.bag_scenario import FILE, bag_document
 from q2q_model.bag import BagError, BagReader, BagWriter, FlightFacts, read_facts, read_flight
 from q2q_model.flights.flight import Flight
+from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.stamps import stamp_from_time
-from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.faults.faults import Fault

@@ -16,8 +16,8 @@ from q2q_model.identification.identification import identify as identify_recordi
 from q2q_model.model_files import model_file
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import MODELS, ModelFile
+from q2q_model.recordings.bag_vehicle import common_vehicle
 from q2q_model.recordings.recordings_of_bags import recordings_of_bags, topic_map
-from q2q_model.tools.bag_vehicle import common_vehicle
 
 ModelChoice = str | Path | InteractionModel | ModelFile | Identification
 """Interaction model, with or without zone and gains, its name or file, or an identification."""

@@ -6,7 +6,7 @@ import pytest
 
 from q2q_model.bag import BagWriter, FlightFacts
 from q2q_model.commands import evaluate, identify
-from q2q_model.tools.bag_vehicle import common_vehicle, flown_vehicle
+from q2q_model.recordings.bag_vehicle import common_vehicle, flown_vehicle
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, TEXTBOOK_065, firmware_of, on_firmware
 
 

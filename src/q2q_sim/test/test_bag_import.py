@@ -14,8 +14,8 @@ from q2q_model.flights.tables.flight_table import flight_table
 from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.flights.tables.table_signals import signals_of
 from q2q_model.geometry.rotations import euler_from_quat, rotate
+from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.values import Array
-from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
 from q2q_sim.commands.bag_import import main
 

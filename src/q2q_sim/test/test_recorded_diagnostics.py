@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
+import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.serialization import serialize_message
 
-from q2q_model.bag import BagWriter
+from q2q_model.bag import BagError, BagWriter
 from q2q_model.diagnostics.health import Level
-from q2q_sim.ros.recorded_diagnostics import TOPIC, recorded_lives
+from q2q_sim.bag_topics.recorded_diagnostics import TOPIC, recorded_lives
 
 
 def bag_of(folder: Path, output: list[tuple[str, Level, str]]) -> Path:
@@ -38,3 +39,12 @@ def test_a_bag_without_diagnostics_has_none(tmp_path: Path):
     writer.add_topic("/mocap", "q2q_msgs/msg/MocapFrame")
     writer.close()
     assert recorded_lives(tmp_path / "bag") == ()
+
+
+def test_a_message_that_is_cut_is_named_with_its_time(tmp_path: Path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_topic(TOPIC, "diagnostic_msgs/msg/DiagnosticArray")
+    writer.write_raw(TOPIC, 7, serialize_message(DiagnosticArray())[:12])
+    writer.close()
+    with pytest.raises(BagError, match="topic /diagnostics at 7 ns: no diagnostic_msgs/msg/DiagnosticArray"):
+        recorded_lives(tmp_path / "bag")

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from q2q_model.bag import BagReader, BagWriter
+from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.topic_names import TICK_TOPICS
-from q2q_model.tools.bag_vehicle import flown_vehicle
 from q2q_sim.commands import report
 from q2q_sim.tools.report_bags import as_json, report_bag
 

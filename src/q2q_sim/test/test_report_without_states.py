@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from q2q_model.bag import BagReader, BagWriter
-from q2q_model.tools.bag_vehicle import flown_vehicle
+from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_sim.monitors.mocap_quality import mocap_quality
 from q2q_sim.tools.report_bags import Reported, limit_rows, report_bag
 

@@ -7,8 +7,9 @@ import yaml
 from full_disk import full_after
 
 from q2q_model.bag import BagError, BagRepairWarning, BagWriter
+from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.layout import Signal
-from q2q_model.tools.bag_vehicle import flown_vehicle
+from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.commands import replay_page
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_clock import FlightTiming
@@ -18,7 +19,6 @@ from q2q_sim.node_flights.scenario_flight import MEASURED, FlightRun, recorded_r
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
 from q2q_sim.scenarios import library
 from q2q_sim.tools.fly_scenario import print_verdict
-from q2q_sim.tools.judge_bags import trace_in
 from q2q_sim.tools.report_bags import report_bag, verdicts
 
 DURATION = 4.0

@@ -17,8 +17,8 @@ from q2q_model.flights.up_axis import y_up_reason
 from q2q_model.identification.identification import Identification, ProcedureParams, identify
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import save
+from q2q_model.recordings.bag_vehicle import common_vehicle
 from q2q_model.recordings.recordings_of_bags import bags_among, recordings_of_bags, topic_map
-from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.tools.identify_report import report, summary
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 

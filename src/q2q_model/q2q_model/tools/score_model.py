@@ -21,9 +21,9 @@ from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_file import Fit
+from q2q_model.recordings.bag_vehicle import common_vehicle
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recordings_of_bags import bags_among, recordings_of_bags, topic_map
-from q2q_model.tools.bag_vehicle import common_vehicle
 from q2q_model.vehicle.constants import Vehicle
 
 

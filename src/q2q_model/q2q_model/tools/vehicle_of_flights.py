@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from q2q_model.bag import is_bag
+from q2q_model.recordings.bag_vehicle import FlownVehicle, common_vehicle
 from q2q_model.recordings.recording_reader import flights_among
-from q2q_model.tools.bag_vehicle import FlownVehicle, common_vehicle
 
 
 def vehicle_of_flights(paths: Sequence[Path], override: str = "") -> FlownVehicle:

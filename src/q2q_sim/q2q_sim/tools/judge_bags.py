@@ -2,7 +2,6 @@
 
 import json
 import sys
-import warnings
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -10,22 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from q2q_model.bag import BagReader, BagRepairWarning
-from q2q_model.bag.flight_in_bag import topics_by_name
 from q2q_model.identification.push.recorded_push import CommandedThrust, check_thrust
-from q2q_model.signals.stamps import time_from_stamp
+from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.signals.values import TrackStatus
-from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
+from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.monitors.policies import (
     NEEDS,
     POLICIES,
     Circumstances,
     FlightTrace,
-    RecordedSignal,
     Violation,
     judge,
     policies_without_evidence,
-    trace_of,
 )
 from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.scenarios import library
@@ -108,22 +103,6 @@ def circumstances_of_bag(bag: Path, scenario: str, vehicle: str) -> Circumstance
     if known.note:
         print(f"policies: {known.note}", file=sys.stderr)
     return Circumstances(vehicle=known.vehicle, faults=() if flown is None else flown.faults)
-
-
-def trace_in(bag: Path) -> FlightTrace:
-    """Return the trace in a bag, with a BagRepairWarning if messages may be missing.
-
-    Raises:
-        ValueError: the bag cannot be read or has no flight.
-    """
-    reader = BagReader(bag)
-    for repair in reader.repairs:
-        warnings.warn(repair, BagRepairWarning, stacklevel=2)
-    names = topics_by_name(reader)
-    return trace_of(
-        RecordedSignal(names[one.topic], time_from_stamp(one.stamp_ns), one.signal)
-        for one in reader.signals(names)
-    )
 
 
 def as_json(violations: Sequence[Violation]) -> Json:

@@ -12,12 +12,14 @@ from q2q_model.bag import TopicMap, read_facts
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.push.recorded_push import check_weight
+from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.recordings.filtered_states import with_filtered_states
 from q2q_model.recordings.recording_reader import flight_of_bag
 from q2q_model.recordings.recordings_of_bags import topic_map
 from q2q_model.signals.values import Array, CommandStatus, Mask
-from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.vehicle.constants import Vehicle
+from q2q_sim.bag_topics.bag_verdict import bag_verdict
+from q2q_sim.bag_topics.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
@@ -29,8 +31,6 @@ from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, P
 from q2q_sim.report.panels import picture_file, save
 from q2q_sim.report.significant_digits import significant_digits
 from q2q_sim.report.vehicle_rows import plotted_vehicles, vehicle_rows
-from q2q_sim.ros.recorded_diagnostics import NodeLife, recorded_lives
-from q2q_sim.tools.bag_verdict import bag_verdict
 from q2q_sim.tools.distinct_names import distinct_names
 
 TRACKING = {

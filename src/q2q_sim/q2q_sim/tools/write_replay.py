@@ -12,10 +12,10 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
 from q2q_model.identification.push.recorded_push import check_weight, push_record
+from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag, recording_of_table
 from q2q_model.recordings.recordings_of_bags import topic_map
-from q2q_model.tools.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE, Vehicle, vehicle_by_name
 from q2q_sim.bag_topics.scenario_facts import flown_faults
 from q2q_sim.monitors.flight_judgement import verdict_of

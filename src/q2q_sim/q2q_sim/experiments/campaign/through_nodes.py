@@ -13,6 +13,7 @@ from typing import Self
 import numpy as np
 
 from q2q_model.bag import BagError
+from q2q_sim.bag_topics.recorded_trace import trace_in
 from q2q_sim.experiments.campaign.campaign_flight import (
     JUDGED,
     circumstances_of,
@@ -30,7 +31,6 @@ from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.resident import ResidentNodes
 from q2q_sim.node_flights.scenario_flight import fly
 from q2q_sim.node_flights.unfinished_bag import why_unfinished
-from q2q_sim.tools.judge_bags import trace_in
 
 AGREEMENT_M = 1e-9
 """Largest deviation of a flight through the nodes from closed_loop [m]: rounding of reordered sums."""

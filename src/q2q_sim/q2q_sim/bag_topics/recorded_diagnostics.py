@@ -6,14 +6,31 @@ Recorded by `bag_record` with
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
-from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.serialization import deserialize_message
-
-from q2q_model.bag import BagReader
+from q2q_model.bag import BagError, BagReader, RawMessage
+from q2q_model.bag.storage.definitions import jazzy_types
 from q2q_model.diagnostics.health import Level
 
 TOPIC = "/diagnostics"
+TYPE = "diagnostic_msgs/msg/DiagnosticArray"
+
+
+class _Value(Protocol):
+    key: str
+    value: str
+
+
+class _Status(Protocol):
+    name: str
+    level: int
+    values: list[_Value]
+
+
+class _Array(Protocol):
+    """Decoded diagnostic_msgs/DiagnosticArray."""
+
+    status: list[_Status]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,16 +49,28 @@ class NodeLife:
 
 
 def recorded_lives(bag: Path) -> tuple[NodeLife, ...]:
-    """Return a row for each node with reports, sorted by name; none if nothing was recorded."""
+    """Return a row for each node with reports, sorted by name; none if nothing was recorded.
+
+    Raises BagError for a message that is no DiagnosticArray.
+    """
     reader = BagReader(bag)
     if TOPIC not in reader.topics:
         return ()
     reports: dict[str, list[tuple[Level, str]]] = {}
     for raw in reader.raw({TOPIC}):
-        for status in deserialize_message(raw.data, DiagnosticArray).status:
+        for status in _decoded(bag, raw).status:
             words = ", ".join(f"{one.key} {one.value}" for one in status.values if one.value)
-            reports.setdefault(status.name, []).append((Level(int.from_bytes(status.level)), words))
+            reports.setdefault(status.name, []).append((Level(status.level), words))
     return tuple(_life(name, reports[name]) for name in sorted(reports))
+
+
+def _decoded(bag: Path, raw: RawMessage) -> _Array:
+    try:
+        message: _Array = jazzy_types().deserialize_cdr(raw.data, TYPE)
+    except Exception as damage:  # the decoder of rosbags asserts, indexes and unpacks
+        where = f"topic {raw.topic} at {raw.stamp_ns} ns"
+        raise BagError(f"bag {bag}, {where}: no {TYPE} ({damage})") from damage
+    return message
 
 
 def _life(node: str, reports: list[tuple[Level, str]]) -> NodeLife:
