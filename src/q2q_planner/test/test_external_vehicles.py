@@ -11,20 +11,37 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
 
-def test_a_stranger_that_rams_is_announced_before_or_when_it_is_inside() -> None:
-    """A stranger at 1 m/s that never brakes breaks condition 3; our vehicle hovers."""
+def rammed(speed: float, *, chases: bool) -> tuple[list[bool], list[bool]]:
+    """Return in which ticks the promise is broken, and a stranger inside our vehicle's zone.
+
+    The stranger comes from 3 m away and never brakes, which breaks condition 3; our vehicle hovers.
+    """
     plan, replanner = hover(9.0), SafeReplanner(PARAMS)
-    announced, first_inside = [], None
+    announced, inside = [], []
+    there, ours = np.array([-3.0, 0.05, 1.2]), np.array([0.0, 0.0, 1.0])
     for k in range(600):
         reference = setpoint_at(plan, k * TICK)
-        there = np.array([[-3.0 + k * TICK, 0.05, 1.2]])
-        state = replace(seen(reference), names=("cf9",), pos=there, vel=np.array([[1.0, 0.0, 0.0]]))
+        ahead = ours + np.array([0.0, 0.0, 0.2]) - there if chases else np.array([1.0, 0.0, 0.0])
+        vel = speed * ahead / max(float(np.linalg.norm(ahead)), 1e-9)
+        state = replace(seen(reference), names=("cf9",), pos=there[None], vel=vel[None])
         answer = replanner.update(reference, state)
-        announced.append(answer.status[0] == BROKEN)
-        if first_inside is None and ZONE.signed_distance(answer.pos[0] - there[0]) < 0.0:
-            first_inside = k
-    if first_inside is not None:
-        assert announced[first_inside]
+        announced.append(bool(answer.status[0] == BROKEN))
+        inside.append(bool(ZONE.signed_distance(answer.pos[0] - there) < 0.0))
+        there, ours = there + vel * TICK, answer.pos[0]
+    return announced, inside
+
+
+def test_a_stranger_that_passes_without_braking_is_announced_and_kept_out() -> None:
+    announced, inside = rammed(1.0, chases=False)
+    assert not announced[0]
+    assert any(announced)
+    assert not any(inside)
+
+
+def test_a_stranger_that_chases_faster_than_any_evasion_is_announced_before_it_is_inside() -> None:
+    announced, inside = rammed(5.0, chases=True)
+    assert any(inside)
+    assert announced.index(True) < inside.index(True)
 
 
 @pytest.mark.parametrize(("eps", "broken"), [(PARAMS.eps, False), (0.3, True)])
