@@ -15,7 +15,7 @@ from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware.supervisor.info import Info
-from q2q_sim.firmware.supervisor.rules import Condition, Rule, State, next_state
+from q2q_sim.firmware.supervisor.rules import MOTORS_MAY_RUN, Condition, Rule, State, next_state
 from q2q_sim.firmware.supervisor.supervisor import Supervisor, SupervisorInput
 
 LOOK_S = 0.04
@@ -41,7 +41,8 @@ def test_rules_fire_on_set_on_clear_and_on_all_clear_but_not_while_blocked() -> 
 @pytest.mark.parametrize("start", list(State))
 def test_an_emergency_stop_ends_every_state_that_may_run_motors_within_two_looks(start: State) -> None:
     after = next_state(next_state(start, Condition.EMERGENCY_STOP), Condition.EMERGENCY_STOP)
-    if start in {State.READY_TO_FLY, State.FLYING, State.LEVEL_OUT, State.ARMING}:
+    assert after not in MOTORS_MAY_RUN
+    if start in MOTORS_MAY_RUN - {State.LANDED}:  # landed, it is checked anew
         assert after == State.LOCKED
 
 
