@@ -1,7 +1,6 @@
 """Tests of bags: round trips, an independent reader and writer, errors that name the fault."""
 
 import resource
-import sys
 import warnings
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,6 +8,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 import yaml
+from bag_signals import PAIR, STEP_NS, random_signal, same_signal, write_bag
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
@@ -26,9 +26,6 @@ from q2q_model.bag import (
 from q2q_model.bag.storage.definitions import definition_of
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.values import MocapFrame, SwarmCommand, SwarmState
-
-sys.path.insert(0, str(Path(__file__).parent))
-from bag_signals import PAIR, STEP_NS, random_signal, same_signal, write_bag
 
 KINDS = list(LAYOUTS)
 MOCAP = "q2q_msgs/msg/MocapFrame"

@@ -1,6 +1,5 @@
 """Facts of a flight are stored in its bag and read back."""
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -15,8 +14,6 @@ from q2q_model.bag import (
     facts_from_text,
     read_facts,
 )
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 def test_the_facts_of_a_flight_are_read_back_here_and_by_an_independent_reader(tmp_path: Path):

@@ -1,10 +1,8 @@
 """Tests of rows read all at once against the messages read one by one."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from bag_signals import STEP_NS, random_signal
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,9 +12,6 @@ from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import LAYOUTS, Signal
 from q2q_model.signals.rows import MOST_KINDS, SignalRows, rows_of_messages
 from q2q_model.signals.values import MocapFrame, SwarmState
-
-sys.path.insert(0, str(Path(__file__).parent))
-from bag_signals import STEP_NS, random_signal
 
 SWARMS = (("cf1", "cf2"), ("cf2", "cf1"), ("cf1",), (), ("cf1", "cf2", "cf3"))
 

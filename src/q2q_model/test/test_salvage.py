@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from bag_signals import PAIR, same_signal, write_bag
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.data_stream import RecordBuilder
@@ -26,9 +27,6 @@ from q2q_model.bag import (
 )
 from q2q_model.bag.storage.definitions import definition_of
 from q2q_model.signals.values import MocapFrame, SwarmCommand
-
-sys.path.insert(0, str(Path(__file__).parent))
-from bag_signals import PAIR, same_signal, write_bag
 
 CHUNK_INDEX, UNKNOWN = 0x08, 0x7F
 """Kinds of records."""
