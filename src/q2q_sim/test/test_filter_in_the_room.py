@@ -1,6 +1,9 @@
 """Tests of the mocap filter and the batch rule with the simulated VICON, which reports what it injected."""
 
+from dataclasses import dataclass
+
 import numpy as np
+import pytest
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
@@ -34,8 +37,31 @@ def _truth(tick: int) -> SwarmState:
     return SwarmState(t, NAMES, pos, vel, identity_quat((3,)), zeros, np.zeros(3), status)
 
 
-def _flown() -> tuple[list[SwarmState], list[SwarmState], Array, Array]:
-    """Return truth, filtered states, injected flags (T, n) and what the frames said (T, n, 3)."""
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """A flight through the filter: T ticks, n vehicles."""
+
+    true_pos: Array
+    """True positions [m], world, (T, n, 3)."""
+    pos: Array
+    """Filtered positions [m], world, (T, n, 3)."""
+    tilt: Array
+    """w of the filtered quaternions, (T, n)."""
+    status: Array
+    """TrackStatus, (T, n)."""
+    flags: Array
+    """Injected faults, (T, n)."""
+    seen: Array
+    """Positions in the frames [m], NaN where a vehicle is missing, (T, n, 3)."""
+
+    @property
+    def error(self) -> Array:
+        """Return the distance of the filtered from the true positions [m], (T, n)."""
+        return np.linalg.norm(self.pos - self.true_pos, axis=-1)
+
+
+@pytest.fixture(scope="module")
+def flown() -> Flown:
     vicon, block = Vicon(ROOM, 3, TICK_S, seed=1), MocapFilter(MocapFilterParams(), NAMES)
     truth = [_truth(tick) for tick in range(TICKS)]
     states, flags, seen = [], [], np.full((TICKS, 3, 3), np.nan)
@@ -45,43 +71,41 @@ def _flown() -> tuple[list[SwarmState], list[SwarmState], Array, Array]:
         for name, pos in zip(frame.names, frame.pos, strict=True):
             seen[tick, NAMES.index(name)] = pos
         states.append(block.update(frame))
-    return truth, states, np.array(flags), seen
-
-
-TRUTH, STATES, FLAGS, SEEN = _flown()
-ERROR = np.array([np.linalg.norm(s.pos - true.pos, axis=-1) for s, true in zip(STATES, TRUTH, strict=True)])
-STATUS = np.array([s.status for s in STATES])
-
-
-def test_every_outlier_is_refused_and_good_samples_are_taken():
-    outliers = (FLAGS & (Injected.OUTLIER | Injected.SWAP) == Injected.OUTLIER) & np.isfinite(SEEN).all(
-        axis=-1
+    return Flown(
+        true_pos=np.array([one.pos for one in truth]),
+        pos=np.array([one.pos for one in states]),
+        tilt=np.array([one.quat[:, 3] for one in states]),
+        status=np.array([one.status for one in states]),
+        flags=np.array(flags),
+        seen=seen,
     )
+
+
+def test_every_outlier_is_refused_and_good_samples_are_taken(flown: Flown):
+    is_outlier = flown.flags & (Injected.OUTLIER | Injected.SWAP) == Injected.OUTLIER
+    outliers = is_outlier & np.isfinite(flown.seen).all(axis=-1)
     assert outliers.sum() > 100
-    assert np.all(STATUS[outliers] != TrackStatus.TRACKED)
-    good = FLAGS == Injected.NOTHING
-    assert np.mean(STATUS[good] != TrackStatus.TRACKED) <= 0.001  # what the project promises
+    assert np.all(flown.status[outliers] != TrackStatus.TRACKED)
+    good = flown.flags == Injected.NOTHING
+    assert np.mean(flown.status[good] != TrackStatus.TRACKED) <= 0.001  # what the project promises
 
 
-def test_no_fault_moves_the_state_far_from_the_truth():
-    tracked = STATUS == TrackStatus.TRACKED
-    assert ERROR[tracked & (FLAGS == Injected.NOTHING)].max() < 0.06  # the gate: 40 mm, and 3 sigma of a gap
+def test_no_fault_moves_the_state_far_from_the_truth(flown: Flown):
+    good = (flown.status == TrackStatus.TRACKED) & (flown.flags == Injected.NOTHING)
+    assert flown.error[good].max() < 0.06  # the gate: 40 mm, and 3 sigma of a gap
     # coasting at constant velocity for up to 0.3 s where the acceleration is at most 0.9 m/s^2
-    assert ERROR[STATUS == TrackStatus.COASTING].max() < 0.06
+    assert flown.error[flown.status == TrackStatus.COASTING].max() < 0.06
 
 
-def test_no_flip_turns_a_vehicle_over():
-    flipped = FLAGS & Injected.FLIP > 0
-    assert flipped.any()
-    tilt = np.array([s.quat[:, 3] for s in STATES])
-    assert np.abs(tilt).min() > np.cos(0.05)  # mrad of noise; a flip would give 0
+def test_no_flip_turns_a_vehicle_over(flown: Flown):
+    assert (flown.flags & Injected.FLIP > 0).any()
+    assert np.abs(flown.tilt).min() > np.cos(0.05)  # mrad of noise; a flip would give 0
 
 
-def test_the_batch_rule_finds_outliers_and_swaps_and_leaves_the_rest():
-    t = TICK_S * np.arange(TICKS)
-    found = find_outliers(t, SEEN)
-    seen = np.isfinite(SEEN).all(axis=-1)
-    moved = np.linalg.norm(SEEN - np.array([true.pos for true in TRUTH]), axis=-1)
-    wrong = seen & (FLAGS & (Injected.OUTLIER | Injected.SWAP) > 0) & (moved > 0.05)
+def test_the_batch_rule_finds_outliers_and_swaps_and_leaves_the_rest(flown: Flown):
+    found = find_outliers(TICK_S * np.arange(TICKS), flown.seen)
+    seen = np.isfinite(flown.seen).all(axis=-1)
+    moved = np.linalg.norm(flown.seen - flown.true_pos, axis=-1)
+    wrong = seen & (flown.flags & (Injected.OUTLIER | Injected.SWAP) > 0) & (moved > 0.05)
     assert found[wrong].mean() >= 0.99  # what the project promises
-    assert found[seen & (FLAGS == Injected.NOTHING)].mean() <= 0.001
+    assert found[seen & (flown.flags == Injected.NOTHING)].mean() <= 0.001
