@@ -129,3 +129,21 @@ def test_a_plan_whose_reference_jumps_is_refused(tmp_path: Path, *, certified: b
         load_plan(written(shown, tmp_path / "plan.json"))
     still = Trajectory(lengths, np.stack([ends[1], ends[1] + 1e-4]))
     assert load_plan(written(SwarmPlan(("cf1",), (still,)), tmp_path / "still.json")).names == ("cf1",)
+
+
+@pytest.mark.parametrize("certified", [True, False])
+def test_a_plan_that_falls_without_thrust_is_refused(tmp_path: Path, *, certified: bool) -> None:
+    """From 2 m with z = 2 - k t^2 / 2 controllers follow a k of up to 0.95 g."""
+    for k, falls in ((9.0, False), (9.4, True), (10.4, True)):
+        fall = np.zeros((1, 4, 3))
+        fall[0, 2] = [2.0, 0.0, -0.5 * k]
+        plan = SwarmPlan(("cf1",), (Trajectory(np.array([0.5]), fall),))
+        shown = as_certified(plan, zone_around(ZONE)) if certified else plan
+        file = written(shown, tmp_path / "plan.json")
+        if falls:
+            with pytest.raises(
+                ValueError, match=r"plan\.json: cf1 needs an upward thrust of -?0\.0\d+ times"
+            ):
+                load_plan(file)
+        else:
+            assert load_plan(file).names == ("cf1",)

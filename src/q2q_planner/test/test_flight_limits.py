@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from q2q_model.trajectory.flatness import flat_state
-from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
+from q2q_model.vehicle.attitude_limits import THRUST_LEAST, TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1, GRAVITY
 from q2q_planner.offline.minimum_snap.feasibility import check_feasible, plan_peaks
 from q2q_planner.offline.minimum_snap.flight_limits import (
@@ -101,6 +101,41 @@ def test_a_hover_without_a_time_is_refused() -> None:
         allocate_times("cf1", points, LIMITS)
 
 
+def hop(period: float, across: float = 0.0) -> list[VehicleWaypoints]:
+    """Return one metre up and down, passing the top, in a time [s]; its top may be moved aside [m]."""
+    places = (0.0, 0.0, 1.0), (0.0, across, 2.0), (0.0, 0.0, 1.0)
+    points = (Waypoint(0.5 * period * row, pos) for row, pos in enumerate(places))
+    return [VehicleWaypoints("cf1", tuple(points))]
+
+
+@pytest.mark.parametrize("across", [0.0, 1e-3])
+def test_a_fall_that_controllers_cannot_command_names_vehicle_waypoint_and_bound(across: float) -> None:
+    """Moved aside by a millimetre the fall tilts as well; it is the thrust that is named."""
+    height = minimum_snap(hop(1.8)[0], "pass").at(np.array(0.9), 2)[2]
+    assert height < -GRAVITY
+    with pytest.raises(
+        ValueError,
+        match=r"cf1, after waypoint [01] \(t = 0.90 s\): needs an upward thrust of -0.057 times the weight, "
+        r"controllers command at least 0.05; allow more time",
+    ):
+        check_feasible(minimum_snap_plan(hop(1.8, across), "pass"), hop(1.8, across), CRAZYFLIE_2_1)
+
+
+def test_the_fastest_hop_that_is_accepted_leaves_the_least_thrust() -> None:
+    """Accelerations grow with 1 / T^2, so the shortest period follows from the one of a hop in 1.8 s."""
+    fall = -minimum_snap(hop(1.8)[0], "pass").at(np.array(0.9), 2)[2]
+    shortest = 1.8 * np.sqrt(fall / ((1.0 - THRUST_LEAST) * GRAVITY))
+    slower, faster = hop(shortest * 1.0001), hop(shortest * 0.9999)
+    check_feasible(minimum_snap_plan(slower, "pass"), slower, CRAZYFLIE_2_1)
+    assert plan_peaks(minimum_snap_plan(slower, "pass")).tilt == 0.0
+    with pytest.raises(ValueError, match=r"upward thrust of 0.05 times the weight"):
+        check_feasible(minimum_snap_plan(faster, "pass"), faster, CRAZYFLIE_2_1)
+
+
+def test_thrust_that_points_straight_down_is_a_right_angle() -> None:
+    assert peak_tilt(minimum_snap(hop(1.8)[0], "pass")).value == pytest.approx(0.5 * np.pi)
+
+
 @settings(deadline=None, max_examples=40)
 @given(st.integers(0, 10**6), st.floats(0.3, 3.0))
 def test_the_peak_tilt_is_that_of_the_flat_attitude(seed: int, duration: float) -> None:
@@ -148,6 +183,9 @@ def test_limits_are_cut_to_what_thrust_and_tilt_allow() -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 10_001)
     acc = most[1].acceleration * np.array([np.cos(turn), np.sin(turn)])
     assert np.arctan2(acc[0], acc[1] + GRAVITY).max() == pytest.approx(TILT_MAX, rel=1e-6)
+    strong = replace(CRAZYFLIE_2_1, full_pwm_thrust=10.0, thrust_max=10.0)
+    fall = with_limits_of(FlightLimits(acceleration=50.0, tilt=1.5), strong).acceleration
+    assert fall == pytest.approx((1.0 - THRUST_LEAST) * GRAVITY)
 
 
 def test_a_document_without_times_gets_them_and_one_with_times_keeps_them() -> None:

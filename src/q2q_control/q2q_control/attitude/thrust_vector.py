@@ -25,7 +25,7 @@ between thrust and vertical at most tilt_max, the direction of the tilt kept.
 | phi_d theta_d | roll pitch | [rad] |
 | r_d | yaw_rate | [rad/s] |
 | k_psi | k_yaw | [1/s] |
-| f | THRUST_LEAST | least thrust over weight [-] (q2q_control.attitude.command_limits) |
+| f | THRUST_LEAST | least thrust over weight [-] (q2q_model.vehicle.attitude_limits) |
 """
 
 import math
@@ -33,11 +33,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.attitude.command_limits import THRUST_LEAST
 from q2q_control.inputs.alignment import QUAT_AT, YAW, YAW_RATE
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Mask
+from q2q_model.vehicle.attitude_limits import THRUST_LEAST
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
 UPRIGHT_MIN = 0.3

@@ -13,7 +13,7 @@ import numpy as np
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points
 from q2q_model.trajectory.polynomials import SwarmPlan
-from q2q_planner.offline.certificate.branch_and_bound import StretchBounds, least_on_stretches
+from q2q_planner.offline.certificate.branch_and_bound import least_on_stretches, polynomial_bounds
 from q2q_planner.offline.certificate.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
 from q2q_planner.offline.certificate.shared_pieces import shared_pieces
 from q2q_planner.offline.minimum_snap.waypoints import Point
@@ -76,15 +76,10 @@ def prove_within(plan: SwarmPlan, walls: Walls) -> WallProof:
     shared = shared_pieces(plan.trajectories)
     points = control_points(shared.coefficients, shared.durations[:, None, None])  # (pieces, n, 3, order)
     gaps = np.moveaxis(walls.distances(np.moveaxis(points, 2, -1)), -1, 2)  # (pieces, n, 6, order)
-    found = least_on_stretches(gaps.reshape(-1, gaps.shape[-1]), _stretch_bounds)
+    found = least_on_stretches(gaps.reshape(-1, gaps.shape[-1]), polynomial_bounds)
     piece, vehicle, _ = np.unravel_index(found.row, gaps.shape[:-1])
     t = shared.starts[piece] + found.share * shared.durations[piece]
     return WallProof(found.bound - rounding, plan.names[int(vehicle)], float(t), walls)
-
-
-def _stretch_bounds(points: Array) -> StretchBounds:
-    ends = points[:, [0, -1]]
-    return StretchBounds(ends.min(1), ends.argmin(1).astype(float), points.min(1))
 
 
 def _words(point: Point) -> str:

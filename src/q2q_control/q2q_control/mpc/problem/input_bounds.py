@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_control.attitude.command_limits import THRUST_LEAST
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
+from q2q_model.vehicle.attitude_limits import THRUST_LEAST
 from q2q_model.vehicle.constants import GRAVITY
 
 FALL = 1.0 - THRUST_LEAST

@@ -82,6 +82,12 @@ def least_on_stretches(
     return found._replace(bound=min(floor, found.value, float(bounds(points).lower.min())))
 
 
+def polynomial_bounds(points: Array) -> StretchBounds:
+    """Return the bounds of polynomials of control points (m, order): the lower end, and the least point."""
+    ends = points[:, [0, -1]]
+    return StretchBounds(ends.min(1), ends.argmin(1).astype(float), points.min(1))
+
+
 def _improved(found: Least, here: StretchBounds, row: np.ndarray, at: Array) -> Least:
     """Return the lower one of what was found before and the least value of these stretches."""
     i = int(here.upper.argmin())

@@ -3,7 +3,8 @@
 A file states that it is certified, for the zone whose profile it has. Its numbers may have been edited since,
 and its checksum written again; the proof of the numbers that are flown cannot be.
 
-A proof is of the reference at every t: over a jump of it no vehicle follows, so a plan with one is refused.
+A proof is of the reference at every t: over a jump of it, or in a fall without thrust, no vehicle follows, so
+a plan with one is refused.
 """
 
 import warnings
@@ -17,6 +18,7 @@ from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate.certificate import certify
 from q2q_planner.offline.certificate.convex_zone import zone_of_profile
 from q2q_planner.offline.certificate.rounding_bound import largest_jump
+from q2q_planner.offline.certificate.upward_thrust import least_upward_thrust
 
 JUMP_MAX = 1e-3
 """Largest jump of a coordinate from one piece to the next [m]: far above rounding, below tracking errors."""
@@ -28,10 +30,12 @@ def load_plan(path: Path) -> SwarmPlan:
     A plan that states to be certified and does not have its zone is taken as not certified, with a warning.
 
     Raises:
-        ValueError: the file is absent or no plan, jumps, or states to be certified and is not.
+        ValueError: the file is absent or no plan, jumps, falls without thrust, or states to be certified and
+            is not.
     """
     plan = plan_file.load(path)
     _check_continuous(plan, path)
+    _check_thrust(plan, path)
     if not plan.certified:
         return plan
     if not plan.zone_profile:
@@ -56,3 +60,11 @@ def _check_continuous(plan: SwarmPlan, path: Path) -> None:
         if not jump <= JUMP_MAX:
             bound = f"allowed is {JUMP_MAX:g} m"
             raise ValueError(f"{path}: {name} jumps by {jump:.3g} m, {bound}; {plan_file.REMEDY}")
+
+
+def _check_thrust(plan: SwarmPlan, path: Path) -> None:
+    for name, curve in zip(plan.names, plan.trajectories, strict=True):
+        with np.errstate(over="ignore", invalid="ignore"):
+            least = least_upward_thrust(curve)
+        if not least.is_commanded:
+            raise ValueError(f"{path}: {name} {least}, at t = {least.t:.2f} s; {plan_file.REMEDY}")

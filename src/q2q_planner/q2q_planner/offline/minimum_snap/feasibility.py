@@ -8,6 +8,7 @@ import numpy as np
 from q2q_model.trajectory.polynomials import SwarmPlan, Trajectory
 from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_planner.offline.certificate.upward_thrust import UpwardThrust, least_upward_thrust
 from q2q_planner.offline.minimum_snap.flight_limits import (
     ROUNDING,
     Peak,
@@ -50,7 +51,7 @@ def check_feasible(
     reserve: float = 0.0,
     tilt_max: float = TILT_MAX,
 ) -> None:
-    """Raise NotFlyableError if a trajectory needs too much thrust, tilt or yaw rate.
+    """Raise NotFlyableError if a trajectory needs too much or too little thrust, too much tilt or yaw rate.
 
     Args:
         plan: to be flown.
@@ -61,6 +62,7 @@ def check_feasible(
     """
     for trajectory, waypoints in zip(plan.trajectories, swarm, strict=True):
         _check_thrust(trajectory, waypoints, vehicle, reserve)
+        _check_fall(least_upward_thrust(trajectory), waypoints)
         _check_tilt(peak_tilt(trajectory), waypoints, tilt_max)
         _check_yaw_rate(peak_yaw_rate(trajectory), waypoints)
 
@@ -73,23 +75,28 @@ def _check_thrust(
     if thrust > vehicle.rpyt_thrust_max:
         most = f"{vehicle.name} has at most {vehicle.rpyt_thrust_max:.3g} N"
         needs = f"needs {thrust:.3g} N of thrust, {most}; allow more time"
-        raise NotFlyableError(f"{_place(waypoints, peak)}: {needs}")
+        raise NotFlyableError(f"{_place(waypoints, peak.t)}: {needs}")
+
+
+def _check_fall(least: UpwardThrust, waypoints: VehicleWaypoints) -> None:
+    if not least.is_commanded:
+        raise NotFlyableError(f"{_place(waypoints, least.t)}: {least}; allow more time")
 
 
 def _check_tilt(peak: Peak, waypoints: VehicleWaypoints, tilt_max: float) -> None:
     if peak.value > tilt_max * (1.0 + ROUNDING):
         tilts = f"tilts by {peak.value:.3g} rad, controllers do by at most {tilt_max:g} rad"
-        raise NotFlyableError(f"{_place(waypoints, peak)}: {tilts}; allow more time")
+        raise NotFlyableError(f"{_place(waypoints, peak.t)}: {tilts}; allow more time")
 
 
 def _check_yaw_rate(peak: Peak, waypoints: VehicleWaypoints) -> None:
     if peak.value > YAW_RATE_MAX * (1.0 + ROUNDING):
         turns = f"turns at {peak.value:.3g} rad/s, allowed is {YAW_RATE_MAX:g} rad/s"
         yaw = "yaw is in radians and not wrapped: 0 to 6.28 is a full turn"
-        raise NotFlyableError(f"{_place(waypoints, peak)}: {turns}; allow more time, or turn less ({yaw})")
+        raise NotFlyableError(f"{_place(waypoints, peak.t)}: {turns}; allow more time, or turn less ({yaw})")
 
 
-def _place(waypoints: VehicleWaypoints, peak: Peak) -> str:
-    """Return vehicle, waypoint and time of a peak, in words."""
-    after = int(np.searchsorted(waypoints.times, peak.t, side="right")) - 1
-    return f"{waypoints.name}, after waypoint {after} (t = {peak.t:.2f} s)"
+def _place(waypoints: VehicleWaypoints, t: float) -> str:
+    """Return vehicle, waypoint and time t [s], in words."""
+    after = int(np.searchsorted(waypoints.times, t, side="right")) - 1
+    return f"{waypoints.name}, after waypoint {after} (t = {t:.2f} s)"

@@ -6,8 +6,8 @@ quasi-convex, are at most the largest of the control points.
 Times: a rest-to-rest piece s(u) = 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7 over a length D in time T peaks at
 35/16 D/T and 84 sqrt(5)/25 D/T^2, so T = max(35/16 D / v_max, sqrt(84 sqrt(5)/25 D / a_max)); exact where
 vehicles stop at waypoints. A turn by psi, 3 u^2 - 2 u^3, takes T >= 3/2 |psi| / rate_max, too. Times of free
-curves are then scaled by one factor. In every direction thrust is kept by a <= rpyt_thrust_max / m - g, and
-tilt by a <= g sin(tilt).
+curves are then scaled by one factor. In every direction thrust is kept by a <= rpyt_thrust_max / m - g
+and a <= (1 - THRUST_LEAST) g, and tilt by a <= g sin(tilt).
 """
 
 from collections.abc import Callable, Sequence
@@ -21,7 +21,7 @@ from q2q_model.signals.values import Array
 from q2q_model.trajectory.bernstein import control_points, split_in_half
 from q2q_model.trajectory.polynomials import Trajectory, derive
 from q2q_model.tunable import check_bounds, tunable
-from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX
+from q2q_model.vehicle.attitude_limits import THRUST_LEAST, TILT_MAX, YAW_RATE_MAX
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_planner.offline.certificate.branch_and_bound import StretchBounds, least_on_stretches
 from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints, minimum_snap
@@ -108,7 +108,8 @@ def _norm(points: Array) -> Array:
 
 def _tilt(points: Array) -> Array:
     """Return the angles of points (m, 3, order) to vertical [rad], (m, order); a right angle below."""
-    return np.asarray(np.arctan2(np.hypot(points[:, 0], points[:, 1]), np.maximum(points[:, 2], 0.0)))
+    angle = np.arctan2(np.hypot(points[:, 0], points[:, 1]), points[:, 2])
+    return np.asarray(np.where(points[:, 2] > 0.0, angle, 0.5 * np.pi))
 
 
 def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
@@ -120,7 +121,8 @@ def with_limits_of(limits: FlightLimits, vehicle: Vehicle) -> FlightLimits:
     spare = vehicle.rpyt_thrust_max / vehicle.mass - GRAVITY
     if spare <= 0.0:
         raise ValueError(f"{vehicle.name}: {vehicle.rpyt_thrust_max} N does not carry {vehicle.mass} kg")
-    return replace(limits, acceleration=min(limits.acceleration, spare, GRAVITY * sin(limits.tilt)))
+    fall = (1.0 - THRUST_LEAST) * GRAVITY
+    return replace(limits, acceleration=min(limits.acceleration, spare, fall, GRAVITY * sin(limits.tilt)))
 
 
 def allocate_times(
