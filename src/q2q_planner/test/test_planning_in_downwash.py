@@ -14,6 +14,7 @@ from q2q_planner.offline.avoidance.joint_plan import avoid_zones
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.zones.altitude_response import altitude_errors, altitude_rms
+from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
 SECTION_4_1 = (
@@ -73,3 +74,22 @@ def test_the_safe_replanner_cuts_the_height_error_by_95_percent() -> None:
     shift = np.hypot(*(moved - references(plan))[..., :2].transpose(2, 0, 1))
     assert shift.max() < 0.25  # half of the zone's width, and a little
     assert np.array_equal(ticks[-1].pos, setpoint_at(plan, ticks[-1].t).pos)
+
+
+def test_where_all_height_errors_are_harmless_no_share_is_stated() -> None:
+    """Of 49 mm a hundredth of a per cent is 5 micrometres: a plan that leaves 0.9 mm is good enough."""
+    swarm = (
+        VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 1)), Waypoint(8, (1, 0, 1)))),
+        VehicleWaypoints("cf2", (Waypoint(0, (1, 0, 1.3)), Waypoint(8, (-1, 0, 1.3)))),
+    )
+    made = avoid_downwash(swarm, LearnedDownwash(PAPER_LAW, cut=0.9999))
+    left, free = 1e3 * made.after.max(), 1e3 * made.before.max()
+    assert left < 1.0 < free
+    assert made.effect == (
+        f"leaves a predicted height error of at most {left:.2g} mm, of {free:.2g} mm without avoidance"
+    )
+    less = avoid_downwash(swarm, LearnedDownwash(PAPER_LAW, cut=0.5))
+    share = 100.0 * (1.0 - less.after / less.before).min()
+    assert less.effect == f"avoids {share:.1f} % of the predicted height error"
+    alone = avoid_downwash(swarm[:1], LearnedDownwash(PAPER_LAW))
+    assert alone.effect == "leaves a predicted height error of at most 0 mm, of 0 mm without avoidance"

@@ -90,4 +90,4 @@ def _zone_by_cut(
         )
     note = range_note(file.interaction, made.zone.threshold)
     words = f"level set of {asked.model} at {made.zone.threshold:.4g} m/s^2{note}"
-    return made.zone, f"{words}: avoids {100.0 * made.cut:.1f} % of the predicted height error"
+    return made.zone, f"{words}: {made.effect}"

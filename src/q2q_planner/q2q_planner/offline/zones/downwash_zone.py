@@ -75,6 +75,14 @@ class DownwashPlan:
         affected = self.after > HARMLESS
         return float((1.0 - self.after[affected] / self.before[affected]).min(initial=1.0))
 
+    @property
+    def effect(self) -> str:
+        """Return the predicted effect on the height errors, in words: a share if one is above HARMLESS."""
+        if (self.after > HARMLESS).any():
+            return f"avoids {100.0 * self.cut:.1f} % of the predicted height error"
+        left, free = 1e3 * self.after.max(), 1e3 * self.before.max()
+        return f"leaves a predicted height error of at most {left:.2g} mm, of {free:.2g} mm without avoidance"
+
 
 def avoid_downwash(
     swarm: Sequence[VehicleWaypoints],
