@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from q2q_model.documents.json_file import with_nulls
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler, quat_multiply, rotate
 from q2q_model.recordings.flight_recording import Recording
@@ -153,10 +154,11 @@ def test_poses_moved_on_by_their_delay_are_better_than_stock_and_nothing_diverge
 
 def test_the_numbers_of_an_estimate_that_diverges_beyond_all_numbers_are_json() -> None:
     errors = np.array([0.01, 0.02, 0.03, np.inf])
-    document = errors_json([ReplayedErrors(str(k), "10 Hz", "filter", errors, 1, 1) for k in range(3)], 1)
+    replays = [ReplayedErrors(str(k), "10 Hz", "filter", errors, 1, 1) for k in range(3)]
+    document = with_nulls(errors_json(replays, 1))
     assert isinstance(document, dict)
-    (pooled,) = document["pooled"]  # type: ignore[misc]  # a list of them
-    assert (pooled["median_m"], pooled["worst_m"]) == (pytest.approx(0.025), None)  # type: ignore[call-overload, index]
+    (pooled,) = document["pooled"]
+    assert (pooled["median_m"], pooled["worst_m"]) == (pytest.approx(0.025), None)
     json.dumps(document, allow_nan=False)
 
 

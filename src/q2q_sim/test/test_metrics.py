@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_sim.loop.flight_clock import FlightTiming
@@ -164,7 +165,7 @@ def test_exposure_lasts_as_long_where_ticks_are_missing() -> None:
     assert np.array_equal(part.clear, whole.clear[kept])
 
 
-def test_null_stands_for_errors_that_a_flight_does_not_show() -> None:
+def test_null_stands_for_errors_that_a_flight_does_not_show(tmp_path: Path) -> None:
     run = FlightRun(
         FlightRequest("table6"),
         _flight(_still(1), _still(1), np.ones((1000, 1))),
@@ -173,6 +174,6 @@ def test_null_stands_for_errors_that_a_flight_does_not_show() -> None:
         Path("bag"),
         FlightVerdict(10.0),
     )
-    text = json.dumps(runs_json([run]))
-    one = json.loads(text)["runs"][0]["vehicles"]["cf1"]
+    write_json(runs_json([run]), tmp_path / "runs.json")
+    one = json.loads((tmp_path / "runs.json").read_text())["runs"][0]["vehicles"]["cf1"]
     assert (one["under_rms_m"], one["clear_rms_m"], one["worst_m"]) == (None, 0.0, None)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from q2q_model.documents.json_file import with_nulls
 from q2q_model.documents.plain_values import to_plain
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
@@ -278,7 +279,7 @@ def test_a_verdict_counts_what_happened_under_the_conditions_apart_from_the_rest
 
 
 def test_the_numbers_of_flights_none_of_which_counts_are_json() -> None:
-    found = verdict_json(promise_verdict([], None))
+    found = with_nulls(verdict_json(promise_verdict([], None)))
     assert isinstance(found, dict)
     assert found["least_distance_m"] is None  # of no vehicles
     json.dumps(found, allow_nan=False)

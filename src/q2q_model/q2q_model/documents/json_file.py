@@ -5,6 +5,9 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
+Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
+"""Document of plain values; numbers that are not finite are written as null."""
+
 
 def write_json(document: object, file: Path) -> None:
     """Write a document as JSON, null for numbers that are not finite; create the folders above the file.

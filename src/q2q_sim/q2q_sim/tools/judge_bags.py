@@ -3,12 +3,13 @@
 import json
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from q2q_model.documents.json_file import Json, with_nulls
 from q2q_model.identification.push.recorded_push import CommandedThrust, check_thrust
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
 from q2q_model.signals.values import TrackStatus
@@ -22,7 +23,6 @@ from q2q_sim.monitors.policies import (
     judge,
     policies_without_evidence,
 )
-from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.scenarios import library
 
 VIOLATED, NOT_JUDGED = 1, 2
@@ -58,7 +58,7 @@ def run(args: Namespace) -> int:
         check_thrust(CommandedThrust(str(bag), trace.names, height, trace.thrust), around.vehicle)
         found[str(bag)] = judge_bag(trace, around)
     if args.json:
-        print(json.dumps({bag: as_json(one.violations) for bag, one in found.items()}, indent=1))
+        print(json.dumps(with_nulls(as_json(found)), indent=1, allow_nan=False))
     else:
         for bag, one in found.items():
             print("\n".join(f"{bag}: {line}" for line in one.lines()))
@@ -105,9 +105,6 @@ def circumstances_of_bag(bag: Path, scenario: str, vehicle: str) -> Circumstance
     return Circumstances(vehicle=known.vehicle, faults=() if flown is None else flown.faults)
 
 
-def as_json(violations: Sequence[Violation]) -> Json:
-    """Return violations as plain values."""
-    return [
-        {key: finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
-        for one in violations
-    ]
+def as_json(found: Mapping[str, JudgedBag]) -> Json:
+    """Return the violations in each bag as plain values; NaN where unknown."""
+    return {bag: [asdict(violation) for violation in one.violations] for bag, one in found.items()}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import TopicMap, read_facts
-from q2q_model.documents.json_file import write_json
+from q2q_model.documents.json_file import Json, write_json
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.push.recorded_push import check_weight
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
@@ -23,7 +23,6 @@ from q2q_sim.bag_topics.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
 from q2q_sim.monitors.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
-from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.replay_page import MOST_RUNS, in_air, replay_element, replay_run
 from q2q_sim.report import figures
 from q2q_sim.report.figures import PlotCurve, plot_quantity
@@ -166,17 +165,14 @@ def _plot_quantities(flights: Sequence[Reported], out: Path) -> list[Picture]:
 
 
 def as_json(flights: Sequence[Reported]) -> Json:
-    """Return the numbers of the tables, null where unknown."""
+    """Return the numbers of the tables; NaN where unknown."""
     return {one.flight.name: _vehicles_json(one) for one in flights}
 
 
 def _vehicles_json(one: Reported) -> Json:
     limits = _limits(one)
     return {
-        name: {
-            **{key: finite(value) for key, value in (asdict(vehicle) | limits[name]).items()},
-            "mocap": {key: finite(value) for key, value in asdict(one.quality[name]).items()},
-        }
+        name: {**asdict(vehicle), **limits[name], "mocap": asdict(one.quality[name])}
         for name, vehicle in one.metrics.vehicles.items()
     }
 

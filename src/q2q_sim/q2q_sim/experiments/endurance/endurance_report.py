@@ -17,10 +17,10 @@ import numpy as np
 from rich.table import Table
 
 from q2q_model.counted import counted
+from q2q_model.documents.json_file import Json
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.endurance.growth import Growth, WatchedQuantity, growth
 from q2q_sim.experiments.endurance.long_flight import LongFlight
-from q2q_sim.node_flights.run_json import Json
 from q2q_sim.node_flights.unfinished_bag import REMEDY
 
 MEGABYTE = 1e6

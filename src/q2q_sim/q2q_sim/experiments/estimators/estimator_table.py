@@ -7,10 +7,10 @@ from rich.table import Table
 from rich.text import Text
 
 from q2q_model.counted import counted
+from q2q_model.documents.json_file import Json
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
 from q2q_sim.firmware.estimator import DT
-from q2q_sim.node_flights.run_json import Json, finite
 
 MILLIMETRE = 1000.0
 UNBOUNDED = 10_000
@@ -82,10 +82,10 @@ def _numbers(one: ErrorSummary) -> dict[str, Json]:
         "flights": one.flights,
         "replays": one.replays,
         "samples": one.samples,
-        "median_m": finite(one.median),
-        "median_low_m": finite(low),
-        "median_high_m": finite(high),
-        "p95_m": finite(one.p95),
-        "worst_m": finite(one.worst),
+        "median_m": one.median,
+        "median_low_m": low,
+        "median_high_m": high,
+        "p95_m": one.p95,
+        "worst_m": one.worst,
         "diverged": one.diverged,
     }

@@ -1,8 +1,8 @@
 """JSON of an explanation: the contract of `explain --json`."""
 
+from q2q_model.documents.json_file import Json
 from q2q_sim.experiments.explanation.explanation import Explanation
 from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
-from q2q_sim.node_flights.run_json import Json
 
 
 def explanation_json(found: Explanation, difference: float) -> Json:

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from q2q_model.documents.json_file import Json
 from q2q_sim.experiments.explanation.accidents import INJECTIONS, accident
 from q2q_sim.experiments.explanation.explanation import ExplanationParams, explain
-from q2q_sim.node_flights.run_json import Json
 
 EFFORT = ExplanationParams(orders=4, draws=1)
 """Effort at which an explanation is scored: the order of the causes needs no intervals."""

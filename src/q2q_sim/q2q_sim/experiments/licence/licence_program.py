@@ -5,6 +5,7 @@ import math
 from argparse import Namespace
 from pathlib import Path
 
+from q2q_model.documents.json_file import Json
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import vehicles_from_file
 from q2q_sim.experiments.licence.flight_order import Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
@@ -18,7 +19,6 @@ from q2q_sim.experiments.licence.licence_score import licence_score_json, score_
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.rules.starting_places import check_starts
-from q2q_sim.node_flights.run_json import Json
 
 
 def judge_program(args: Namespace) -> int:

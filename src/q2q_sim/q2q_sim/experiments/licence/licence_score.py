@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from q2q_model.documents.json_file import Json
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.nearest_name import name_hint
 from q2q_sim.experiments.licence.flight_order import Program
@@ -18,7 +19,6 @@ from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
 from q2q_sim.experiments.licence.licence_reports import verdict_text
 from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
-from q2q_sim.node_flights.run_json import Json
 
 SOUND, BUGGY = "sound", "buggy"
 KINDS = (SOUND, BUGGY)

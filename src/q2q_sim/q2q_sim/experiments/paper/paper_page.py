@@ -1,5 +1,6 @@
 """Reproduced numbers and figures as JSON, as one HTML page and as a PDF."""
 
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,9 +10,9 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from q2q_model.documents.json_file import Json
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 from q2q_sim.experiments.paper.paper_numbers import PaperNumber
-from q2q_sim.node_flights.run_json import Json, finite
 from q2q_sim.report.html_page import Grid, Part, Picture, page
 
 TITLE = "Reproduction of the paper"
@@ -56,7 +57,7 @@ def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome
             {
                 "id": one.id,
                 "paper": one.paper,
-                "ours": finite(found.get(one.id)),
+                "ours": found.get(one.id),
                 "unit": one.unit,
                 "note": one.note,
             }
@@ -66,8 +67,9 @@ def as_json(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome
 
 
 def found_values(outcomes: Sequence[ExperimentOutcome]) -> dict[str, float]:
-    """Return every number that was found."""
-    return {name: value for outcome in outcomes for name, value in outcome.values.items()}
+    """Return every finite number that was found."""
+    pairs = (pair for outcome in outcomes for pair in outcome.values.items())
+    return {name: value for name, value in pairs if math.isfinite(value)}
 
 
 def table_cells(
@@ -75,7 +77,7 @@ def table_cells(
 ) -> list[tuple[str, ...]]:
     """Return the cells of the table."""
     found = found_values(outcomes)
-    return [_row(one, finite(found.get(one.id))) for one in numbers]
+    return [_row(one, found.get(one.id)) for one in numbers]
 
 
 def without_repeated_notes(cells: Sequence[tuple[str, ...]]) -> list[tuple[str, ...]]:
@@ -92,7 +94,7 @@ def closeness_sentence(numbers: Sequence[PaperNumber], outcomes: Sequence[Experi
     ratios = [
         ours / one.paper
         for one in numbers
-        if one.paper and REPEATED not in one.note and (ours := finite(found.get(one.id))) is not None
+        if one.paper and REPEATED not in one.note and (ours := found.get(one.id)) is not None
     ]
     close = sum(abs(ratio - 1.0) <= CLOSE for ratio in ratios)
     return (

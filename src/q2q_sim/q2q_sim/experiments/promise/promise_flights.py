@@ -9,7 +9,7 @@ from functools import partial
 from rich.console import Console
 from rich.progress import track
 
-from q2q_model.documents.json_file import write_json
+from q2q_model.documents.json_file import Json, write_json
 from q2q_model.documents.plain_values import to_plain
 from q2q_sim.experiments.campaign.parallel_runs import ParallelRuns, spread_work
 from q2q_sim.experiments.promise.kept_flights import resume_flights
@@ -33,7 +33,6 @@ from q2q_sim.experiments.promise.tracking_tube import (
     read_tube,
 )
 from q2q_sim.experiments.promise.tube_report import different_conditions, reused_seeds, tube_lines
-from q2q_sim.node_flights.run_json import Json
 
 
 def run(args: Namespace) -> int:

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import betaincinv
 
+from q2q_model.documents.json_file import Json
 from q2q_model.signals.values import Array
 from q2q_sim.experiments.promise.room_encounter import EncounterRecord
 from q2q_sim.experiments.promise.tracking_tube import TrackingTube
-from q2q_sim.node_flights.run_json import Json, finite
 
 CONFIDENCE = 0.95
 
@@ -100,7 +100,7 @@ def verdict_json(found: PromiseVerdict) -> Json:
         "entry_rate_most": found.entries.most,
         "entries_otherwise": found.entries_otherwise,
         "entries_not_announced": found.silent,
-        "least_distance_m": finite(found.clearance),
+        "least_distance_m": found.clearance,
         "ticks": found.ticks,
         "broken_ticks": found.broken_ticks,
         "left_tube": found.left_tube.events if found.left_tube else None,
