@@ -10,6 +10,7 @@ The yaw setpoint integrates a yaw-rate setpoint. The PIDs are reset when a mode 
 """
 
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.commander.setpoint import Three
 from q2q_sim.firmware.controllers.columns import (
@@ -38,7 +39,7 @@ from q2q_sim.firmware.controllers.columns import (
 )
 from q2q_sim.firmware.controllers.pid_step import pid, pid_reset, slope_of
 from q2q_sim.firmware.controllers.position_pid import position_pid
-from q2q_sim.firmware.controllers.state_attitude import DEG, firmware_yaw, legacy_degrees
+from q2q_sim.firmware.controllers.state_attitude import DEG, legacy_degrees
 from q2q_sim.firmware.controllers.truncation import INT16_MAX, truncate
 
 DT = 1.0 / 500.0
@@ -86,7 +87,7 @@ def move_yaw(setpoint: Array, memory: Array) -> None:
         yaw = setpoint[SET_ATTITUDE + 2]
     elif setpoint[MODE_QUAT] == 1.0:
         q = SET_QUAT
-        yaw = DEG * firmware_yaw(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3])
+        yaw = DEG * yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3])
     memory[ATTITUDE_SETPOINT + 2] = wrap_degrees(yaw)
 
 

@@ -24,6 +24,7 @@ since motors 1 and 3 turn left and drag the body right.
 import math
 
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.commander.setpoint import Three
@@ -67,7 +68,7 @@ from q2q_sim.firmware.controllers.columns import (
     SET_VEL,
     Z_AXIS_SETPOINT,
 )
-from q2q_sim.firmware.controllers.state_attitude import Nine, axes, firmware_yaw, legacy_degrees
+from q2q_sim.firmware.controllers.state_attitude import Nine, axes, legacy_degrees
 from q2q_sim.firmware.controllers.truncation import truncate
 
 DT = 1.0 / 500.0
@@ -123,7 +124,7 @@ def yaw_setpoint(row: Array, setpoint: Array) -> float:
         return float(setpoint[SET_ATTITUDE + 2] * RAD)
     if setpoint[MODE_QUAT] == 1.0:
         q = SET_QUAT
-        return float(firmware_yaw(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3]))
+        return float(yaw_of(setpoint[q], setpoint[q + 1], setpoint[q + 2], setpoint[q + 3]))
     return 0.0
 
 

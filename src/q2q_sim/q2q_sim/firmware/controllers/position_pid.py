@@ -13,6 +13,7 @@ acceleration: `acc` of a full state does nothing under this controller.
 import math
 
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.firmware.commander.setpoint import Three
@@ -41,7 +42,6 @@ from q2q_sim.firmware.controllers.columns import (
     VEL_TARGET,
 )
 from q2q_sim.firmware.controllers.pid_step import INTEGRAL_LIMIT, filtered, pid, slope_of
-from q2q_sim.firmware.controllers.state_attitude import firmware_yaw
 
 DT = 1.0 / 100.0
 """POSITION_RATE of the firmware [s]."""
@@ -95,7 +95,7 @@ def velocity_setpoint(
 @compiled
 def position_pid(row: Array, drift: Array, setpoint: Array, gains: Array, memory: Array) -> None:
     """Write the setpoints of attitude and thrust."""
-    yaw = firmware_yaw(row[6], row[7], row[8], row[9])
+    yaw = yaw_of(row[6], row[7], row[8], row[9])
     c, s = math.cos(yaw), math.sin(yaw)
     where = (row[0] + drift[0], row[1] + drift[1], row[2] + drift[2])
     vel_x, vel_y, vel_z = row[3] + drift[3], row[4] + drift[4], row[5] + drift[5]

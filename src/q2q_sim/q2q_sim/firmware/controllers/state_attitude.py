@@ -3,6 +3,7 @@
 import math
 
 from q2q_model.compiled import compiled
+from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.commander.setpoint import Three
 
@@ -28,10 +29,4 @@ def legacy_degrees(row: Array) -> Three:
     x, y, z, w = row[6], row[7], row[8], row[9]
     roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
     pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
-    return DEG * roll, -DEG * pitch, DEG * firmware_yaw(x, y, z, w)
-
-
-@compiled
-def firmware_yaw(x: float, y: float, z: float, w: float) -> float:
-    """Return yaw [rad] of a quaternion, as the firmware computes it."""
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return DEG * roll, -DEG * pitch, DEG * yaw_of(x, y, z, w)
