@@ -1,8 +1,8 @@
-"""Recorded values between their rows and over their gaps, interpolated."""
+"""Recorded values between their rows and over their gaps: interpolated, or those of the nearest row."""
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 
 
 def interpolate_gaps(t: Array, values: Array) -> Array:
@@ -25,3 +25,10 @@ def resample(t: Array, values: Array, at: Array) -> Array:
         good = np.isfinite(column)
         out[:, k] = np.interp(at, t[good], column[good]) if good.any() else np.nan
     return out.reshape(at.size, *values.shape[1:])
+
+
+def nearest_samples(t: Array, at: Array) -> Rows:
+    """Return the row of rising times `t` nearest to each time `at`, the earlier of two as near."""
+    right = np.clip(np.searchsorted(t, at), 0, len(t) - 1)
+    left = np.clip(right - 1, 0, None)
+    return np.where(np.abs(t[left] - at) <= np.abs(t[right] - at), left, right)

@@ -14,6 +14,7 @@ from dataclasses import asdict
 import numpy as np
 from numpy.typing import NDArray
 
+from q2q_model.flights.interpolated_gaps import nearest_samples
 from q2q_model.palette import VEHICLES
 from q2q_model.signals.values import Array
 from q2q_sim.replay_page.replay_run import ReplayRun
@@ -91,9 +92,7 @@ def _even_rows(t: Array, rate: float) -> tuple[NDArray[np.intp], NDArray[np.bool
     """Return the nearest row of each sample on an even grid, and whether one is near enough."""
     _check_span(t, rate)
     grid = t[0] + np.arange(int((t[-1] - t[0]) * rate + 1e-6) + 1) / rate  # the last stamp too, if rounded
-    right = np.clip(np.searchsorted(t, grid), 0, len(t) - 1)
-    left = np.clip(right - 1, 0, None)
-    rows = np.where(grid - t[left] <= t[right] - grid, left, right)
+    rows = nearest_samples(t, grid)
     return rows, np.abs(t[rows] - grid) <= max(HOLE_S, 1.0 / rate)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.counted import counted
+from q2q_model.flights.interpolated_gaps import nearest_samples
 from q2q_model.signals.clock_resets import CONFIRM_STAMPS, SET_BACK_S
 from q2q_model.signals.values import Array, Mask, MocapFrame, Rows
 
@@ -73,7 +74,7 @@ def _ticks(tracks: Mapping[str, Poses], tolerance_s: float) -> Array:
     ticks = np.unique(fullest[1].t)
     hole_s = HOLE_PERIODS * float(np.median(np.diff(ticks))) if len(ticks) > 1 else 0.0
     for vehicle, track in others:
-        away = np.abs(track.t - ticks[_nearest(ticks, track.t)])
+        away = np.abs(track.t - ticks[nearest_samples(ticks, track.t)])
         if (away > tolerance_s).all():
             raise ValueError(_unmatched(vehicle, track.t, ticks, tolerance_s))
         ticks = np.union1d(ticks, track.t[away > max(hole_s, tolerance_s)])
@@ -128,7 +129,7 @@ def _are_among(t: Array, rows: Rows) -> Mask:
         return np.zeros(rows.shape, dtype=np.bool_)
     others, steps = np.sort(np.delete(t, np.unique(rows))), np.diff(t[: rows.min()])
     period = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    return np.asarray(np.abs(t[rows] - others[_nearest(others, t[rows])]) < HOLE_PERIODS * period)
+    return np.asarray(np.abs(t[rows] - others[nearest_samples(others, t[rows])]) < HOLE_PERIODS * period)
 
 
 def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
@@ -137,16 +138,9 @@ def nearest_rows(ticks: Array, t: Array, tolerance_s: float) -> Rows:
     A row that is the nearest of several ticks is given to the nearest of these: repeated at the others, it
     would be a vehicle that stands and leaps.
     """
-    nearest = _nearest(t, ticks)
+    nearest = nearest_samples(t, ticks)
     away = np.abs(t[nearest] - ticks)
     order = np.lexsort((away, nearest))
     first = order[np.unique(nearest[order], return_index=True)[1]]
     once = np.isin(np.arange(len(ticks)), first)
     return np.where(once & (away <= tolerance_s), nearest, -1)
-
-
-def _nearest(ascending: Array, t: Array) -> Rows:
-    """Return the row of `ascending` nearest to each time, the earlier of two as near."""
-    right = np.clip(np.searchsorted(ascending, t), 0, len(ascending) - 1)
-    left = np.clip(right - 1, 0, None)
-    return np.where(np.abs(ascending[left] - t) <= np.abs(ascending[right] - t), left, right)

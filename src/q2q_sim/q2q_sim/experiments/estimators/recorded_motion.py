@@ -14,11 +14,10 @@ with: replays show what estimators make of the sensors' errors, not how large th
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
-from q2q_model.flights.interpolated_gaps import resample
+from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.geometry.rotations import (
     ang_vel_between,
     normalised,
@@ -147,13 +146,7 @@ def seen_ticks(t: Array, at: Array) -> Mask:
     """
     phase = DT * float(np.angle(np.exp(2j * np.pi * (t - at[0]) / DT).mean())) / (2.0 * np.pi)
     even = at + phase
-    return np.asarray(np.abs(even - t[nearest_ticks(t, even)]) <= 0.5 * DT + ROUNDING)
-
-
-def nearest_ticks(t: Array, at: Array) -> NDArray[np.intp]:
-    """Return the rows of `t` nearest to the times `at`."""
-    after = np.clip(np.searchsorted(t, at), 1, len(t) - 1)
-    return np.asarray(np.where(at - t[after - 1] <= t[after] - at, after - 1, after), dtype=np.intp)
+    return np.asarray(np.abs(even - t[nearest_samples(t, even)]) <= 0.5 * DT + ROUNDING)
 
 
 def _own(recording: Recording, at: Array) -> Array | None:

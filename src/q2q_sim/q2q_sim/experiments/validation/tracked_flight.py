@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.flight_log import FlightLog
-from q2q_model.flights.interpolated_gaps import resample
+from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.flights.sampled_reference import SampledReference, flown_reference, setpoint_positions
 from q2q_model.geometry.rotations import normalised, rotate
 from q2q_model.identification.gains.altitude_from_flight import UP
@@ -126,15 +126,14 @@ def tracked_flight(recording: Recording, vehicle: Vehicle) -> TrackedFlight:
 
 def _nearest_rows(t: Array, grid: Array) -> tuple[Rows, Mask]:
     """Return the row nearest to each time, and whether it is near enough to have been recorded then."""
-    after = np.searchsorted(t, grid).clip(1, t.size - 1)
-    nearest = np.where(grid - t[after - 1] <= t[after] - grid, after - 1, after)
+    nearest = nearest_samples(t, grid)
     return nearest, np.asarray(np.abs(t[nearest] - grid) < NEAR * (grid[1] - grid[0]))
 
 
 def _stepped(reference: SampledReference, t: Array, grid: Array) -> Mask:
     """Return the times whose nearest sample of each vehicle's reference is not sure, (T, n)."""
     sampled = [np.flatnonzero(np.isfinite(pos).all(axis=-1)) for pos in reference.pos.swapaxes(0, 1)]
-    near = [rows[_nearest_rows(t[rows], grid)[0]] for rows in sampled]
+    near = [rows[nearest_samples(t[rows], grid)] for rows in sampled]
     return np.stack([~reference.sure[rows, i] for i, rows in enumerate(near)], axis=1)
 
 
