@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.rows import stack_equal
 from q2q_model.signals.values import Array, Names, Rows, index_of
 
 SAME_TICK = 1e-4
@@ -45,7 +46,7 @@ class Topic:
         if attribute not in self._made:
             every = list(map(attrgetter(attribute), self.signals))
             self._made[attribute] = {
-                names: _stacked(every if len(some) == len(every) else [every[k] for k in some])
+                names: stack_equal(every if len(some) == len(every) else [every[k] for k in some])
                 for names, some in self.by_names.items()
             }
         return self._made[attribute]
@@ -80,10 +81,6 @@ class Table:
             taken, place = self._groups[names]
             made[place] = values[taken]
         return made
-
-
-def _stacked(rows: list[Array]) -> Array:
-    return np.concatenate(rows).reshape(len(rows), *rows[0].shape)
 
 
 def _newest(grid: TickGrid, topic: Topic) -> Rows:
