@@ -19,7 +19,7 @@ all callers, which differ in what they know of a source's past:
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -65,6 +65,11 @@ class SourceStates:
     """[m/s], world, (..., 3)."""
     axis: Array
     """Body z, unit length, world, (..., 3)."""
+
+    @classmethod
+    def of_rows(cls, rows: Array) -> Self:
+        """Return the states in rows of position, velocity and axis, (k, 9)."""
+        return cls(rows[:, :3], rows[:, 3:6], rows[:, 6:])
 
 
 def pairs_at_rest(rel_pos: Array) -> PairMotion:

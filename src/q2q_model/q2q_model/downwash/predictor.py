@@ -124,9 +124,11 @@ class InteractionPredictor:
             found = self._history.at(state.t - delay, j)
             unknown = np.asarray(~np.isfinite(found[:, :6]).all(axis=1))
             stale[unknown] = True
-            return _sources(np.where(unknown[:, None], now[j], found))
+            return SourceStates.of_rows(np.where(unknown[:, None], now[j], found))
 
-        rel_pos, motion = retarded_pairs(self.model, now[i, :3], now[i, 3:6], _sources(now[j]), past)
+        rel_pos, motion = retarded_pairs(
+            self.model, now[i, :3], now[i, 3:6], SourceStates.of_rows(now[j]), past
+        )
         eta, deviation = self.model.acceleration(rel_pos, motion), self.model.deviation(rel_pos, motion)
         if self._terms != PAIRS_ALONE:
             thrust = self._thrust_ratio(state.t, now, pairs, self._terms)
@@ -153,10 +155,6 @@ def _with_names(error: ModelOutputError, state: SwarmState, pairs: Pairs) -> Mod
         return ModelOutputError(f"at {state.t:.3f} s: {error}")
     feels, causes = (state.names[rows[error.pair]] for rows in pairs)
     return ModelOutputError(f"{feels} in the downwash of {causes} at {state.t:.3f} s: {error}", error.pair)
-
-
-def _sources(states: Array) -> SourceStates:
-    return SourceStates(states[:, :3], states[:, 3:6], states[:, 6:])
 
 
 def _span(model: InteractionModel) -> float:

@@ -125,9 +125,11 @@ class _EqualSwarms:
 
         def past(delay: Array) -> SourceStates:
             when = np.maximum(rows.t[near] - delay, self._first[rows.flight[near]])
-            return _sources(states_at(self._t, self._states, when, rows.source[near]))
+            return SourceStates.of_rows(states_at(self._t, self._states, when, rows.source[near]))
 
-        pairs = retarded_pairs(model, feels[:, :3], feels[:, 3:6], _sources(rows.causes[near]), past)
+        pairs = retarded_pairs(
+            model, feels[:, :3], feels[:, 3:6], SourceStates.of_rows(rows.causes[near]), past
+        )
         eta[near] = model.acceleration(*pairs)
         return eta.reshape(*rows.shape, 3)
 
@@ -216,7 +218,3 @@ def eta_along(model: InteractionModel, motion: Motion) -> Array:
 def eta_on_vehicle(model: InteractionModel, motion: Motion, i: int, rows: Rows) -> Array:
     """Return eta of vehicle i at ticks `rows` (k,), [m/s^2], (k, 3)."""
     return FlownRows([VehicleTicks(motion, i, rows)]).eta(model)
-
-
-def _sources(states: Array) -> SourceStates:
-    return SourceStates(states[:, :3], states[:, 3:6], states[:, 6:])
