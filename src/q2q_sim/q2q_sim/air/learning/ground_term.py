@@ -17,7 +17,7 @@ from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.air_terms import ON_THE_GROUND, GroundTerm
 from q2q_sim.air.learning.jet.jet_table import ROTOR_RADIUS
 from q2q_sim.air.learning.records.air_record import AirRecord, rows_alone
-from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, slope_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 
 NEAR = 0.15
@@ -47,15 +47,8 @@ def ground_term(records: Sequence[AirRecord]) -> LearnedTerm[GroundTerm]:
             "ground.coefficient", ONE_ROTOR, None, None, rows, "not learned: Cheeseman and Bennett 1955"
         )
         return LearnedTerm(GroundTerm(ONE_ROTOR, ROTOR_RADIUS), (value,))
-    sums = block_sums(np.concatenate(products), block_of_rows(places))
-
-    def estimate(weight: Array) -> Array:
-        along, square = weight @ sums
-        return np.array([along / square])
-
-    found = fitted_value(
-        estimate_spread(estimate, len(sums)), 0, "ground.coefficient", rows, f"rows below {NEAR} m"
-    )
+    spread = slope_spread(np.concatenate(products), block_of_rows(places))
+    found = fitted_value(spread, 0, "ground.coefficient", rows, f"rows below {NEAR} m")
     return LearnedTerm(GroundTerm(found.value, ROTOR_RADIUS), (found,))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.learning.jet.jet_splines import REACH, spline_values
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, slope_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, fitted_value
 
 FEWEST = 100
@@ -25,13 +25,7 @@ def upper_share(records: Sequence[AirRecord], beta: Array) -> Fitted | None:
         [_below(record, one.vehicle, at, beta) for (record, one), at in zip(parts, rows, strict=True)]
     )
     blocks = block_of_rows([Row(r.name, r.motion.t[at]) for (r, _), at in zip(parts, rows, strict=True)])
-    sums = block_sums(np.stack([push * y, push * push], axis=1), blocks)
-
-    def estimate(weight: Array) -> Array:
-        along, square = weight @ sums
-        return np.array([along / square])
-
-    found = estimate_spread(estimate, len(sums))
+    found = slope_spread(np.stack([push * y, push * push], axis=1), blocks)
     return fitted_value(found, 0, "jet.upper_ratio", y.size, "rows above one vehicle and below none")
 
 

@@ -76,3 +76,14 @@ def estimate_spread(estimate: Estimate, count: int) -> Spread:
     draws = [estimate(rng.multinomial(count, even).astype(np.float64)) for _ in range(DRAWS)]
     low, high = np.nanquantile(draws, (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL), axis=0)
     return Spread(value, low, high)
+
+
+def slope_spread(products: Array, blocks: Blocks) -> Spread:
+    """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2)."""
+    sums = block_sums(products, blocks)
+
+    def estimate(weight: Array) -> Array:
+        along, square = weight @ sums
+        return np.array([along / square])
+
+    return estimate_spread(estimate, len(sums))
