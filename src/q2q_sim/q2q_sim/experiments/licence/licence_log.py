@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_sim.experiments.licence.client_commands.client_command import ClientCommand, CommandKind
-from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.experiments.licence.trials import LicenceTrial, name_of_row
 
 AIRBORNE = 0.06
 """Height from which a vehicle is in the air [m]."""
@@ -113,4 +113,4 @@ class LicenceLog:
 
     def name(self, vehicle: int) -> str:
         """Return the name of a vehicle in sentences."""
-        return self.names[vehicle] if self.names else f"cf{vehicle + 1}"
+        return name_of_row(self.names, vehicle)

@@ -51,6 +51,11 @@ EXEMPT = frozenset((TrialKind.LOST, TrialKind.UNARMED))
 """Trials in which nothing is asked of the vehicle with the fault."""
 
 
+def name_of_row(names: Names, row: int) -> str:
+    """Return the name of a vehicle in sentences; without names it is cf1, cf2, ..."""
+    return names[row] if names else f"cf{row + 1}"
+
+
 @dataclass(frozen=True, slots=True)
 class LicenceTrial:
     """One flight of a licence."""
@@ -68,12 +73,12 @@ class LicenceTrial:
     @property
     def words(self) -> str:
         """Return the trial in a few words."""
-        who, when = self._name(self.vehicle), f" at {self.start:.1f} s"
+        who, when = name_of_row(self.names, self.vehicle), f" at {self.start:.1f} s"
         match self.kind:
             case TrialKind.NOMINAL:
                 return "nominal"
             case TrialKind.SWAP:
-                return f"{self.kind} of {who} and {self._name(self.other)}{when}"
+                return f"{self.kind} of {who} and {name_of_row(self.names, self.other)}{when}"
             case TrialKind.STALE:
                 return f"{self.kind}{when}"
             case TrialKind.UNARMED:
@@ -97,9 +102,6 @@ class LicenceTrial:
         if self.kind != TrialKind.BATTERY:
             return ()
         return (Fault("battery_sag", self.start, SAG_S, (names[self.vehicle],), SAG),)
-
-    def _name(self, row: int) -> str:
-        return self.names[row] if self.names else f"cf{row + 1}"
 
     def pushed(self, t: float) -> bool:
         """Return whether the vehicle is pushed down at t [s]."""
