@@ -3,7 +3,7 @@
 import pytest
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, VEHICLES, on_firmware, vehicle_by_name
-from q2q_model.vehicle.hover_thrust import OwnHover, hover_pwm, hover_ratio, mass_thrust_of
+from q2q_model.vehicle.hover_thrust import OwnHover, hover_pwm, hover_ratio
 from q2q_model.vehicle.thrust_map import FIRMWARES, MASS_THRUST, MOTOR_THRUST
 
 RPYT_SHARE = 60000 / 65535
@@ -50,9 +50,9 @@ def test_the_right_mass_thrust_makes_both_agree_on_every_vehicle_and_firmware() 
     for name in VEHICLES:
         for firmware in MOTOR_THRUST.get(name, ("stock",)):
             one = vehicle_by_name(name, firmware)
-            assert hover_ratio(one, OwnHover(one.mass, mass_thrust_of(one))) == pytest.approx(1.0)
+            assert hover_ratio(one, OwnHover(one.mass, 65535 / one.full_pwm_thrust)) == pytest.approx(1.0)
     brushless = vehicle_by_name("crazyflie_brushless")
-    assert mass_thrust_of(brushless) == pytest.approx(65535 / 0.8)  # the stock value is 61 % above
+    assert brushless.full_pwm_thrust == pytest.approx(0.8)  # 132000 is 61 % above 65535 / 0.8
 
 
 def test_the_textbook_vehicle_has_a_map_of_its_own() -> None:

@@ -3,8 +3,6 @@
 Law, signs and priorities are those of `q2q_control.attitude.allocation`; a test compares the two.
 """
 
-import numpy as np
-
 from q2q_control.attitude.allocation import RotorFrame
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
@@ -13,9 +11,9 @@ Numbers = Array | tuple[float, ...]
 Four = tuple[float, float, float, float]
 
 
-def packed_frame(frame: RotorFrame) -> Array:
-    """Return lever [m], drag [m], rotor_max [N], (3,): the `frame` of `allocate`."""
-    return np.array([frame.lever, frame.drag, frame.rotor_max])
+def packed_frame(frame: RotorFrame) -> tuple[float, float, float]:
+    """Return lever [m], drag [m], rotor_max [N]: the `frame` of `allocate`."""
+    return float(frame.lever), float(frame.drag), float(frame.rotor_max)
 
 
 @compiled
@@ -32,7 +30,7 @@ def unlimited_rotors(wrench: Numbers, frame: Numbers) -> tuple[Four, bool]:
 
 @compiled
 def allocate(wrench: Numbers, frame: Numbers, rotors: Array) -> None:
-    """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s (3,)."""
+    """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s."""
     (rotors[0], rotors[1], rotors[2], rotors[3]), fits = unlimited_rotors(wrench, frame)
     if fits:
         return

@@ -26,7 +26,6 @@ commanded, limits included, so nothing winds up at a limit.
 | sigma_b T_b | OFFSET_STD OFFSET_S | [m/s^2], [s] |
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -117,18 +116,6 @@ class ResidualObserver:
         self._known = rows_by_name(self._known, have, names)
         self.belief = Belief(rows_by_name(old.state, have, names), rows_by_name(old.cov, have, names))
         self._names = names
-
-
-def steady_gain(process: ResidualProcess, eta: float, step: float) -> float:
-    """Return k [-] in the steady state under downwash eta [m/s^2] with samples every `step` [s].
-
-    P solves P^2 + P (1 - a^2) (R - sigma^2) - (1 - a^2) sigma^2 R = 0.
-    """
-    lost, noise = 1.0 - process.correlation(step) ** 2, process.noise**2
-    size = float(process.std(np.array(eta))) ** 2
-    half = 0.5 * lost * (noise - size)
-    variance = math.sqrt(half * half + lost * size * noise) - half
-    return variance / (variance + noise)
 
 
 @compiled

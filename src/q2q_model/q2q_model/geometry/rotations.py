@@ -5,8 +5,8 @@ roll phi, pitch theta, yaw psi in the order Z-Y-X: R(q) = Rz(psi) Ry(theta) Rx(p
 leading batch axes that broadcast. Source: Diebel, Representing Attitude, Stanford 2006, sections 5.6, 6.
 
     v_world = q v_body q*                       rotate
-    q' = q (w_body, 0) / 2                      quat_derivative
-    w_body = log(q0* q1) / dt                   ang_vel_between (exact for a constant w)
+    q' = q (w_body, 0) / 2                      integrate_quat (exact for a constant w)
+    w_body = log(q0* q1) / dt                   ang_vel_between (likewise)
     exp(r) = (r sin(|r|/2)/|r|, cos(|r|/2))     quat_from_vector
 
 | symbol | name | meaning [unit] |
@@ -152,12 +152,6 @@ def vector_from_quat(quat: Array) -> Array:
     axis = near[..., :3]
     sine = np.maximum(np.sqrt((axis * axis).sum(axis=-1, keepdims=True)), _TINY)
     return np.asarray(axis * (2.0 * np.arctan2(sine, near[..., 3:]) / sine))
-
-
-def quat_derivative(quat: Array, ang_vel_body: Array) -> Array:
-    """Return dq/dt [1/s], (..., 4), at angular velocity `ang_vel_body` [rad/s] (..., 3)."""
-    rate = np.concatenate([ang_vel_body, np.zeros_like(ang_vel_body[..., :1])], axis=-1)
-    return np.asarray(0.5 * quat_multiply(quat, rate))
 
 
 def integrate_quat(quat: Array, ang_vel_body: Array, dt: float) -> Array:

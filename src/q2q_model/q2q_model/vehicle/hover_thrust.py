@@ -6,8 +6,8 @@ Mellinger controller, with the parameters read from the vehicle, uses
     PWM_o = ctrlMel.massThrust * ctrlMel.mass * g
 
 A ratio PWM_c / PWM_o far from 1 indicates a wrong vehicle, a wrong firmware or an unset mass. massThrust is
-132000 on every stock build. On current firmware that is 3 % below 65535 / f_full (mass_thrust_of), but 60 %
-above it on a Brushless and 45 % with the upgrade kit, where it must be set.
+132000 on every stock build, and 65535 / f_full would match. On current firmware it is 3 % below that, but
+60 % above it on a Brushless and 45 % with the upgrade kit, where it must be set.
 """
 
 import math
@@ -38,11 +38,6 @@ class OwnHover:
 def hover_pwm(vehicle: Vehicle) -> float:
     """Return PWM_c, the PWM of each motor in an RPYT setpoint at hover."""
     return PWM_FULL * vehicle.hover_thrust / vehicle.full_pwm_thrust
-
-
-def mass_thrust_of(vehicle: Vehicle) -> float:
-    """Return the ctrlMel.massThrust [1/N] that matches the vehicle's thrust map."""
-    return PWM_FULL / vehicle.full_pwm_thrust
 
 
 def hover_ratio(vehicle: Vehicle, own: OwnHover) -> float:

@@ -106,11 +106,6 @@ class Fault:
         lasting = f" for {self.duration:.2f} s" if self.duration else ""
         return f"{self.kind}{size}{on} at {self.start:.1f} s{lasting}"
 
-    def acts_at(self, t: float, tick: float) -> bool:
-        """Return whether the fault acts on the tick at t [s]; `tick` is the time between ticks [s]."""
-        begin, end = self.window(tick)
-        return begin <= t < end
-
     def window(self, tick: float) -> tuple[float, float]:
         """Return begin and end of the times of the ticks on which the fault acts [s]; the end is outside."""
         early = 0.5 * tick  # stamps and starts are sums of floats

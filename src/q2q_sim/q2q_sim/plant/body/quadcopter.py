@@ -31,7 +31,7 @@ import math
 from typing import NamedTuple
 
 from q2q_control.attitude.allocation import rotor_frame
-from q2q_control.attitude.allocation_kernel import allocate
+from q2q_control.attitude.allocation_kernel import allocate, packed_frame
 from q2q_control.attitude.attitude_law import (
     AttitudeGains,
     AttitudeParams,
@@ -106,9 +106,8 @@ class Body(NamedTuple):
 def body_of(vehicle: Vehicle, attitude: AttitudeParams, step: float) -> Body:
     """Return the constants of `vehicle` for steps of `step` [s]."""
     decay = math.exp(-step / vehicle.thrust_lag) if vehicle.thrust_lag > 0.0 else 0.0
-    frame = rotor_frame(vehicle)
-    lever, drag, rotor_max = float(frame.lever), float(frame.drag), float(frame.rotor_max)
-    return Body(attitude_gains(attitude, vehicle), (lever, drag, rotor_max), vehicle.mass, decay, step)
+    frame = packed_frame(rotor_frame(vehicle))
+    return Body(attitude_gains(attitude, vehicle), frame, vehicle.mass, decay, step)
 
 
 @compiled(**BORROWING)

@@ -10,7 +10,7 @@ from q2q_sim.monitors.policies.flight_trace import FlightTrace
 UNDETECTABLE = ("jump", "swap", "clock_jump")
 """Steady sensor errors that no filter can detect: a displaced marker looks like a displaced vehicle."""
 EARLY_S = 0.005
-"""A fault acts from up to half a tick before its start on (Fault.acts_at) [s]."""
+"""A fault acts from up to half a tick before its start on (Fault.window) [s]."""
 RECOVERY_S = 1.0
 """Longest time after a steady error until the true track is accepted again [s]."""
 
