@@ -6,7 +6,6 @@ The node exits at the end of the bag.
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from time import monotonic
 
@@ -24,6 +23,7 @@ from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.run import finish, run
 from q2q_model.ros.node.steady_timer import steady_timer
+from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.ros.topics.qos import LATCHED, TICK, TICK_WRITER
 from q2q_model.signals.topic_names import PLAYBACK_OVER
@@ -101,7 +101,7 @@ class Player:
         self._playback, self._beat = Playback(0, 0.0, self._params.rate), monotonic()
         node.create_service(Trigger, "~/start", self._on_start)
         if self._params.wait_for:
-            kind = _class_of(awaited_type(self._params.wait_for))
+            kind = message_class(awaited_type(self._params.wait_for))
             node.create_subscription(kind, self._params.wait_for, self._on_answer, TICK, raw=True)
             steady_timer(node, LOOK_S, self._on_stall)
         else:
@@ -116,8 +116,8 @@ class Player:
 
     def _writer(self, topic: str, kind: str) -> Publisher:
         try:
-            found = _class_of(kind)
-        except (ImportError, AttributeError) as missing:
+            found = message_class(kind)
+        except ValueError as missing:
             report = (
                 f"{topic} holds {kind}, which is not installed here: name the topics to play, e.g. topics"
             )
@@ -220,12 +220,6 @@ def _opened(params: PlayParams) -> BagReader | MappedBag:
     if not params.topic_map:
         return BagReader(Path(params.bag))
     return MappedBag(params.bag, load_topic_map(params.topic_map))
-
-
-def _class_of(kind: str) -> type:
-    package, _, name = kind.split("/")
-    found: type = getattr(import_module(f"{package}.msg"), name)
-    return found
 
 
 def main() -> None:

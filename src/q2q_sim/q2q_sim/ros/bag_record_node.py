@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from time import time_ns
 
@@ -29,6 +28,7 @@ from q2q_model.ros.node.bus_node import bus_of
 from q2q_model.ros.node.diagnostics_publisher import publish_health
 from q2q_model.ros.node.node_parameters import declare
 from q2q_model.ros.node.run import run
+from q2q_model.ros.topics.message_class import message_class
 from q2q_model.ros.topics.qos import RECORD, RECORD_BEST_EFFORT, RECORD_LATCHED
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.cdr.cdr_writer import encode
@@ -77,7 +77,7 @@ class Recorder:
         self._by_header = params.stamps == "header"
         facts = facts_from_text(params.facts)
         types = recorded_types(params.topics, params.extra, by_header=self._by_header)
-        classes = {topic: _class_of(kind) for topic, kind in types.items()}
+        classes = {topic: message_class(kind) for topic, kind in types.items()}
         for topic in types:
             validate_topic_name(topic)  # before the bag's folder is made: resolve_topic_name raises RCLError
         asked = types if params.topics else types.keys() - TYPE_NAMES
@@ -214,15 +214,6 @@ def _is_latched(node: Node, topic: str) -> bool:
     """Return whether a topic has publishers, all of which send their last messages to late subscribers."""
     offered = {one.qos_profile.durability for one in node.get_publishers_info_by_topic(topic)}
     return offered == {DurabilityPolicy.TRANSIENT_LOCAL}
-
-
-def _class_of(kind: str) -> type:
-    package, _, name = kind.split("/")
-    try:
-        found: type = getattr(import_module(f"{package}.msg"), name)
-    except (ImportError, AttributeError) as missing:
-        raise ValueError(f"message type {kind} is not installed here") from missing
-    return found
 
 
 def main() -> None:
