@@ -129,9 +129,8 @@ def _process(parts: Sequence[_Part]) -> ResidualProcess | None:
 
 def _process_beside(parts: Sequence[_Part], noise: float) -> ResidualProcess | None:
     """Return the process whose deviation is that of the residuals apart from a noise [m/s^2]."""
-    push, residual = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("push", "residual")
-    )
+    push = np.concatenate([part.push for part in parts])
+    residual = np.concatenate([part.residual for part in parts])
     floor, slope = deviation_of(push, np.abs(residual), noise)
     lags = _lag_sums(parts, floor, slope)
     size = float(np.mean((residual / (floor + slope * push)) ** 2))

@@ -107,9 +107,8 @@ def _push_sums(model: InteractionModel, one: PushSamples, mask: Mask) -> Array:
 
 
 def _score(parts: Sequence[_Sums]) -> Score:
-    altitude, push = (
-        np.sum([getattr(part, name) for part in parts], axis=0) for name in ("altitude", "push")
-    )
+    altitude = np.sum([part.altitude for part in parts], axis=0)
+    push = np.sum([part.push for part in parts], axis=0)
     mse = [float(a[0] / a[2]) if a[2] > 0.0 else None for a in altitude]
     known = push if push[0, 1] > 0.0 else altitude[:, :2]
     r2 = [float(1.0 - a[0] / a[1]) if a[1] > 0.0 else None for a in known]

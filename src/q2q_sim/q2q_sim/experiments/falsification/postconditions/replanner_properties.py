@@ -93,9 +93,9 @@ def stop_enters_zone(run: Run, ticks: RunTicks) -> PostconditionOutcome:
 
 def _stopping(setpoints: Sequence[SwarmSetpoint]) -> Motions:
     """Return the motions of vehicles that begin to stop at their setpoints, tick by tick (T n)."""
-    pos, vel, acc = (
-        np.concatenate([getattr(one, name) for one in setpoints]) for name in ("pos", "vel", "acc")
-    )
+    pos = np.concatenate([one.pos for one in setpoints])
+    vel = np.concatenate([one.vel for one in setpoints])
+    acc = np.concatenate([one.acc for one in setpoints])
     n = len(pos)
     return Motions(pos, vel, acc, hold=np.zeros(n), growth=np.zeros((n, 2)), jerk=np.zeros_like(pos))
 
