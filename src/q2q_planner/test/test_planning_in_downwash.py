@@ -88,8 +88,5 @@ def test_where_all_height_errors_are_harmless_no_share_is_stated() -> None:
     assert made.effect == (
         f"leaves a predicted height error of at most {left:.2g} mm, of {free:.2g} mm without avoidance"
     )
-    less = avoid_downwash(swarm, LearnedDownwash(PAPER_LAW, cut=0.5))
-    share = 100.0 * (1.0 - less.after / less.before).min()
-    assert less.effect == f"avoids {share:.1f} % of the predicted height error"
     alone = avoid_downwash(swarm[:1], LearnedDownwash(PAPER_LAW))
     assert alone.effect == "leaves a predicted height error of at most 0 mm, of 0 mm without avoidance"
