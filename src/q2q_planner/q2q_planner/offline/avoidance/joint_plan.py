@@ -15,7 +15,7 @@ pair in conflict, its time and depth, or the vehicle that crosses a wall.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -85,7 +85,8 @@ def avoid_zones(
     found = [search(problem, start) for start in _starts(problem, search_params, warm)]
     certified = [attempt for attempt in found if attempt.holds]
     if not certified:
-        raise InfeasibleError(_explanation(found))
+        walls_are_why = _holds_without_walls(problem, search_params, warm)
+        raise InfeasibleError(_explanation(found, walls_are_why=walls_are_why))
     best = min(certified, key=lambda attempt: attempt.cost)
     steps = sum(attempt.steps for attempt in found)
     return AvoidancePlan(
@@ -117,7 +118,15 @@ def _sides(start: int, pairs: int, generator: np.random.Generator) -> Array:
             return generator.choice([-1.0, 1.0], pairs)
 
 
-def _explanation(found: Sequence[Attempt]) -> str:
+def _holds_without_walls(problem: Problem, params: AvoidanceParams, warm: SwarmPlan | None) -> bool:
+    """Return whether there are walls, and the first initial guess leads to a certified plan without them."""
+    if problem.walls is None:
+        return False
+    return search(replace(problem, walls=None), next(_starts(problem, params, warm))).holds
+
+
+def _explanation(found: Sequence[Attempt], *, walls_are_why: bool) -> str:
+    """Return what cannot be kept, in words; `walls_are_why`: a plan was found without the walls."""
     apart = [attempt for attempt in found if attempt.proof.holds]
     best = f"in the best of {len(found)} initial guesses; move a waypoint there or allow more time"
     if apart:
@@ -131,7 +140,9 @@ def _explanation(found: Sequence[Attempt]) -> str:
     if proof.not_computed:
         tried = f"in any of {len(found)} initial guesses"
         return f"no pair is proven to be kept apart, {tried}: {proof.not_computed}"
-    return (
-        f"{first} and {second} cannot be kept apart: {-proof.clearance:.3g} m inside each other's zone at "
-        f"t = {proof.t:.2f} s {best}"
-    )
+    depth = f"{-proof.clearance:.3g} m inside each other's zone at t = {proof.t:.2f} s"
+    if walls_are_why:
+        best = f"in the best of {len(found)} initial guesses, and apart without walls"
+        advice = "move the walls outwards, or reduce the zone"
+        return f"{first} and {second} cannot be kept apart within the walls: {depth} {best}; {advice}"
+    return f"{first} and {second} cannot be kept apart: {depth} {best}"
