@@ -2,8 +2,8 @@
 
 Closed loop with every controller and replanner, of a single vehicle and of two through every fault of the
 room, also with blocks that get messages as those of nodes do, the passage of table6 with its active bounds,
-flights with correction, one of distributed MPCs, the explicit law, the view's scenes, the vehicles' own
-firmware, and an identification.
+flights with correction, one of distributed MPCs, the view's scenes, the vehicles' own firmware, and an
+identification.
 """
 
 import json
@@ -14,15 +14,6 @@ from itertools import product
 import numpy as np
 from fresh_checkout import ROOT
 
-from q2q_control.experiments.explicit.distillation import DistillationParams, control_policy, distil
-from q2q_control.experiments.explicit.encounter_flight import fly as fly_encounters
-from q2q_control.experiments.explicit.encounter_flight import teacher_policy
-from q2q_control.experiments.explicit.explicit_solver import explicit_solver
-from q2q_control.experiments.explicit.situations import random_encounters
-from q2q_control.experiments.explicit.teacher import Teacher
-from q2q_control.inputs.preview import resting_preview
-from q2q_control.mpc.mpc import Mpc, MpcSetup
-from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.compiled import COMPILED, twice_compiled, uncalled_kernels
 from q2q_model.diagnostics.smallest_separation import smallest_separation
 from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
@@ -38,7 +29,6 @@ from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
-from q2q_model.vehicle.constants import TEXTBOOK_065
 from q2q_sim.air.air_terms import JetTerm, ResidualTerm
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
@@ -81,7 +71,6 @@ def flights() -> None:
         through_messages(faulty, controller, replan)
     drawn(signals)
     measured(signals)
-    controlled_explicitly(signals)
     flown(replace(library.load("table6"), duration=25.0), "mpc", "none")
     flown(replace(library.load("stack3"), duration=5.0), "mpc", "safe")
     absorbing = replace(MEASURED_LAW, absorption=1.0)
@@ -175,25 +164,6 @@ def drawn(signals: RecordedSignal) -> None:
         assert isinstance(state, SwarmState)
         assert isinstance(reference, SwarmSetpoint)
         builder.update(SceneSignals(state, reference_safe=reference))
-
-
-def controlled_explicitly(signals: RecordedSignal) -> None:
-    """Distil an explicit law, fly it through encounters, and let it answer a flight."""
-    rng = np.random.default_rng(0)
-    known = find_model("paper_law").interaction
-    teacher = Teacher(MpcParams(), TEXTBOOK_065, known, TEXTBOOK_065.thrust_max)
-    law = distil(teacher, DistillationParams(situations=20, encounters=2, length=10, iterations=5), rng)
-    shown = random_encounters(3, 20, teacher.params.step, rng)
-    for policy in (control_policy(law, teacher), teacher_policy(teacher)):
-        fly_encounters(shown, policy, teacher)
-    setup = MpcSetup(solver=explicit_solver(law))
-    block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)
-    block.follow(resting_preview(SHORT_ROOM.names))
-    for tick in signals:
-        state, reference = tick["state"], tick["reference_safe"]
-        assert isinstance(state, SwarmState)
-        assert isinstance(reference, SwarmSetpoint)
-        block.update(state, reference, None)
 
 
 def flown_by_firmware(scenario: Scenario) -> None:

@@ -1,4 +1,4 @@
-"""Calls of every compiled function, with which set-up fills the cache.
+"""Calls of every compiled function that flights need, with which set-up fills the cache.
 
 Compilation takes minutes, the calls almost nothing: flights last a few ticks. Kernels that none of them
 calls are named by `q2q_model.compiled.uncached_kernels`.
@@ -9,10 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_control.experiments.explicit.distillation import DistillationParams, distil
-from q2q_control.experiments.explicit.explicit_solver import explicit_solver
-from q2q_control.experiments.explicit.situations import random_situations
-from q2q_control.experiments.explicit.teacher import Teacher, solve_situations
 from q2q_control.failsafe.blind_flight.stacking import stacked_pairs
 from q2q_control.inputs.preview import resting_preview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
@@ -59,7 +55,7 @@ CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 def calls() -> tuple[Call, ...]:
     """Return the functions that call every kernel, those that compile for longest first."""
-    long = (_mpc, _replanned, _in_a_rooms_air, _explicit, _firmware)
+    long = (_mpc, _replanned, _in_a_rooms_air, _firmware)
     return *long, _room, _estimators, _nearness, _identification, _many
 
 
@@ -138,17 +134,6 @@ def _mpc() -> None:
             warm_up(block.update, block.reset, CONTROLLED, names)
     among_others = Mpc(MpcParams(), TEXTBOOK_065, MEASURED_LAW, MpcSetup(MANY[:1]))
     warm_up(among_others.update, among_others.reset, CONTROLLED, MANY[:2])
-
-
-def _explicit() -> None:
-    rng = np.random.default_rng(0)
-    teacher = Teacher(MpcParams(), TEXTBOOK_065, find_model("paper_law").interaction, TEXTBOOK_065.thrust_max)
-    asked = random_situations(2, teacher.params.step, rng)
-    solve_situations(asked, teacher)
-    law = distil(teacher, DistillationParams(situations=2, encounters=1, length=2, iterations=1), rng)
-    setup = MpcSetup(solver=explicit_solver(law))
-    block = Mpc(teacher.params, teacher.vehicle, teacher.model, setup)
-    warm_up(block.update, block.reset, CONTROLLED)
 
 
 def _identification() -> None:
