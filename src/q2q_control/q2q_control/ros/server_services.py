@@ -13,6 +13,7 @@ from std_srvs.srv import Empty
 
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
+from q2q_control.ros.guarded_commands import EMERGENCY
 from q2q_model.signals.stamps import stamp_from_time, stamp_parts
 from q2q_model.signals.values import Names
 
@@ -23,7 +24,6 @@ SERVICES = {
     "notify_setpoints_stop": ("NotifySetpointsStop", (Act.STOP_STREAM,)),
 }
 """Services of a vehicle by name: type, and the acts that they execute."""
-EMERGENCY = "all/emergency"
 BEGINS = frozenset({Act.ARM, Act.TAKE_OFF})
 """Acts of which no vehicle is asked unless all can be."""
 

@@ -29,6 +29,8 @@ from q2q_model.signals.values import Array
 
 LEVEL = 0.95
 """Confidence level [-]."""
+Z95 = 1.96
+"""Standard deviations on either side of the mean that contain LEVEL of a normal."""
 MANY = 12
 """Fewest flights that serve as clusters: t with 11 degrees of freedom is 12 % wider than a normal."""
 LONG = 10.0

@@ -21,8 +21,9 @@ from collections.abc import Mapping
 
 PWM_FULL = 65535
 """Full duty of a motor [PWM]."""
-RPYT_PWM_MAX = 60000
-"""Largest thrust that the Crazyflie's commander accepts in an RPYT setpoint [PWM]."""
+RPYT_PWM_MIN, RPYT_PWM_MAX = 1000, 60000
+"""Least thrust of an RPYT setpoint for which the Crazyflie's commander turns the motors (its MIN_THRUST), and
+the largest that it accepts [PWM]."""
 MASS_THRUST = 132000.0
 """Default of ctrlMel.massThrust on every build: motor PWM per newton of collective thrust [1/N]."""
 STOCK = "stock"

@@ -18,12 +18,10 @@ from numpy.typing import NDArray
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S, LEVEL_AFTER_S
-from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX
+from q2q_model.vehicle.thrust_map import PWM_FULL, RPYT_PWM_MAX, RPYT_PWM_MIN
 
 DEGREES, RADIANS = 180.0 / math.pi, math.pi / 180.0
 """Degrees in a radian, and radians in a degree."""
-PWM_MIN = 1000
-"""MIN_THRUST of the firmware [PWM]."""
 
 LEVEL_AFTER_NS, CUT_AFTER_NS = round(LEVEL_AFTER_S * 1e9), round(CUT_AFTER_S * 1e9)
 """[ns]"""
@@ -57,7 +55,7 @@ def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
     """
     for k in range(values.shape[1]):
         pwm = min(max(np.rint(values[0, k] / full_pwm_thrust * PWM_FULL), 0.0), RPYT_PWM_MAX)
-        out[0, k] = pwm / PWM_FULL * full_pwm_thrust if pwm >= PWM_MIN else 0.0
+        out[0, k] = pwm / PWM_FULL * full_pwm_thrust if pwm >= RPYT_PWM_MIN else 0.0
         for c in range(1, 4):
             out[c, k] = np.float64(np.float32(values[c, k] * DEGREES)) * RADIANS
 

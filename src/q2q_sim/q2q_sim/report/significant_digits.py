@@ -4,8 +4,8 @@ import math
 
 DIGITS, DECIMALS = 3, 4
 """Significant digits; most decimals: 0.1 mm is the noise of motion capture."""
-CENTIMETRE = 100.0
-"""In a metre."""
+CM, MM = 1e2, 1e3
+"""Centimetres and millimetres in a metre."""
 
 
 def significant_digits(value: float | None, digits: int = DIGITS) -> str:
@@ -22,4 +22,4 @@ def significant_digits(value: float | None, digits: int = DIGITS) -> str:
 
 def centimetres(metres: float) -> str:
     """Return a length [m] in centimetres: "34 cm", "5.2 cm", "0.6 cm"."""
-    return f"{significant_digits(CENTIMETRE * metres, 2)} cm"
+    return f"{significant_digits(CM * metres, 2)} cm"

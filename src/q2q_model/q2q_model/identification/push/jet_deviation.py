@@ -6,12 +6,11 @@ import numpy as np
 from scipy.optimize import minimize
 
 from q2q_model.downwash.jet import Jet
+from q2q_model.identification.intervals import Z95
 from q2q_model.identification.push.along_flight import eta_on_vehicle
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 
-Z95 = 1.96
-"""Standard deviations that contain 95 % of a normal."""
 MOST_STD = 10.0
 """Largest std_floor [m/s^2] and relative_std [-] of a jet."""
 

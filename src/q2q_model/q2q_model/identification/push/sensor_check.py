@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight import Flight
+from q2q_model.identification.intervals import Z95
 from q2q_model.identification.push.push_samples import FEWEST_FREE, scored_rows
 from q2q_model.identification.push.recorded_push import push_of_sensors, recorded_acceleration
 from q2q_model.signals.values import Array
@@ -26,7 +27,6 @@ MOST_OFFSET = 0.1 * GRAVITY
 """Largest offset of a vehicle of the given mass [m/s^2]: at most 0.67 in recorded flights of 34 g."""
 SLOPES = (0.7, 1.3)
 """Bounds of the slope [-]: the lines of recorded flights enclose some slope of 0.9 to 1.1."""
-Z95 = 1.96
 CORRELATED = 25
 """Rows that count as one: at 100 Hz a quarter of a second, over which gusts and their answers last."""
 

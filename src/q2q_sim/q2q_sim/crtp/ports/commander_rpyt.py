@@ -20,7 +20,7 @@ import struct
 from dataclasses import replace
 from typing import NamedTuple
 
-from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX
+from q2q_model.vehicle.thrust_map import RPYT_PWM_MAX, RPYT_PWM_MIN
 from q2q_sim.crtp.packets.fields import read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.commander import Priority
@@ -29,8 +29,6 @@ from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 
 _FIELDS = struct.Struct("<fffH")
-PWM_MIN = 1000
-"""MIN_THRUST."""
 MIDDLE = 32767.0
 """Thrust of zero climb rate under althold; twice it is 1 m/s."""
 ANGLE_PER_SPEED = 30.0
@@ -61,7 +59,7 @@ def serve(firmware: Firmware, packet: Packet) -> list[Packet]:
 
 
 def _setpoint(rpyt: Rpyt, last: Setpoint, mode: Parameters, *, locked: bool) -> Setpoint:
-    pwm = 0.0 if locked or rpyt.thrust < PWM_MIN else min(rpyt.thrust, float(RPYT_PWM_MAX))
+    pwm = 0.0 if locked or rpyt.thrust < RPYT_PWM_MIN else min(rpyt.thrust, float(RPYT_PWM_MAX))
     made = _with_height(rpyt, replace(last, thrust_pwm=pwm), mode)
     return _with_yaw(rpyt, _with_tilt(rpyt, made, mode), mode)
 

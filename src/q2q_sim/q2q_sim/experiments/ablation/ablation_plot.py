@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from q2q_model import palette
 from q2q_sim.experiments.ablation.ablation_cases import JUDGED, SHOWN, Case, Plant
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
-from q2q_sim.experiments.ablation.conclusion import MM, WORST_MM, column
+from q2q_sim.experiments.ablation.conclusion import WORST_MM, column
 from q2q_sim.experiments.ablation.variants import NAMES
+from q2q_sim.report.significant_digits import MM
 
 SIZE = (5.4, 7.6)
 """[inch]; 11 points are legible on a phone."""

@@ -12,7 +12,6 @@ from q2q_model.counted import counted
 from q2q_sim.experiments.ablation.ablation_cases import CASES, LAW, PATHS, PLANTS, SHOWN, Case
 from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.conclusion import (
-    MM,
     best_variant,
     column,
     conclusion,
@@ -26,6 +25,7 @@ from q2q_sim.experiments.ablation.conclusion import (
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
 from q2q_sim.experiments.ablation.variant_flight import COLUMNS
 from q2q_sim.experiments.ablation.variants import NAMES
+from q2q_sim.report.significant_digits import MM
 
 READING = """\
 All vehicles are Crazyflies in the room `real` (26 ms of delay, noise, losses, outliers; accelerometers with

@@ -17,10 +17,8 @@ from q2q_sim.experiments.ablation.ablation_numbers import Numbers
 from q2q_sim.experiments.ablation.two_level_interval import MedianInterval, median_interval
 from q2q_sim.experiments.ablation.variant_flight import COLUMNS
 from q2q_sim.experiments.ablation.variants import NAMES, TWINS
-from q2q_sim.report.significant_digits import significant_digits
+from q2q_sim.report.significant_digits import MM, significant_digits
 
-MM = 1e3
-"""Millimetres in a metre."""
 UNDER_CLEAR, GAIN, UNDER_MM, WORST_MM = 2.0, 6.0, 12.0, 40.0
 """Targets: rms under another vehicle over that in clear air, worst error of ignoring over the own, rms and
 worst error under another vehicle [mm]."""

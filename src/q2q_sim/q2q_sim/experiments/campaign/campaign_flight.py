@@ -14,6 +14,7 @@ from q2q_model.bag import BagWriter
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
+from q2q_model.signals.stamps import NANOSECONDS
 from q2q_sim.bag_topics.scenario_facts import scenario_facts
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.campaign.run_outcome import CRASH, RunOutcome
@@ -29,7 +30,6 @@ from q2q_sim.monitors.policies import (
     trace_in_lockstep,
 )
 
-NS = 1_000_000_000
 JUDGED = ("truth", "truth_interference", "mocap", "state", "reference_safe", "command")
 """Topics by which the policies judge a run, and those of its bag."""
 
@@ -137,7 +137,7 @@ def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> Non
         facts = scenario_facts(run.scenario, run.options, run.seed, f"{run.seed}.yaml")
         with BagWriter(bag, facts=facts) as writer:
             for one in signals:
-                writer.write_signal(f"/{one.topic}", round(one.at * NS), one.signal)
+                writer.write_signal(f"/{one.topic}", round(one.at * NANOSECONDS), one.signal)
 
 
 def write_scenario(run: Run, path: Path) -> None:

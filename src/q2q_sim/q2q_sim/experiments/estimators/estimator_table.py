@@ -11,8 +11,8 @@ from q2q_model.documents.json_file import Json
 from q2q_sim.experiments.estimators.estimate_errors import ErrorSummary, ReplayedErrors, grouped, summary
 from q2q_sim.experiments.estimators.replayed_estimates import DELAY
 from q2q_sim.firmware.estimator import DT
+from q2q_sim.report.significant_digits import MM
 
-MILLIMETRE = 1000.0
 UNBOUNDED = 10_000
 """Width in which no table is cut [characters]."""
 
@@ -44,14 +44,14 @@ def flight_table_of(found: Sequence[ReplayedErrors]) -> Table:
         made.add_column(column, justify="left" if left else "right", overflow="fold")
     for flight, condition in dict.fromkeys((one.flight, one.condition) for one in found):
         own = {one.estimator: one for one in found if (one.flight, one.condition) == (flight, condition)}
-        medians = [f"{MILLIMETRE * summary([own[name]]).median:.1f}" if name in own else "" for name in names]
+        medians = [f"{MM * summary([own[name]]).median:.1f}" if name in own else "" for name in names]
         made.add_row(Text(flight), condition, *medians)
     return made
 
 
 def _cells(one: ErrorSummary) -> list[str]:
-    between = "" if one.interval is None else "-".join(f"{MILLIMETRE * end:.1f}" for end in one.interval)
-    sizes = [f"{MILLIMETRE * size:.1f}" for size in (one.median, one.p95, one.worst)]
+    between = "" if one.interval is None else "-".join(f"{MM * end:.1f}" for end in one.interval)
+    sizes = [f"{MM * size:.1f}" for size in (one.median, one.p95, one.worst)]
     return [sizes[0], between, *sizes[1:], f"{one.diverged} of {one.replays}"]
 
 

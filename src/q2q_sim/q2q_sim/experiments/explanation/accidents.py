@@ -24,7 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from q2q_model.signals.values import Names
-from q2q_sim.experiments.campaign.random_run import GAINS
+from q2q_sim.experiments.campaign.random_run import GAINS, ROOMS
 from q2q_sim.experiments.explanation.flight_case import FlightCase, flight_case, fly_flight_case
 from q2q_sim.experiments.explanation.loss import largest_loss
 from q2q_sim.faults.faults import Fault
@@ -40,7 +40,6 @@ ORDINARY = 0.5 * ACCIDENT
 """Largest loss before a cause is injected [m]."""
 TRIES = 100
 """Flights that are drawn for an accident."""
-ROOMS = ("capture", "real", "rough")
 GAIN_FACTORS = (0.7, 1.3)
 """Range of ordinary gains over GAINS [-]."""
 GAPS, ASIDE = (0.3, 0.8), (0.15, 0.4)

@@ -15,7 +15,7 @@ from q2q_sim.experiments.explanation.recorded_case import RecordedCase
 from q2q_sim.replay_page import ReplayRun, in_air, replay_element, replay_run
 from q2q_sim.report.html_page import Grid, Heading, Markup, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import panels, save
-from q2q_sim.report.significant_digits import CENTIMETRE
+from q2q_sim.report.significant_digits import CM
 
 HEAD = ("cause", "share\n[cm]", "from\n[cm]", "to\n[cm]")
 NOTES = (
@@ -57,16 +57,16 @@ def _interval_note(found: Explanation) -> str:
 
 
 def _centimetres(metres: float) -> str:
-    return f"{CENTIMETRE * metres:z.1f}"
+    return f"{CM * metres:z.1f}"
 
 
 def _bars(found: Explanation) -> Figure:
     figure, (axes,) = panels(1)
     shown = found.shares[::-1]
-    share = [CENTIMETRE * one.share for one in shown]
+    share = [CM * one.share for one in shown]
     beside = [
-        [CENTIMETRE * (one.share - one.low) for one in shown],
-        [CENTIMETRE * (one.high - one.share) for one in shown],
+        [CM * (one.share - one.low) for one in shown],
+        [CM * (one.high - one.share) for one in shown],
     ]
     axes.barh([one.cause for one in shown], share, color=palette.MODEL, xerr=beside, ecolor=palette.BLACK)
     axes.set_axisbelow(True)

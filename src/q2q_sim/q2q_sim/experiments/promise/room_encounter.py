@@ -22,6 +22,7 @@ from q2q_planner.experiments.random_encounters import random_encounter
 from q2q_planner.experiments.replanned_encounter import AFTERWARDS
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.plan_playback.plan_waypoints import waypoints_of
+from q2q_sim.experiments.campaign.random_run import GAINS as INTEGRAL_GAINS
 from q2q_sim.experiments.promise.fastest_return import can_return
 from q2q_sim.experiments.promise.tracking_tube import TubeConditions
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks
@@ -29,8 +30,8 @@ from q2q_sim.scenarios.room_profiles import REAL
 from q2q_sim.scenarios.scenario import Scenario
 
 MODEL = "measured_law"
-GAINS = {"k_p_z": 10.0, "k_d_z": 5.0, "k_p_xy": 6.0, "k_d_xy": 4.0}
-"""Of the real flights, as in the scenario stack3."""
+GAINS = {name: gain for name, gain in INTEGRAL_GAINS.items() if not name.startswith("k_i")}
+"""Of the real flights."""
 LEAST_LATENCY, MOST_LATENCY = 0.006, 0.026
 """Range of the radio's latency [s], about the 16 ms of the room `real`; the camera adds its own."""
 DRAWS = 50

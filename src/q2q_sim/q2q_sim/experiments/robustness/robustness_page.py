@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS, without_belief
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight
+from q2q_sim.report.significant_digits import MM
 
 MORE = 1.05
 """Largest error over that of ignoring that counts as not worse [-]."""
-MM = 1e3
 READING = """\
 Rms height error under another vehicle [mm], and how many times it is that of the same controller ignoring the
 downwash, in the same room with the same noise; **bold** where it is more than 1.05 times. Model:

@@ -11,8 +11,7 @@ from q2q_sim.experiments.validation.comparison import ErrorSums
 from q2q_sim.experiments.validation.error_spectrum import EDGES
 from q2q_sim.experiments.validation.validation import ValidatedFlight
 from q2q_sim.report.panels import legend_above, literal, panels
-
-CENTIMETRE = 100.0
+from q2q_sim.report.significant_digits import CM
 
 
 def error_figure(one: ValidatedFlight) -> Figure:
@@ -31,7 +30,7 @@ def error_figure(one: ValidatedFlight) -> Figure:
 
 def spectrum_figure(parts: Sequence[ErrorSums], title: str) -> Figure:
     """Draw the mean density of recorded and simulated errors in each octave band; some have segments."""
-    scale = CENTIMETRE**2 / (sum(part.segments for part in parts) * np.diff(EDGES))
+    scale = CM**2 / (sum(part.segments for part in parts) * np.diff(EDGES))
     recorded = scale * sum(part.power for part in parts)
     drawn = scale * sum(part.power_drawn for part in parts)
     figure, (axes,) = panels(1)
@@ -52,11 +51,11 @@ def spectrum_figure(parts: Sequence[ErrorSums], title: str) -> Figure:
 
 
 def _plot_errors(axes: Axes, one: ValidatedFlight, i: int) -> None:
-    t, drawn = one.flight.t, CENTIMETRE * one.drawn[..., i]
+    t, drawn = one.flight.t, CM * one.drawn[..., i]
     low, middle, high = np.percentile(drawn, [2.5, 50.0, 97.5], axis=0)
     axes.fill_between(t, low, high, color=palette.MODEL, alpha=0.25, linewidth=0, label="95 % of draws")
     axes.plot(t, middle, color=palette.MODEL, linewidth=1.2, label="median draw")
-    axes.plot(t, CENTIMETRE * one.flight.error[:, i], color=palette.MEASURED, linewidth=0.9, label="recorded")
+    axes.plot(t, CM * one.flight.error[:, i], color=palette.MEASURED, linewidth=0.9, label="recorded")
     axes.fill_between(
         t,
         0.0,

@@ -22,6 +22,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize
 
+from q2q_model.identification.intervals import Z95
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet import wake_rows
@@ -58,7 +59,6 @@ REFERENCE = 0.4
 """Gap at which the push on the axis is reported [m]."""
 STEP = 1e-2
 """Step of the derivatives by travel."""
-Z95 = 1.96
 TOLERANCE = 5e-3
 """Tolerance of the travel: a tenth of its interval on the longest recordings."""
 

@@ -7,11 +7,10 @@ commander and of the supervisor are read from their packets (q2q_sim.crtp.ports 
 from dataclasses import replace
 
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
-from q2q_model.vehicle.thrust_map import MASS_THRUST
+from q2q_model.vehicle.thrust_map import MASS_THRUST, RPYT_PWM_MIN
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import (
     commander_generic,
-    commander_rpyt,
     localization,
     memory,
     platform,
@@ -130,8 +129,8 @@ def _thrust(packet: Packet, firmware: Firmware) -> Asked | None:
     thrust = int.from_bytes(packet.data[-2:], "little")
     if firmware.thrust_locked:
         why = "no setpoint of thrust 0 has unlocked the thrust"
-    elif 0 < thrust < commander_rpyt.PWM_MIN and _setpoint(firmware).kind == CommandKind.OFF:
-        why = f"the firmware takes a thrust below {commander_rpyt.PWM_MIN} of 65535 for none"
+    elif 0 < thrust < RPYT_PWM_MIN and _setpoint(firmware).kind == CommandKind.OFF:
+        why = f"the firmware takes a thrust below {RPYT_PWM_MIN} of 65535 for none"
     else:
         return None
     return Asked(CommandKind.SETPOINT, f"setpoint of thrust {thrust}", refused=why)
