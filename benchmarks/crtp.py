@@ -10,6 +10,7 @@ from time import process_time
 import numpy as np
 
 from q2q_sim.crtp.cflib_fleet import CflibFleet
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
@@ -48,7 +49,7 @@ def _packets() -> list[Row]:
         lambda: handle(datagram), 500
     )
     reference = "cflib encodes the same packet"
-    kinds = {"full state": datagram, "echo": b"\xfc\x00", "garbage": b"\xac" + bytes(20)}
+    kinds = {"full state": datagram, "echo": ECHO_REQUEST, "garbage": b"\xac" + bytes(20)}
     rows = []
     for name, packet in kinds.items():
         took = _cpu(lambda packet=packet: handle(packet), 500)

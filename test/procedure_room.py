@@ -26,14 +26,13 @@ from q2q_planner.plan_playback.glide import GlideParams
 from q2q_planner.plan_playback.plan_player import PlanPlayer
 from q2q_sim.crtp.cflib_fleet import Wire
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
 from q2q_sim.loop.room import Room
 from q2q_sim.scenarios.scenario import Scenario
 
 BOOT_TICKS = 60
 """The firmware boots within these, and arms itself."""
-ECHO = b"\xfc\x00"
-"""Keeps a client known to a vehicle."""
 
 Made = TypeVar("Made")
 
@@ -140,7 +139,7 @@ class ProcedureRoom:
                 if period < 0.1:
                     act()
         for vehicle in self.fleet.vehicles:
-            vehicle.handle(ECHO)
+            vehicle.handle(ECHO_REQUEST)
         self.height.append(seen.truth.pos[:, 2].copy())
         self.setpoint_heights.append(setpoint.pos[:, 2].copy())
         self.room.fly(self.fleet.fly)

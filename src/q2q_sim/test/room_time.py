@@ -15,7 +15,8 @@ import pytest
 from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.udpdriver import UdpDriver
 
-from q2q_sim.crtp.cflib_fleet import ECHO, CflibFleet
+from q2q_sim.crtp.cflib_fleet import CflibFleet
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 
 TICKS_PER_S = 100
@@ -84,7 +85,7 @@ class RoomTime:
             os.sched_yield()
         for vehicle in self._crazyflies.fleet.vehicles:
             for client in vehicle.clients:  # as a radio polls, so that nobody is taken for silent
-                vehicle.handle(ECHO, client)
+                vehicle.handle(ECHO_REQUEST, client)
         self._endpoint.fly(self._crazyflies.drive)
         self._ticks += 1
 

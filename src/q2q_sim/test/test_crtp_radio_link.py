@@ -25,7 +25,8 @@ from q2q_control.radio.firmware_params import (
 )
 from q2q_control.radio.firmware_settings import FirmwareSettings
 from q2q_control.radio.link import LinkHealth
-from q2q_sim.crtp.cflib_fleet import ECHO, CflibFleet
+from q2q_sim.crtp.cflib_fleet import CflibFleet
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.udp_endpoint import CrtpEndpoint
 from q2q_sim.link.shared_radios import SharedRadioParams
 
@@ -235,6 +236,6 @@ def fly_until(reached: Callable[[], bool], crazyflies: CflibFleet, endpoint: Crt
         assert monotonic() < give_up, f"not within {ANSWER_S} s: {endpoint.traffic}"
         for vehicle in crazyflies.fleet.vehicles:
             for client in vehicle.clients:
-                vehicle.handle(ECHO, client)
+                vehicle.handle(ECHO_REQUEST, client)
         endpoint.fly(crazyflies.drive)
         os.sched_yield()

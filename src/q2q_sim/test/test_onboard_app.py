@@ -19,9 +19,9 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_sim.air.find_air import find_air
-from q2q_sim.crtp.cflib_fleet import ECHO
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
@@ -80,7 +80,7 @@ def send(fleet: Fleet, wanted: SwarmSetpoint) -> None:
     for i, vehicle in enumerate(fleet.vehicles):
         vehicle.firmware.parameters.set("stabilizer.controller", MELLINGER)
         vehicle.firmware.parameters.set("ctrlMel.massThrust", EXACT)
-        vehicle.handle(ECHO)
+        vehicle.handle(ECHO_REQUEST)
         pos, vel, acc = (tuple(part[i]) for part in (wanted.pos, wanted.vel, wanted.acc))
         vehicle.firmware.accept(Setpoint(x=x, y=y, z=z, yaw=yaw, pos=pos, vel=vel, acc=acc))
 

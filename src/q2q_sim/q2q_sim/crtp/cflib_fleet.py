@@ -13,6 +13,7 @@ from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.crtp.fleet import Fleet, Sent
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.crtp.vehicle import LOCAL
 from q2q_sim.firmware.commander.setpoint import Setpoint
 from q2q_sim.firmware.firmware import Firmware
@@ -21,8 +22,6 @@ from q2q_sim.plant.swarm import Swarm
 
 STILL = (0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
 """Still air and rotors of gain 1."""
-ECHO = b"\xfc\x00"
-"""Echo request, which keeps a client alive."""
 TICKS_PER_S = 100
 
 
@@ -109,7 +108,7 @@ class CflibFleet:
 
         def each(_: float) -> None:
             for vehicle in self.fleet.vehicles:
-                vehicle.handle(ECHO)
+                vehicle.handle(ECHO_REQUEST)
                 vehicle.firmware.accept(setpoint)
 
         return each

@@ -13,6 +13,8 @@ from q2q_sim.crtp.packets.packet import MAX_DATA, Packet
 
 ECHO, SOURCE = 0, 1
 GREETING = b"Bitcraze Crazyflie"
+ECHO_REQUEST = b"\xfc\x00"
+"""Datagram that radios send without a packet of their own; it keeps a vehicle's logs alive."""
 
 
 def serve(packet: Packet) -> list[Packet]:

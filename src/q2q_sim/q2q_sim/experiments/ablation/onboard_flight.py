@@ -22,8 +22,8 @@ from q2q_model.trajectory.polynomials import setpoint_at
 from q2q_model.vehicle.constants import Vehicle
 from q2q_model.vehicle.thrust_map import PWM_FULL
 from q2q_sim.air.find_air import FlownAir
-from q2q_sim.crtp.cflib_fleet import ECHO
 from q2q_sim.crtp.fleet import Fleet
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.experiments.ablation.learned_models import LearnedModel
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware_build import Build
@@ -81,7 +81,7 @@ def send_full_states(fleet: Fleet, wanted: SwarmSetpoint) -> None:
     x, y, z, yaw = [Mode.ABS] * 4
     states = zip(wanted.pos.tolist(), wanted.vel.tolist(), wanted.acc.tolist(), strict=True)
     for vehicle, (pos, vel, acc) in zip(fleet.vehicles, states, strict=True):
-        vehicle.handle(ECHO)
+        vehicle.handle(ECHO_REQUEST)
         vehicle.firmware.accept(
             Setpoint(x=x, y=y, z=z, yaw=yaw, pos=tuple(pos), vel=tuple(vel), acc=tuple(acc))
         )

@@ -16,6 +16,7 @@ from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
 from q2q_sim.crtp.packets.packet import MalformedError, packet_of
+from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.experiments.licence.client_commands.client_command import ClientCommand
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command, malformed_command
 from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
@@ -38,8 +39,6 @@ NOTICED_S = 1.0
 """Time after which a radio reports a lost link [s]."""
 DECKS = ("bcFlow2", "bcLighthouse4", "bcMultiranger", "bcZRanger2")
 """Decks reported to programs that ask for them."""
-ECHO = b"\xfc\x00"
-"""Packet of the radio itself, which keeps the vehicle's logs alive."""
 LONGEST_S = 3600.0
 
 
@@ -155,7 +154,7 @@ class LicenceRoom:
 
     def keep_alive(self, link: OpenLink) -> None:
         """Poll a vehicle as its radio does."""
-        self._fleet.vehicles[link.vehicle].handle(ECHO, link)
+        self._fleet.vehicles[link.vehicle].handle(ECHO_REQUEST, link)
 
     def silent_until(self, vehicle: int, t: float) -> float:
         """Return the time [s] from which packets to and from a vehicle pass again; t if they do."""
