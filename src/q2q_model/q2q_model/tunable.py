@@ -51,6 +51,19 @@ class Tunable:
         return f"{self.low} to {self.high} {self.unit}".rstrip()
 
 
+class OutOfBoundsError(ValueError):
+    """Error for a value that a parameter may not have."""
+
+    def __init__(self, owner: str, name: str, rest: str) -> None:
+        """Word the error of a field of the class `owner`; `rest` says its value and what is allowed."""
+        super().__init__(owner, name, rest)
+        self.owner, self.name, self.rest = owner, name, rest
+
+    def __str__(self) -> str:
+        """Return class, field, value and what is allowed."""
+        return f"{self.owner}.{self.name} = {self.rest}"
+
+
 def tunable(default: T, description: str, **rest: Any) -> T:  # noqa: ANN401
     """Return a dataclass field that declares a parameter; `rest` are the other fields of Tunable.
 
@@ -69,7 +82,7 @@ def tunable_of(entry: Field[Any]) -> Tunable:
 
 
 def check_bounds(params: ParamsClass) -> None:
-    """Raise ValueError with field, value and allowed range of the first violation; for `__post_init__`."""
+    """Raise OutOfBoundsError with field, value and range of the first violation; for `__post_init__`."""
     for entry in fields(params):
         _check(type(params).__name__, entry.name, getattr(params, entry.name), tunable_of(entry))
 
@@ -88,7 +101,7 @@ def with_overrides(params: P, overrides: Mapping[str, ParameterValue]) -> P:
 
 def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
     if spec.choices and value not in spec.choices:
-        raise ValueError(f"{owner}.{name} = {value!r}: choose one of {', '.join(spec.choices)}")
+        raise OutOfBoundsError(owner, name, f"{value!r}: choose one of {', '.join(spec.choices)}")
     if isinstance(value, bool | str):
         return
     for number in value if isinstance(value, tuple) else (value,):
@@ -97,4 +110,4 @@ def _check(owner: str, name: str, value: ParameterValue, spec: Tunable) -> None:
         low = -float("inf") if spec.low is None else spec.low
         high = float("inf") if spec.high is None else spec.high
         if not low <= number <= high:
-            raise ValueError(f"{owner}.{name} = {value}: allowed is {spec.allowed}")
+            raise OutOfBoundsError(owner, name, f"{value}: allowed is {spec.allowed}")

@@ -1,10 +1,11 @@
 """Parameters as dataclass fields with bounds."""
 
+import pickle
 from dataclasses import dataclass
 
 import pytest
 
-from q2q_model.tunable import check_bounds, tunable, with_overrides
+from q2q_model.tunable import OutOfBoundsError, check_bounds, tunable, with_overrides
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +38,10 @@ def test_an_unknown_key_is_answered_with_the_nearest_right_one() -> None:
 def test_a_wrong_choice_is_refused_with_the_right_ones() -> None:
     with pytest.raises(ValueError, match="choose one of a, b"):
         Demo(mode="c")
+
+
+def test_an_error_comes_whole_from_another_process() -> None:
+    with pytest.raises(OutOfBoundsError) as raised:
+        Demo(gain=3.0)
+    copy = pickle.loads(pickle.dumps(raised.value))  # noqa: S301 - made on the line itself
+    assert (copy.name, str(copy)) == ("gain", "Demo.gain = 3.0: allowed is 0.0 to 2.0 1/s")

@@ -402,3 +402,29 @@ def test_folders_of_the_table_are_made(crossing: Path, tmp_path: Path) -> None:
 def test_an_absent_file_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(tmp_path / "none.yaml"), "--out", str(tmp_path / "p.json")]) == 1
     assert "none.yaml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [
+        (["--initial-guesses", "0"], "--initial-guesses = 0: allowed is 1 to 100"),
+        (["--speed", "0"], "--speed = 0.0: allowed is 0.01 to 50.0 m/s"),
+        (["--acceleration", "nan"], "--acceleration = nan: allowed is 0.01 to 100.0 m/s^2"),
+        (["--tilt", "20"], "--tilt = 20.0: allowed is 0.01 to 1.5 rad"),
+    ],
+)
+def test_a_number_out_of_bounds_names_its_option(
+    option: list[str], words: str, crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(crossing), "--out", str(tmp_path / "plan.json"), *option]) == 1
+    assert capsys.readouterr().err == f"plan: {words}\n"
+
+
+def test_a_zone_that_cannot_be_drawn_is_refused_before_anything_is_written(
+    crossing: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, figures = tmp_path / "plan.json", tmp_path / "figures"
+    assert main([str(crossing), "--out", str(out), "--eps", "1e-4", "--figures", str(figures)]) == 1
+    assert "the safe replanner, whose zone has eps = 0.0001: allowed is 0.001 to" in capsys.readouterr().err
+    assert not out.exists()
+    assert not figures.exists()

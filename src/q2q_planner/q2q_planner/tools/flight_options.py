@@ -1,7 +1,10 @@
 """Options of `plan` that say what flies the waypoints, and how; without them the waypoint file says it."""
 
 from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
 
+from q2q_model.tunable import OutOfBoundsError
 from q2q_model.vehicle.constants import Vehicle, vehicle_by_name
 from q2q_model.vehicle.thrust_map import MOTOR_THRUST, STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, with_limits_of
@@ -21,8 +24,18 @@ def read_swarm(asked: Namespace) -> tuple[Namespace, tuple[VehicleWaypoints, ...
         vehicle = _vehicle_of(asked.vehicle, document)
     inner_waypoints = asked.inner_waypoints or document.inner_waypoints
     flown = Namespace(**vars(asked) | {"vehicle": vehicle, "inner_waypoints": inner_waypoints})
-    limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration, asked.tilt), vehicle)
+    with naming_options():
+        limits = with_limits_of(FlightLimits(asked.speed, asked.acceleration, asked.tilt), vehicle)
     return flown, timed_waypoints(asked.waypoints, document, limits, inner_waypoints)
+
+
+@contextmanager
+def naming_options() -> Iterator[None]:
+    """Name, in an error of a parameter that is out of bounds, the option of the same name."""
+    try:
+        yield
+    except OutOfBoundsError as wrong:
+        raise ValueError(f"--{wrong.name.replace('_', '-')} = {wrong.rest}") from wrong
 
 
 def _vehicle_of(name: str | None, document: WaypointDocument) -> Vehicle:

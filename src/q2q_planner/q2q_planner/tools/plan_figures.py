@@ -65,9 +65,18 @@ def sample_positions(plan: SwarmPlan, t: Array) -> Array:
 
 def replan_samples(plan: SwarmPlan, t: Array, zone: Zone) -> Array:
     """Return the plan after the safe replanner, (T, n, 3), with the zone's radius and half height."""
-    hull = zone_around(zone)
-    replanner = SafeReplanner(SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0))
+    replanner = SafeReplanner(replanner_params(zone))
     return np.stack([replanner.update(setpoint_at(plan, float(at)), None).pos for at in t])
+
+
+def replanner_params(zone: Zone) -> SafeReplannerParams:
+    """Return the parameters of a safe replanner with the zone's radius and half height.
+
+    Raises:
+        OutOfBoundsError: the safe replanner does not avoid zones of this size.
+    """
+    hull = zone_around(zone)
+    return SafeReplannerParams(eps=hull.eps, d=hull.d, tracking=0.0)
 
 
 def _heights(plan: SwarmPlan, curves: dict[str, Array], model: InteractionModel) -> Figure:
