@@ -131,12 +131,11 @@ def zone_of_profile(corners: Sequence[tuple[float, float]]) -> ConvexZone:
     """Return the ConvexZone of a profile from elsewhere.
 
     Raises:
-        ValueError: no corner, or corners (radius, height) not in the order of a convex first quadrant.
+        ValueError: no edge, or corners (radius, height) not in the order of a convex first quadrant.
     """
     made = ConvexZone(np.array(corners, dtype=np.float64).reshape(-1, 2))
-    if not made.profile.any():
-        raise ValueError("the profile of the zone has no corner away from its centre")
-    _, step, _ = made._edges()  # noqa: SLF001
+    if not made.profile.any() or not (step := made._edges()[1]).size:  # noqa: SLF001
+        raise ValueError(f"the profile of the zone has no edge longer than {SHORTEST_EDGE:g} m")
     along = step / np.hypot(step[:, 0], step[:, 1])[:, None]
     turns = along[:-1, 0] * along[1:, 1] - along[:-1, 1] * along[1:, 0]
     if (along[:, 0] > BENT).any() or (along[:, 1] < -BENT).any() or (turns < -BENT).any():
