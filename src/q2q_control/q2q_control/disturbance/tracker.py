@@ -37,7 +37,9 @@ _TRACKED = int(TrackStatus.TRACKED)
 class TrackerParams:
     """Delay and lag of the command path, and bandwidths of the disturbance estimates."""
 
-    latency: float = tunable(LATENCY_S, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
+    latency: float = tunable(
+        LATENCY_S, "delay from the stamp of a tick to the effect of its command", unit="s", low=0.0, high=0.3
+    )
     state_bandwidth: float = tunable(
         20.0, "bandwidth of estimated position and velocity", unit="rad/s", low=0.1, high=100.0
     )

@@ -15,7 +15,7 @@ class FallbackParams:
     """Ages at which the fallback phases change."""
 
     degraded_s: float = tunable(
-        0.05, "age of a state from which it counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
+        0.05, "age from which a state counts as predicted", unit="s", low=0.0, high=1.0, read_only=True
     )
     hold_s: float = tunable(
         0.03, "live: time without a tick until the last command is repeated", unit="s", low=0.0, high=1.0,
@@ -23,25 +23,25 @@ class FallbackParams:
     )  # fmt: skip
     level_s: float = tunable(
         LONGEST_HOLD_S,
-        "live: time without a tick until level hover",
+        "live: time without a tick until vehicles hover level",
         unit="s",
         low=0.0,
         high=1.0,
         read_only=True,
     )
     land_s: float = tunable(
-        1.0, "age from which a vehicle sinks", unit="s", low=0.1, high=60.0, read_only=True
+        1.0, "age of its state from which a vehicle is landed", unit="s", low=0.1, high=60.0, read_only=True
     )
     cut_s: float = tunable(
         5.0,
-        "age from which its motors are off, until a new flight",
+        "age of its state from which a vehicle's motors are off, until a new flight",
         unit="s",
         low=0.1,
         high=120.0,
         read_only=True,
     )
     land_share: float = tunable(
-        0.94, "share of hover thrust while sinking blind", low=0.5, high=1.0, read_only=True
+        0.94, "share of hover thrust in a landing without measurements", low=0.5, high=1.0, read_only=True
     )
 
     def __post_init__(self) -> None:

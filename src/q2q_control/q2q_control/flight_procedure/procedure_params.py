@@ -13,7 +13,7 @@ ROUNDING = 1e-9
 class LandingParams:
     """Age at which a state is stale, and duration of a landing."""
 
-    stale_s: float = tunable(0.1, "age at which a state is stale", unit="s", low=0.01, high=2.0)
+    stale_s: float = tunable(0.1, "age from which a vehicle's state is stale", unit="s", low=0.01, high=2.0)
     land_s: float = tunable(3.0, "minimum duration of a landing", unit="s", low=0.5, high=60.0)
     # a landing's polynomial peaks at 2.19 times its mean; the firmware's PID descends at 1 m/s at most
     land_speed: float = tunable(0.4, "largest mean speed of a landing", unit="m/s", low=0.05, high=5.0)
@@ -37,10 +37,10 @@ class FlightProcedureParams:
     )
     take_off_s: float = tunable(2.0, "duration of a take-off", unit="s", low=0.5, high=60.0)
     land_home: bool = tunable(
-        default=True, description="from a hold, glide to the plan's first points before landing"
+        default=True, description="glide to the plan's first points before a landing from a hold"
     )
     start_tolerance: float = tunable(
-        0.3, "largest distance of a vehicle from its start", unit="m", low=0.01, high=5.0
+        0.3, "largest distance of a vehicle from its start point at a take-off", unit="m", low=0.01, high=5.0
     )
     horizontal_separation_min: float = tunable(
         0.3, "minimum horizontal distance of two vehicles", unit="m", low=0.0, high=5.0
@@ -58,18 +58,24 @@ class FlightProcedureParams:
     goal_tolerance: float = tunable(
         0.15, "distance at which a vehicle has reached its setpoint", unit="m", low=0.01, high=1.0
     )
-    settle_s: float = tunable(0.5, "time at rest until a step is done", unit="s", low=0.0, high=10.0)
+    settle_s: float = tunable(
+        0.5, "time at rest after which a step is completed", unit="s", low=0.0, high=10.0
+    )
     step_timeout_s: float = tunable(
-        5.0, "time beyond its duration after which a step has failed", unit="s", low=0.1, high=60.0
+        5.0, "time beyond the duration of a step after which it has failed", unit="s", low=0.1, high=60.0
     )
     voltage_start: float = tunable(
-        3.6, "minimum battery voltage at the start; 0 disables the check", unit="V", low=0.0, high=20.0
+        3.6, "minimum battery voltage for a take-off; 0 disables the check", unit="V", low=0.0, high=20.0
     )
     estimator_error: float = tunable(
-        0.1, "largest distance of a vehicle's own estimate from its state", unit="m", low=0.001, high=5.0
+        0.1,
+        "largest distance of a vehicle's onboard position estimate from its state",
+        unit="m",
+        low=0.001,
+        high=5.0,
     )
     hover_mismatch: float = tunable(
-        0.15, "largest mismatch of the thrust sent at hover and the vehicle's own", low=0.01, high=1.0
+        0.15, "largest relative mismatch of the hover thrust sent and the vehicle's own", low=0.01, high=1.0
     )
     setpoint_step_max: float = tunable(
         0.3, "largest move of a setpoint in one tick", unit="m", low=0.01, high=5.0

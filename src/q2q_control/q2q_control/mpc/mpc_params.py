@@ -13,11 +13,11 @@ class MpcParams:
     """Horizon, weights, limits and command path of the MPC."""
 
     horizon: float = tunable(2.0, "length of the horizon", unit="s", low=0.2, high=10.0, read_only=True)
-    steps: int = tunable(40, "stages of the horizon", low=4, high=400, read_only=True)
+    steps: int = tunable(40, "number of stages of the horizon", low=4, high=400, read_only=True)
     mode: str = tunable(
         "coupled_z",
-        "altitude: z only, x and y by the PD law; coupled_z: all axes, downwash couples z (with correct: "
-        "coupled_xyz); coupled_xyz: all axes, downwash couples all",
+        "axes of the MPC: altitude: z, with x and y by a PD law; coupled_z: all, coupled in z by downwash "
+        "(with correct: coupled_xyz); coupled_xyz: all, coupled in all by downwash",
         choices=("altitude", "coupled_z", "coupled_xyz"),
     )
     group_max: int = tunable(
@@ -41,8 +41,10 @@ class MpcParams:
         low=0.0,
         high=10.0,
     )
-    jerk_weight: float = tunable(0.2, "weight of jerk over that of effort", low=0.0, high=100.0)
-    slope_max: float = tunable(10.0, "largest gradient of downwash used", unit="1/s^2", low=0.0, high=100.0)
+    jerk_weight: float = tunable(0.2, "weight of jerk over that of control effort", low=0.0, high=100.0)
+    slope_max: float = tunable(
+        10.0, "largest gradient of downwash in the prediction", unit="1/s^2", low=0.0, high=100.0
+    )
     loading: float = tunable(
         0.0,
         "share of a source's thrust beyond its weight that strengthens its downwash: 1 by momentum theory, "
@@ -50,9 +52,11 @@ class MpcParams:
         low=0.0,
         high=2.0,
     )
-    latency: float = tunable(LATENCY_S, "tick's stamp to its command's effect", unit="s", low=0.0, high=0.3)
+    latency: float = tunable(
+        LATENCY_S, "delay from the stamp of a tick to the effect of its command", unit="s", low=0.0, high=0.3
+    )
     attitude_lag: float = tunable(
-        0.12, "lag of tilt behind its command, without the rotors' lag", unit="s", low=0.0, high=1.0
+        0.12, "lag of the tilt behind its command, without that of the rotors", unit="s", low=0.0, high=1.0
     )
     observe: bool = tunable(default=True, description="estimate and cancel disturbances")
     state_bandwidth: float = tunable(
@@ -62,9 +66,15 @@ class MpcParams:
         3.0, "bandwidth of the estimated disturbance", unit="rad/s", low=0.01, high=50.0
     )
     disturbance_max: float = tunable(3.0, "largest estimated disturbance", unit="m/s^2", low=0.0, high=9.81)
-    thrust_limited: bool = tunable(default=False, description="keep |U1| within thrust_max (section 5.2)")
+    thrust_limited: bool = tunable(
+        default=False, description="keep thrust U1 within thrust_max (section 5.2 of the paper)"
+    )
     thrust_max: float = tunable(
-        6.6, "bound on U1 if thrust_limited: the paper's, for 0.65 kg", unit="N", low=0.0, high=100.0
+        6.6,
+        "bound on thrust U1 if thrust_limited is set; the paper's, for 0.65 kg",
+        unit="N",
+        low=0.0,
+        high=100.0,
     )
     thrust_rate_max: float = tunable(
         100.0, "largest rate of thrust over mass", unit="m/s^3", low=50.0, high=1e4
@@ -78,16 +88,24 @@ class MpcParams:
     )
     tilt_max: float = tunable(TILT_MAX, "largest angle of thrust to vertical", unit="rad", low=0.01, high=1.2)
     tilt_rate_max: float = tunable(3.0, "largest rate of the tilt", unit="rad/s", low=1.0, high=30.0)
-    k_yaw: float = tunable(2.0, "yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
+    k_yaw: float = tunable(2.0, "gain from yaw error to yaw rate", unit="1/s", low=0.0, high=20.0)
     yaw_rate_max: float = tunable(
         YAW_RATE_MAX, "largest commanded yaw rate", unit="rad/s", low=0.0, high=20.0
     )
-    iterations_max: int = tunable(12, "maximum number of recursions of a solve", low=1, high=200)
+    iterations_max: int = tunable(12, "maximum number of Riccati recursions per solve", low=1, high=200)
     shift_time: float = tunable(
-        0.2, "how long a solution may be shifted before a PD law takes over", unit="s", low=0.0, high=2.0
+        0.2,
+        "time for which a solution may be shifted before a PD law takes over",
+        unit="s",
+        low=0.0,
+        high=2.0,
     )
     hold_duration: float = tunable(
-        LONGEST_HOLD_S, "how long a vehicle without state keeps its last command", unit="s", low=0.0, high=1.0
+        LONGEST_HOLD_S,
+        "time for which a vehicle without a state keeps its last command",
+        unit="s",
+        low=0.0,
+        high=1.0,
     )
 
     def __post_init__(self) -> None:

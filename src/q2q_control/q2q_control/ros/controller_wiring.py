@@ -32,17 +32,21 @@ from q2q_model.vehicle.thrust_map import FIRMWARES, STOCK
 class ControllerNodeParams:
     """Parameters of a controller node, without the controller's."""
 
-    vehicle: str = tunable("crazyflie_2_0", "vehicle constants to use", read_only=True)
-    firmware: str = tunable(STOCK, "its thrust per PWM", choices=FIRMWARES, read_only=True)
-    vehicles: tuple[str, ...] = tunable((), "vehicles to command; empty: all of the setpoint", read_only=True)
-    aware: bool = tunable(default=True, description="use the predicted downwash", read_only=True)
+    vehicle: str = tunable("crazyflie_2_0", "vehicle whose constants are used", read_only=True)
+    firmware: str = tunable(
+        STOCK, "firmware of the vehicles, which sets thrust per PWM", choices=FIRMWARES, read_only=True
+    )
+    vehicles: tuple[str, ...] = tunable(
+        (), "vehicles to command; empty: all in the setpoints", read_only=True
+    )
+    aware: bool = tunable(default=True, description="compensate the predicted downwash", read_only=True)
     correct: bool = tunable(
         default=False,
         description="correct the predicted downwash by positions and by accelerometers (topic imu)",
         read_only=True,
     )
     live: bool = tunable(
-        default=False, description="watch the wall clock and fall back if a tick is missing", read_only=True
+        default=False, description="monitor the wall clock and fall back if a tick is missing", read_only=True
     )
     legacy_hz: float = tunable(
         10.0,

@@ -11,8 +11,8 @@
 | `<name>/status`, `<name>/onboard`, the server's parameters | in | checks before a take-off |
 
 Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
-`~/land`, `~/emergency`, each answered when it is done, or with why it is refused; `procedure/status` has the
-step, and what cannot be checked because the server does not report it. Setpoints are sent only from the
+`~/land`, `~/emergency`, each answered when it is done, or with the reason of a refusal; `procedure/status`
+has the step, and what cannot be checked as the server does not report it. Setpoints are sent only from the
 hand-over after `~/fly` to the landing. `~/arm`, `~/disarm` and `~/notify_setpoints_stop` forward a request to
 the server, on the ground only. No flight begins while the server lacks a service that it needs; vehicles of
 the server that this node does not fly are left alone. Without motion_capture_tracking_interfaces no poses

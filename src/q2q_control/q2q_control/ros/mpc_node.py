@@ -56,12 +56,12 @@ class MpcNodeParams:
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     distributed: bool = tunable(
         default=False,
-        description="publish predictions of its `vehicles`, follow those of other nodes (topic predictions)",
+        description="publish predictions of its own `vehicles`, use those of other nodes (topic predictions)",
         read_only=True,
     )
     prediction_hz: float = tunable(
         RATE_HZ,
-        "distributed: predictions of a vehicle per second, the same for all nodes",
+        "distributed: rate of the predictions of a vehicle, the same for all nodes",
         unit="Hz",
         low=0.1,
         high=100.0,
@@ -69,7 +69,7 @@ class MpcNodeParams:
     )
     budget_s: float = tunable(
         0.006,
-        "live: longest time to solve in a tick before falling back to the last solution, shifted",
+        "live: longest time to solve in a tick before the last solution, shifted, is used",
         unit="s",
         low=1e-4,
         high=1.0,

@@ -36,7 +36,7 @@ class PidNodeParams:
 
     model: str = tunable(
         "none",
-        "with correct: interaction model of the residual: none, a shipped name, or a .q2q file",
+        "interaction model whose residual is assumed with correct: none, a shipped name, or a .q2q file",
         read_only=True,
     )
 

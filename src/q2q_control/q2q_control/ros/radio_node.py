@@ -7,10 +7,10 @@
 
 Vehicles fly by one procedure (q2q_control.flight_procedure.procedure): `~/take_off`, `~/fly`, `~/hold`,
 `~/land`, `~/emergency` (motors off and locked; also as `~/stop` and, in setpoint mode, where no controller
-has it, as `all/emergency`). Each answers when it is done, or why it is refused; `procedure/status` has the
-step. `~/start` is for vehicles already held at their setpoints. q2q_control.radio.pilot.vehicle_pilot lists
-what happens by itself, as when commands are missing; when DDS reports that their writer is gone, it checks at
-once. `--dry-run` sends nothing.
+has it, as `all/emergency`). Each answers when it is done, or with the reason of a refusal; `procedure/status`
+has the step. `~/start` is for vehicles already held at their setpoints. q2q_control.radio.pilot.vehicle_pilot
+lists automatic actions, as without commands; when DDS reports that their writer is gone, it checks at once.
+`--dry-run` sends nothing.
 """
 
 from q2q_control.ros.radio_wiring import RadioNode

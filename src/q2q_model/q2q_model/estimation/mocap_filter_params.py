@@ -15,7 +15,9 @@ _LIMITS = OutlierThresholds()
 class MocapFilterParams:
     """Parameters of the mocap filter."""
 
-    pos_max: float = tunable(_LIMITS.pos_max, "largest accepted |x|, |y|, |z|", unit="m", low=0.1)
+    pos_max: float = tunable(
+        _LIMITS.pos_max, "largest accepted |x|, |y|, |z| of a position", unit="m", low=0.1
+    )
     speed_max: float = tunable(_LIMITS.speed_max, "largest accepted speed", unit="m/s", low=0.1, high=100.0)
     jump_max: float = tunable(
         _LIMITS.jump_max,
@@ -27,20 +29,22 @@ class MocapFilterParams:
     # VICON: 0.15 mm static, under 2 mm dynamic (Merriaux et al., Sensors 2017)
     position_noise: float = tunable(
         1e-3,
-        "standard deviation of a sample; 0 passes positions through unfiltered",
+        "standard deviation of a position sample; 0: positions are not filtered",
         unit="m",
         low=0.0,
         high=0.1,
     )
     # on real flights (nanobench) the velocity error changes by 10 % from 4 to 16
-    jerk_noise: float = tunable(8.0, "root power density of the jerk", unit="m/s^2.5", low=1e-3, high=1e4)
+    jerk_noise: float = tunable(
+        8.0, "root of the power density of the jerk of vehicles", unit="m/s^2.5", low=1e-3, high=1e4
+    )
     # rooms report dropouts of 0.1 to 0.3 s
     coast_s: float = tunable(
         0.35, "time without samples after which a coasting vehicle is lost", unit="s", low=0.0, high=10.0
     )
     reacquire_s: float = tunable(
         0.06,
-        "time for which rejected samples must stay together to be a true jump",
+        "time for which rejected samples must agree to be accepted as a jump",
         unit="s",
         low=0.0,
         high=10.0,
@@ -54,12 +58,12 @@ class MocapFilterParams:
         high=60.0,
     )
     turn_max: float = tunable(
-        0.35, "accepted turn in addition to turn_rate_max", unit="rad", low=0.01, high=3.2
+        0.35, "largest accepted turn beyond that at turn_rate_max", unit="rad", low=0.01, high=3.2
     )
     # the Crazyflie's gyroscope saturates at 2000 deg/s; in flight it stays below a third of that
     turn_rate_max: float = tunable(12.0, "largest accepted body rate", unit="rad/s", low=0.1, high=100.0)
     rate_filter_s: float = tunable(
-        0.02, "time constant of the body rate's low-pass filter; 0 is none", unit="s", low=0.0, high=1.0
+        0.02, "time constant of the low-pass filter of body rates; 0: no filter", unit="s", low=0.0, high=1.0
     )
     attitude_reacquire_s: float = tunable(
         0.3, "time for which a rejected attitude must last to be accepted", unit="s", low=0.0, high=10.0
@@ -73,7 +77,7 @@ class MocapFilterParams:
         high=60.0,
     )
     clock_jump_s: float = tunable(
-        SET_BACK_S, "a clock set back by more than this resets the filter", unit="s", low=0.0, high=1e6
+        SET_BACK_S, "backward step of the clock beyond which the filter is reset", unit="s", low=0.0, high=1e6
     )
 
     def __post_init__(self) -> None:

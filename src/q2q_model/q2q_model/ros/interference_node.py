@@ -33,8 +33,7 @@ class InterferenceParams:
     model: str = tunable("none", "interaction model: none, a shipped name, or a .q2q file", read_only=True)
     correct_vehicle: str = tunable(
         "none",
-        "vehicle whose `imu` and `command` correct the prediction by what they show of the last tick; "
-        "none corrects nothing",
+        "vehicle for which the last tick's `imu` and `command` correct the prediction; none: no correction",
         choices=("none", *VEHICLES),
         read_only=True,
     )

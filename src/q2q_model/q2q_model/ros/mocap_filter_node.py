@@ -27,11 +27,11 @@ class MocapFilterNodeParams:
     """Parameters of the node in addition to those of the filter."""
 
     vehicles: tuple[str, ...] = tunable(
-        (), f"vehicles to track; empty tracks those that appear, until {LOST_MOST} are lost", read_only=True
+        (), f"vehicles to track; empty: all that appear, until {LOST_MOST} are lost", read_only=True
     )
     vehicle_topics_hz: float = tunable(
         10.0,
-        "largest rate of <name>/pose and <name>/odom, of vehicles that are not lost; 0 is none",
+        "largest rate of <name>/pose and <name>/odom, of vehicles that are not lost; 0: not published",
         unit="Hz",
         low=0.0,
         high=1000.0,

@@ -56,15 +56,23 @@ CUTOFF = 1e-12
 class PotentialFieldParams:
     """Parameters of (19)-(21); defaults are the paper's, section 4.2."""
 
-    enabled: bool = tunable(default=True, description="avoid; off: every vehicle returns to its reference")
-    k_d: float = tunable(3.0, "damping of the error", unit="1/s", low=0.0, high=100.0)
-    k_p: float = tunable(5.0, "stiffness of the error", unit="1/s^2", low=1e-3, high=1e4)
-    k_s: tuple[float, ...] = tunable(
-        (10.0, 10.0, 10.0), "stiffness of the repulsion: x, y, z", unit="1/s^2", low=0.0, high=1e4
+    enabled: bool = tunable(
+        default=True, description="avoid other vehicles; false: every vehicle returns to its reference"
     )
-    alpha: float = tunable(0.7, "horizontal width factor of the repulsion", low=1e-6, high=1e3)
-    beta: float = tunable(0.5, "vertical width factor of the repulsion", low=1e-6, high=1e3)
-    eps: float = tunable(0.3, "width of the repulsion", unit="m", low=1e-3, high=10.0)
+    k_d: float = tunable(3.0, "damping of the deviation from the reference", unit="1/s", low=0.0, high=100.0)
+    k_p: float = tunable(
+        5.0, "stiffness of the deviation from the reference", unit="1/s^2", low=1e-3, high=1e4
+    )
+    k_s: tuple[float, ...] = tunable(
+        (10.0, 10.0, 10.0),
+        "stiffness of the repulsion between vehicles along x, y, z",
+        unit="1/s^2",
+        low=0.0,
+        high=1e4,
+    )
+    alpha: float = tunable(0.7, "factor of the horizontal width of the repulsion", low=1e-6, high=1e3)
+    beta: float = tunable(0.5, "factor of the vertical width of the repulsion", low=1e-6, high=1e3)
+    eps: float = tunable(0.3, "width of the repulsion between vehicles", unit="m", low=1e-3, high=10.0)
 
     def __post_init__(self) -> None:
         """Raise ValueError where a number is out of bounds."""

@@ -42,7 +42,13 @@ class GlideParams:
     glide_eps: float = tunable(
         0.2, "radius of the cylinder that a glide keeps free of other vehicles", unit="m", low=0.01, high=5.0
     )
-    glide_d: float = tunable(1.1, "half height of this cylinder", unit="m", low=0.01, high=10.0)
+    glide_d: float = tunable(
+        1.1,
+        "half height of the cylinder that a glide keeps free of other vehicles",
+        unit="m",
+        low=0.01,
+        high=10.0,
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""

@@ -2,9 +2,9 @@
 
 With `wait` the plan is played by calls (q2q_planner.plan_playback.plan_player): the reference follows the
 measured vehicles; `~/glide` leads it to the plan's first points on a certified plan, `~/start` starts the
-plan's clock, `~/hold` brakes along the plan, `~/wait` waits again once vehicles have landed (in flight,
-where they would drift, it is refused: while one is within 0.25 m of its reference), `~/wait_landed` wherever
-they are, for callers that have found all on the ground. The waiting plan is latched on `next_plan`. For real
+plan's clock, `~/hold` brakes along the plan, `~/wait` waits again after a landing (refused while a vehicle is
+within 0.25 m of its reference: in flight it would drift), `~/wait_landed` does so without that check, for
+callers that have found all vehicles on the ground. The waiting plan is latched on `next_plan`. For real
 vehicles, the nodes `radio` and `crazyswarm` make these calls (docs/real_vehicles.md).
 """
 
@@ -43,7 +43,7 @@ class TrajectoryParams:
     plan: str = tunable("", "plan file to play", read_only=True)
     start: float = tunable(
         -1.0,
-        "stamp at which the plan starts; negative: the first tick",
+        "stamp at which the plan starts; negative: that of the first tick",
         unit="s",
         high=LAST_STAMP,
         read_only=True,

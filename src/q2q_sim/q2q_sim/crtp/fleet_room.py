@@ -38,11 +38,15 @@ class CrtpRoomParams:
         "positioning of the vehicles: by themselves, by optical flow from their start, or sent by clients",
         choices=("deck", "flow", "external"),
     )
-    decks: tuple[str, ...] = tunable(("bcFlow2", "bcZRanger2"), "reported decks besides that for positioning")
-    auto_arming: bool = tunable(default=True, description="vehicles arm themselves, as the stock build does")
-    app: str = tunable("", "folder written by export_app: its app flies on board; empty for none")
+    decks: tuple[str, ...] = tunable(
+        ("bcFlow2", "bcZRanger2"), "decks that vehicles report besides that for positioning"
+    )
+    auto_arming: bool = tunable(
+        default=True, description="let vehicles arm themselves, as the stock build does"
+    )
+    app: str = tunable("", "folder written by export_app, whose app flies on board; empty: none")
     zero_expires: bool = tunable(
-        default=False, description="a setpoint without thrust expires after 0.5 s; the firmware keeps it"
+        default=False, description="let setpoints without thrust expire after 0.5 s; the firmware keeps them"
     )
 
     def __post_init__(self) -> None:

@@ -25,7 +25,7 @@ FOLDER = Argument("folder", "", "output folder for parameters, plan and bag; emp
 VIEW = Argument("view", YES, "show the flight: `scene` for RViz", (YES, NO))
 FOXGLOVE = Argument("foxglove", NO, "with view: Foxglove server on this machine", (YES, NO))
 AWARE = Argument("aware", YES, "compensate the predicted downwash", (YES, NO))
-FIRMWARE = Argument("firmware", STOCK, "its thrust per PWM", FIRMWARES)
+FIRMWARE = Argument("firmware", STOCK, "firmware of the vehicles, which sets thrust per PWM", FIRMWARES)
 REPLAN = Argument("replan", REPLANNERS[0], "law that moves setpoints out of zones online", REPLANNERS)
 MODEL = Argument("model", "", "interaction model: none, a shipped name, or a .q2q file")
 
@@ -71,9 +71,13 @@ CRAZYSWARM_ARGUMENTS = (
     Argument("plan", "", "plan file to fly, made by `ros2 run q2q_planner plan`"),
     Argument("crazyflies", "", "crazyflies.yaml of Crazyswarm2"),
     Argument("vehicle", "", f"vehicle constants; empty: the twin's, or {DEFAULT_VEHICLE}", ("", *VEHICLES)),
-    Argument("firmware", "", f"its thrust per PWM; empty: the twin's, or {STOCK}", ("", *FIRMWARES)),
-    Argument("backend", "cpp", "Crazyswarm2's server", ("cpp", "cflib")),
-    Argument("poses_version", "1", "without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")),
+    Argument(
+        "firmware", "", f"firmware, for thrust per PWM; empty: the twin's, or {STOCK}", ("", *FIRMWARES)
+    ),
+    Argument("backend", "cpp", "backend of Crazyswarm2's server", ("cpp", "cflib")),
+    Argument(
+        "poses_version", "1", "version of the poses without motion_capture: 2 is NamedPoseArrayV2", ("1", "2")
+    ),
     Argument("motion_capture", "", "motion_capture.yaml of server and bridge, in place of poses_version"),
     AWARE,
     REPLAN,

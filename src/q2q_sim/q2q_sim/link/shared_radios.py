@@ -38,15 +38,19 @@ TRIES = 20
 class SharedRadioParams:
     """Quality of the link; the defaults are transparent."""
 
-    latency: float = tunable(0.0, "from sending a packet to receiving it", unit="s", low=0.0, high=0.5)
-    loss: float = tunable(0.0, "fraction of transmissions lost", low=0.0, high=0.9)
+    latency: float = tunable(0.0, "delay from sending a packet to receiving it", unit="s", low=0.0, high=0.5)
+    loss: float = tunable(0.0, "fraction of packet transmissions that are lost", low=0.0, high=0.9)
     rate: float = tunable(
-        0.0, "packet rate of one radio, both directions; 0 is no limit", unit="Hz", low=0.0, high=1e5
+        0.0,
+        "largest packet rate of a radio, both directions together; 0: no limit",
+        unit="Hz",
+        low=0.0,
+        high=1e5,
     )
     patience: float = tunable(
         0.1, "longest wait for the radio before a packet is dropped", unit="s", low=0.0, high=10.0
     )
-    per_radio: int = tunable(15, "vehicles that share one radio", low=1, high=1000)
+    per_radio: int = tunable(15, "number of vehicles that share a radio", low=1, high=1000)
 
     def __post_init__(self) -> None:
         """Check the bounds."""

@@ -17,22 +17,30 @@ class SimulatorParams:
 
     scenario: str = tunable("table6", "scenario name or file", read_only=True)
     vehicle: str = tunable(
-        "", "vehicle constants; empty is the scenario's", choices=("", *VEHICLES), read_only=True
+        "", "simulated vehicle; empty: the scenario's", choices=("", *VEHICLES), read_only=True
     )
-    wake: str = tunable("", "true wake; empty is the scenario's", choices=("", *WAKES), read_only=True)
+    wake: str = tunable("", "simulated wake; empty: the scenario's", choices=("", *WAKES), read_only=True)
     air: str = tunable(
         "",
-        "air in place of wake and disturbance: a shipped name, a .air file or module:Class; "
-        "empty is the scenario's",
+        "air model in place of wake and disturbance: a shipped name, a .air file or module:Class; "
+        "empty: the scenario's",
         read_only=True,
     )
-    air_without: tuple[str, ...] = tunable((), "terms of the air that are switched off", read_only=True)
+    air_without: tuple[str, ...] = tunable((), "terms of the air model to switch off", read_only=True)
     firmware: str = tunable(
-        "", "thrust per PWM; empty is the scenario's", choices=("", *FIRMWARES), read_only=True
+        "",
+        "firmware, which sets thrust per PWM; empty: the scenario's",
+        choices=("", *FIRMWARES),
+        read_only=True,
     )
-    seed: int = tunable(0, "random seed", low=0, read_only=True)
-    pace: str = tunable("lockstep", "source of time", choices=("lockstep", "live"), read_only=True)
-    autostart: bool = tunable(True, "fly at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+    seed: int = tunable(0, "seed of all random draws", low=0, read_only=True)
+    pace: str = tunable(
+        "lockstep",
+        "source of time: commands (lockstep), or the wall clock at 100 Hz (live)",
+        choices=("lockstep", "live"),
+        read_only=True,
+    )
+    autostart: bool = tunable(True, "fly at once; false: wait for ~/start", read_only=True)  # noqa: FBT003
     starts_after: tuple[str, ...] = tunable(
         (), "with autostart: nodes that must be ready and connected first", read_only=True
     )

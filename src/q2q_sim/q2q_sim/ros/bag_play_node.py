@@ -1,4 +1,4 @@
-"""Bag playback node: messages on their topics at a given rate, or tick by tick in lockstep with answers.
+"""Bag playback node: messages on their topics at a given rate, or tick by tick in lockstep.
 
 The node exits at the end of the bag.
 """
@@ -49,20 +49,22 @@ class PlayParams:
     """Parameters of the node."""
 
     bag: str = tunable("", "bag folder to play", read_only=True)
-    rate: float = tunable(1.0, "bag seconds per wall second", low=0.001, high=1000.0, read_only=True)
+    rate: float = tunable(
+        1.0, "speed of playback, in seconds of the bag per second", low=0.001, high=1000.0, read_only=True
+    )
     start: float = tunable(0.0, "seconds of the bag to skip", unit="s", low=0.0, read_only=True)
-    loop: bool = tunable(False, "start again at the end", read_only=True)  # noqa: FBT003
-    topics: tuple[str, ...] = tunable((), "topics to play; empty is all", read_only=True)
+    loop: bool = tunable(False, "start again at the end of the bag", read_only=True)  # noqa: FBT003
+    topics: tuple[str, ...] = tunable((), "topics to play; empty: all", read_only=True)
     topic_map: str = tunable(
         "", "topic map of a bag that q2q did not record, as identify --topics", read_only=True
     )
     clock: bool = tunable(False, "publish /clock with the bag's time", read_only=True)  # noqa: FBT003
     wait_for: str = tunable(
         "",
-        "play the next tick after this topic has a message with the stamp of the last; empty: by rate",
+        "topic whose message with the stamp of a tick lets the next tick be played; empty: by rate",
         read_only=True,
     )
-    autostart: bool = tunable(True, "play at once; else wait for ~/start", read_only=True)  # noqa: FBT003
+    autostart: bool = tunable(True, "play at once; false: wait for ~/start", read_only=True)  # noqa: FBT003
 
     def __post_init__(self) -> None:
         """Check the bounds."""

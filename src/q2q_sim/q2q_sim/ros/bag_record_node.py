@@ -1,7 +1,7 @@
 """Recording node: the serialised messages of a flight's topics into a rosbag2 MCAP bag.
 
-If the disk takes no more, the node says so, records nothing further, and goes on answering, so that the
-flight is flown to its end; its exit status is then 2.
+If the disk is full, the node logs it, stops recording and keeps its services, so that the flight is flown to
+its end; its exit status is then 2.
 """
 
 import sys
@@ -43,10 +43,17 @@ from q2q_sim.bag_topics.topics import TYPE_NAMES, is_latched
 class RecordParams:
     """Parameters of the node."""
 
-    bag: str = tunable("", "folder to write; must not exist", read_only=True)
-    topics: tuple[str, ...] = tunable((), "q2q topics to record; empty is all", read_only=True)
-    extra: tuple[str, ...] = tunable((), "further topics, each as topic:package/msg/Type", read_only=True)
-    stamps: str = tunable("receive", "clock of the bag times", choices=("receive", "header"), read_only=True)
+    bag: str = tunable("", "bag folder to write, which must not exist", read_only=True)
+    topics: tuple[str, ...] = tunable((), "q2q topics to record; empty: all", read_only=True)
+    extra: tuple[str, ...] = tunable(
+        (), "other topics to record, each as topic:package/msg/Type", read_only=True
+    )
+    stamps: str = tunable(
+        "receive",
+        "source of bag times: time of receipt, or header stamp",
+        choices=("receive", "header"),
+        read_only=True,
+    )
     compression: str = tunable("zstd", "compression of the bag", choices=("zstd", "none"), read_only=True)
     facts: tuple[str, ...] = tunable(
         (), "metadata of the flight, each as name=value, e.g. vehicle=crazyflie_2_1", read_only=True

@@ -8,8 +8,8 @@
 In one process with the controller (`q2q_sim.ros.stack`), lockstep runs in bursts of BURST ticks; between them
 the other callbacks of the process run.
 
-With `crtp` the vehicles fly by their own firmware under CRTP clients (docs/emulated_firmware.md): live, until
-the node is ended; `command` is not read.
+With `crtp`, CRTP clients fly the vehicles through their emulated firmware (docs/emulated_firmware.md), live,
+until the node is ended; `command` is not read.
 """
 
 from collections import deque

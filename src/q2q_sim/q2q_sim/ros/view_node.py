@@ -43,7 +43,12 @@ class ViewParams:
     """Parameters of the node."""
 
     scene_hz: float = tunable(
-        20.0, "largest rate of the scene, by stamps", unit="Hz", low=0.1, high=100.0, read_only=True
+        20.0,
+        "largest rate of the scene in time of the stamps",
+        unit="Hz",
+        low=0.1,
+        high=100.0,
+        read_only=True,
     )
     foxglove: bool = tunable(False, "serve the scene to Foxglove on this machine", read_only=True)  # noqa: FBT003
     foxglove_port: int = tunable(

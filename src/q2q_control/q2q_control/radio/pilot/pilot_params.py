@@ -12,16 +12,18 @@ class RadioPilotParams:
     # camera, filter and radio of Crazyswarm: 26 ms to the actuators (Preiss et al., ICRA 2017)
     pose_delay_s: float = tunable(
         0.02,
-        "from capture to the onboard estimate: poses sent are moved on by it",
+        "delay from capture to the onboard estimate, by which poses sent are extrapolated",
         unit="s",
         low=0.0,
         high=0.1,
     )
 
-    arm_s: float = tunable(2.0, "longest time for arming", unit="s", low=0.1, high=30.0)
-    voltage_land: float = tunable(3.2, "battery below which a vehicle lands", unit="V", low=0.0, high=20.0)
+    arm_s: float = tunable(2.0, "longest time for arming a vehicle", unit="s", low=0.1, high=30.0)
+    voltage_land: float = tunable(
+        3.2, "battery voltage below which a vehicle lands", unit="V", low=0.0, high=20.0
+    )
     voltage_land_s: float = tunable(
-        2.0, "time below voltage_land after which it lands", unit="s", low=0.0, high=60.0
+        2.0, "time below voltage_land after which a vehicle lands", unit="s", low=0.0, high=60.0
     )
     command_timeout_level_s: float = tunable(
         0.04, "time without a command until a vehicle is levelled", unit="s", low=0.01, high=0.5
@@ -31,7 +33,7 @@ class RadioPilotParams:
     )
     command_timeout_stop_s: float = tunable(
         5.0,
-        "time without a command until the motors of one that sinks blind stop",
+        "time without a command until a vehicle landing without measurements stops its motors",
         unit="s",
         low=0.01,
         high=120.0,

@@ -10,14 +10,18 @@ from q2q_planner.online.safe.stopping.approach_speed import LAG, followed_pole
 class SafeReplannerParams:
     """Parameters of the safe replanner."""
 
-    enabled: bool = tunable(default=True, description="avoid; off: every vehicle returns to its reference")
-    eps: float = tunable(0.25, "radius of the zone", unit="m", low=1e-3, high=10.0)
-    d: float = tunable(1.1, "half height of the zone", unit="m", low=1e-3, high=10.0)
-    margin: float = tunable(0.02, "distance to keep from the zone", unit="m", low=0.0, high=1.0)
+    enabled: bool = tunable(
+        default=True, description="avoid other vehicles; false: every vehicle returns to its reference"
+    )
+    eps: float = tunable(0.25, "radius of the zone around each vehicle", unit="m", low=1e-3, high=10.0)
+    d: float = tunable(1.1, "half height of the zone around each vehicle", unit="m", low=1e-3, high=10.0)
+    margin: float = tunable(
+        0.02, "distance kept from the zones of other vehicles", unit="m", low=0.0, high=1.0
+    )
     # controllers tilt by 0.35 rad, 3.6 m/s^2, of which the feedback needs a part
     acc_max: float = tunable(2.0, "largest acceleration, also when braking", unit="m/s^2", low=0.1, high=50.0)
     hold: float = tunable(
-        0.02, "time an acceleration is held: a tick and a lost one", unit="s", low=1e-3, high=0.5
+        0.02, "time for which an acceleration is held: a tick and a lost one", unit="s", low=1e-3, high=0.5
     )
     k_p: float = tunable(
         5.0, "stiffness towards the reference, if jerk_max is 0", unit="1/s^2", low=0.01, high=100.0
@@ -27,7 +31,7 @@ class SafeReplannerParams:
     )
     approach: float = tunable(
         2.0,
-        "both poles of the approach to a zone; if jerk_max is set, to the reference, too, and at most "
+        "double pole of the approach to a zone; if jerk_max is set, to the reference, too, and at most "
         "0.4 / T and 1 / (T + 2 acc_max / jerk_max) with T = max(hold, 0.05 s)",
         unit="1/s",
         low=0.1,
@@ -53,21 +57,27 @@ class SafeReplannerParams:
         0.0, "largest vertical tracking error; 0: tracking bounds the distance", unit="m", low=0.0, high=1.0
     )
     jerk_max: float = tunable(
-        0.0, "largest jerk of an axis; 0 does not bound it", unit="m/s^3", low=0.0, high=1000.0
+        0.0, "largest jerk along an axis; 0: not bounded", unit="m/s^3", low=0.0, high=1000.0
     )
-    drift: float = tunable(0.2, "largest drift of an unmeasured vehicle", unit="m/s", low=0.0, high=10.0)
+    drift: float = tunable(
+        0.2, "largest drift speed of an unmeasured vehicle", unit="m/s", low=0.0, high=10.0
+    )
     grace: float = tunable(
         0.1, "age of a measurement up to which tracking covers the drift", unit="s", low=0.0, high=10.0
     )
     speed_max: float = tunable(
         2.0,
-        "largest speed of an external vehicle, and of all if jerk_max is set",
+        "largest speed of vehicles of other replanners, and of all if jerk_max is set",
         unit="m/s",
         low=0.1,
         high=100.0,
     )
     forget: float = tunable(
-        2.0, "age at which an external vehicle's state is dropped", unit="s", low=0.1, high=600.0
+        2.0,
+        "age at which the state of a vehicle of another replanner is dropped",
+        unit="s",
+        low=0.1,
+        high=600.0,
     )
 
     @property
