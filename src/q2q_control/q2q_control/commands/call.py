@@ -33,7 +33,7 @@ def _prepare(_: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("call", __doc__, EXAMPLE)
-    made.add_argument("call", choices=[one.value for one in Call], help="the call to make")
+    made.add_argument("call", choices=[one.value for one in Call], help="call to make")
     made.add_argument(
         "--node", default="radio", type=_node, help="node that flies the vehicles: radio or crazyswarm"
     )

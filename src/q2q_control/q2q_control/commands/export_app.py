@@ -40,7 +40,9 @@ def parser() -> CommandLine:
         "--out", type=output_folder, required=True, metavar="DIR", help="folder to write the app to"
     )
     made.add_argument("--vehicle", default="crazyflie_2_0", help=f"one of {', '.join(VEHICLES)}")
-    made.add_argument("--firmware", default=STOCK, choices=FIRMWARES, help="its thrust per PWM")
+    made.add_argument(
+        "--firmware", default=STOCK, choices=FIRMWARES, help="firmware, which sets thrust per PWM"
+    )
     return made
 
 

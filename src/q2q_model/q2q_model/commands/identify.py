@@ -85,7 +85,7 @@ def parser() -> CommandLine:
     )
     made.add_argument("--live", action="store_true", help="refine --model from topics until interrupted")
     made.add_argument("--model", default="paper_law", help="initial model of --live")
-    made.add_argument("--no-plots", action="store_true", help="draw nothing")
+    made.add_argument("--no-plots", action="store_true", help="draw no figures")
     return made
 
 

@@ -1,8 +1,9 @@
-"""Scale a jet to an airframe that was never flown, by momentum theory.
+"""Scale a jet to another airframe by momentum theory.
 
 Widths and gaps grow with the radius of the rotors, speeds with the induced velocity sqrt(m g / (2 rho A)),
-and the downwash on another vehicle below with the ratio of the disk loadings. The claimed deviation grows by
-20 % of the downwash. Gains and residual are those of the airframe that was flown: the scaled model has none.
+and the downwash on another vehicle below with the ratio of the disk loadings. The predicted deviation grows
+by 20 % of the downwash. Gains and residual are those of the airframe that was flown: the scaled model has
+none.
 """
 
 import sys
@@ -42,11 +43,13 @@ def parser() -> CommandLine:
     )
     size = partial(made.add_argument, type=positive_number)
     size("--mass", required=True, metavar="KG", help="take-off mass of the source")
-    size("--rotor-radius", required=True, metavar="M", help="radius of each of its four rotors")
+    size("--rotor-radius", required=True, metavar="M", help="rotor radius of the source")
     size("--below-mass", metavar="KG", help="mass of the vehicle below (default: the source's)")
-    size("--below-rotor-radius", metavar="M", help="radius of its rotors (default: the source's)")
+    size(
+        "--below-rotor-radius", metavar="M", help="rotor radius of the vehicle below (default: the source's)"
+    )
     size("--flown-mass", default=0.032, metavar="KG", help="mass of the vehicles of --model")
-    size("--flown-rotor-radius", default=0.0225, metavar="M", help="radius of their rotors")
+    size("--flown-rotor-radius", default=0.0225, metavar="M", help="rotor radius of the vehicles of --model")
     return made
 
 

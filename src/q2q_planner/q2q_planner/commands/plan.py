@@ -94,7 +94,8 @@ def _add_zone(made: CommandLine) -> None:
     zone.add_argument("--eps", type=float, help="radius of the zone [m] (default 0.1)")
     zone.add_argument("--d", type=float, help="half height of the zone [m] (default 1.1)")
     zone.add_argument(
-        "--model", help="in place of these, zone of this interaction model: a shipped name or a .q2q file"
+        "--model",
+        help="zone of this interaction model, in place of a cylinder: a shipped name or a .q2q file",
     )
     zone.add_argument(
         "--threshold", type=positive_number, help="with --model: zone where its downwash exceeds this [m/s^2]"

@@ -1,4 +1,4 @@
-"""Compare controllers in air that their models were not learned from: plot, tables.
+"""Compare controllers with air models of other flights than their interaction models: plot, tables.
 
 Models are learned from the flights of Q2Q_DATA (docs/real_flights.md) unless --json has them already, as
 docs/ablation.json has.
@@ -49,7 +49,7 @@ def parser() -> CommandLine:
         TABLE_ONLY, action="store_true", help="write the page of the present numbers without flying"
     )
     made.add_argument("--only", nargs="+", metavar="PATHS", help="fly only these paths")
-    made.add_argument("--airs", nargs="+", metavar="AIR", help="fly only in these airs")
+    made.add_argument("--airs", nargs="+", metavar="AIR", help="fly only with these air models")
     made.add_argument("--controllers", nargs="+", metavar="NAME", help="fly only these controllers")
     return made
 

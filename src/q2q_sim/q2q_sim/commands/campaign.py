@@ -4,8 +4,8 @@ A run is a seed. Finished runs are kept in a file of JSON lines, from which an i
 a violation prints its seed and keeps its bag, its scenario and a replay page. The exit status is 1 if any
 policy is violated.
 
-With --guided, an optimiser searches for the faults that leave the policies the least margin; what it finds is
-shrunk to the fewest faults and kept as a case file, which --case flies again, and a replay page. The same
+With --guided, an optimiser searches for the faults that leave the policies the least margin; a violation is
+reduced to the fewest faults and kept as a case file, which --case flies again, and a replay page. The same
 search is measured on seeded bugs, compared with random faults.
 """
 

@@ -40,14 +40,14 @@ def parser() -> CommandLine:
         "--positioning", default="deck", choices=("deck", "flow", "external"), help="source of positions"
     )
     made.add_argument(
-        "--zero-expires", action="store_true", help="a setpoint without thrust expires after 0.5 s"
+        "--zero-expires", action="store_true", help="let setpoints without thrust expire after 0.5 s"
     )
     made.add_argument(
-        "--app", type=Path, metavar="DIR", help="folder written by export_app: its app flies on board"
+        "--app", type=Path, metavar="DIR", help="folder written by export_app, whose app flies on board"
     )
     made.add_argument("--firmware", default="", choices=FIRMWARES, help="thrust per PWM of the vehicles")
     made.add_argument("--latency", type=float, default=0.0, help="latency of the link in each direction [s]")
-    made.add_argument("--loss", type=float, default=0.0, help="fraction of transmissions lost")
+    made.add_argument("--loss", type=float, default=0.0, help="fraction of packet transmissions lost")
     made.add_argument("--rate", type=float, default=0.0, help="packet rate of one radio [1/s]; 0 is no limit")
     made.add_argument("--seed", type=whole_number(0), default=0, help="random seed")
     return made

@@ -1,7 +1,7 @@
 """Replay recorded flights through the mocap filter and the firmware's estimator, and compare their positions.
 
 Motion capture is given whole, at 10 Hz, with 30 % of its samples lost, and without 1 s in every 4; estimates
-are compared with the samples that they have not seen. Give flights of one vehicle.
+are compared with samples that were not given. Give flights of one vehicle.
 """
 
 import sys

@@ -155,13 +155,13 @@ def _add_physics(made: CommandLine) -> None:
         "--vehicle",
         default="",
         choices=tuple(VEHICLES),
-        help=f"in place of the file's (a file that names none: {DEFAULT_VEHICLE})",
+        help=f"vehicle, in place of the file's (a file that names none: {DEFAULT_VEHICLE})",
     )
     made.add_argument(
         "--wake",
         default="",
         choices=WAKES,
-        help="true wake, in place of the file's (a file that names none: none)",
+        help="simulated wake, in place of the file's (a file that names none: none)",
     )
     made.add_argument(
         "--air",
@@ -169,7 +169,7 @@ def _add_physics(made: CommandLine) -> None:
         help="air in place of the file's wake and disturbance: a shipped name, a .air file, or module:Class",
     )
     made.add_argument(
-        "--air-without", nargs="+", default=[], metavar="TERM", help="terms of the air that are switched off"
+        "--air-without", nargs="+", default=[], metavar="TERM", help="terms of the air model to switch off"
     )
 
 

@@ -1,7 +1,7 @@
-"""Learn the air of a room from recorded flights: what the simulator flies in, not what controllers may know.
+"""Learn the air model of a room from recorded flights, for the simulator, not for controllers.
 
 Each value is printed with its 95 % interval, the rows it was learned from and where they are. A term that the
-flights do not show is left out, and named.
+flights do not determine is left out, and named.
 """
 
 import sys
@@ -36,7 +36,9 @@ def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("learn_air", __doc__, EXAMPLE)
     add_recordings(made)
-    made.add_argument("--out", type=output_file, required=True, metavar="FILE", help="air to write (.air)")
+    made.add_argument(
+        "--out", type=output_file, required=True, metavar="FILE", help="air model to write (.air)"
+    )
     made.add_argument("--json", type=output_file, metavar="FILE", help="file of values, intervals and checks")
     add_recording_options(made)
     return made

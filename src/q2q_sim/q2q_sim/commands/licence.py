@@ -1,10 +1,10 @@
-"""Fly a program for Crazyflies, unmodified, against emulated vehicles under faults, and judge it.
+"""Fly an unmodified program for Crazyflies against emulated vehicles under faults, and judge it.
 
 The program uses cflib, or crazyflie_py of Crazyswarm2, for which there is a stand-in; every URI that it opens
 is an emulated vehicle on the floor. Without faults it must fly and end safely; then it is flown with one
 fault each: radio, motion capture, battery, arming, downwash.
 Exits with 0 if every flight passes, 1 if one fails, 2 if the command line is wrong, or if none fails and the
-simulator itself did in one. Options of the program come after `--`.
+simulator failed in one. Options of the program come after `--`.
 """
 
 import math
@@ -106,7 +106,7 @@ def parser() -> CommandLine:
         metavar=("X", "Y", "Z"),
         help="size of the room, its floor centred on the origin [m] (default 6 6 2.5)",
     )
-    made.add_argument("--air", default="room", help="air that the vehicles fly in (default room)")
+    made.add_argument("--air", default="room", help="air model of the flights (default room)")
     made.add_argument(
         "--limit", type=float, default=300.0, metavar="S", help="longest flight [s] (default 300)"
     )

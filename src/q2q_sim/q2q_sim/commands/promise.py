@@ -45,7 +45,11 @@ def parser() -> CommandLine:
         "--count", type=whole_number(1), default=100, metavar="N", help="number of flights (default 100)"
     )
     made.add_argument(
-        "--first", type=whole_number(0), default=0, metavar="SEED", help="seed of the first (default 0)"
+        "--first",
+        type=whole_number(0),
+        default=0,
+        metavar="SEED",
+        help="seed of the first flight (default 0)",
     )
     made.add_argument(
         "--jobs", type=whole_number(1), default=1, metavar="N", help="processes at once (default 1)"
@@ -60,7 +64,9 @@ def parser() -> CommandLine:
     made.add_argument(
         "--jerk", type=float, metavar="J", help="largest jerk of a setpoint [m/s^3]; 0 does not bound it"
     )
-    made.add_argument("--tube", type=Path, metavar="FILE", help="fly with this tube and count who leaves it")
+    made.add_argument(
+        "--tube", type=Path, metavar="FILE", help="fly with this tube and count the flights that leave it"
+    )
     made.add_argument("--learn", type=output_file, metavar="FILE", help="write the tube of these flights")
     made.add_argument(
         "--alpha",

@@ -1,4 +1,4 @@
-"""Compare corrected controllers with the same ones ignoring the downwash, where they believe something wrong.
+"""Compare corrected controllers with the same ones ignoring the downwash, under wrong assumptions.
 
 The flights are those of 12 perturbations in each air, for pid and mpc: wrong model, wrong latency, silent
 accelerometers, an unseen neighbour, a weak battery, thrust at its limit for seconds.
@@ -36,7 +36,7 @@ def _prepare(given: Namespace) -> Work:
 def parser() -> CommandLine:
     """Return the parser of the command line."""
     made = CommandLine("robustness", __doc__, EXAMPLE)
-    made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="airs to fly in")
+    made.add_argument("--airs", nargs="+", default=list(AIRS), metavar="AIR", help="air models to fly with")
     made.add_argument(
         "--draws",
         type=whole_number(1, MOST_DRAWS),

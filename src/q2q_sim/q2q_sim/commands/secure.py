@@ -1,7 +1,7 @@
 """Set up DDS security: keys, and for each node only the topics and services that it uses.
 
 Writes the access policy of all nodes and, with `ros2 security` (SROS2, of a sourced ROS 2), a keystore with
-an enclave for each. Permissions hold in the present ROS_DOMAIN_ID. Exits with 1, and a sentence, where the
+an enclave for each. Permissions hold in the present ROS_DOMAIN_ID. Exits with 1 if the
 middleware of this machine has no security.
 """
 

@@ -1,4 +1,4 @@
-"""Fly recorded flights again in a simulated air and compare their height errors with the recorded ones.
+"""Fly recorded flights again with an air model and compare their height errors with the recorded ones.
 
 Each flight is flown along its recorded references by its own control law, which is read from its thrust
 commands. Give flights that the air was not learned from. The JSON has the same numbers as the page, under a
