@@ -37,8 +37,8 @@ from q2q_sim.loop.closed_loop import FlightOptions, LoopSettings, fly, fly_block
 from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.flight_blocks import BlockChoices, blocks_of
 from q2q_sim.loop.room import Room
-from q2q_sim.monitors.exposure import exposure
-from q2q_sim.monitors.proximity import any_in_zone, in_zone_once, least_distances, near_sample
+from q2q_sim.monitors.metrics.exposure import exposure
+from q2q_sim.monitors.metrics.proximity import any_in_zone, in_zone_once, least_distances, near_sample
 from q2q_sim.plant.swarm import Swarm
 from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.scenarios import library

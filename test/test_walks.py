@@ -73,7 +73,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/identification/gains/flown_pieces.py",
     "q2q_model/identification/gains/huber_regression.py",
     "q2q_model/identification/gains/velocity_limit.py",
-    "q2q_model/identification/intervals.py",
+    "q2q_model/identification/statistics/intervals.py",
     "q2q_model/identification/selection/candidate.py",
     "q2q_model/identification/selection/jet_candidates.py",
     "q2q_model/identification/selection/model_choice.py",

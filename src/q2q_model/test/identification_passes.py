@@ -6,7 +6,6 @@ from made_flights import LOOP, Pass, made_flight
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.identification.gains.altitude_from_flight import altitude_record
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
-from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.networks.fit import (
     random_weights,
 )
@@ -18,6 +17,7 @@ from q2q_model.identification.networks.trajectory_loss import (
 from q2q_model.identification.push.along_flight import Motion, eta_along
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import push_of_sensors
+from q2q_model.identification.selection.identification_data import IdentificationData
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 FLOWN = [

@@ -15,17 +15,17 @@ from q2q_model.flights.flight import of_vehicle
 from q2q_model.identification.gains.altitude_from_flight import altitude_record
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.identification import ProcedureParams, identify
-from q2q_model.identification.identification_data import (
+from q2q_model.identification.push.along_flight import Motion, eta_along
+from q2q_model.identification.selection.candidates_of_kind import candidates
+from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
+from q2q_model.identification.selection.identification_data import (
     IdentificationData,
     has_exposure,
     is_lower,
     largest_gap,
 )
-from q2q_model.identification.intervals import Interval
-from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.selection.candidates_of_kind import candidates
-from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
 from q2q_model.identification.selection.model_choice import best_trial, score_candidates
+from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.signals.values import Array, SwarmState

@@ -22,7 +22,6 @@ from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.identification import identification as identification_module
 from q2q_model.identification.gains.impulse_response import downwash_response, free_response
 from q2q_model.identification.identification import ProcedureParams, identify
-from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.networks import trajectory_loss as trajectory_loss_module
 from q2q_model.identification.networks.fit import (
     NetworkFitParams,
@@ -41,6 +40,7 @@ from q2q_model.identification.push.jet_fit import fit_to_altitudes, fit_to_pushe
 from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.identification.selection.candidate import Candidate
+from q2q_model.identification.selection.identification_data import IdentificationData
 from q2q_model.identification.selection.jet_candidates import fit_jet
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
 from q2q_model.recordings.flight_recording import Recording

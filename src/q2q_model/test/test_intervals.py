@@ -13,7 +13,11 @@ from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.intervals import (
+from q2q_model.identification.push.along_flight import Motion, eta_along
+from q2q_model.identification.push.jet_fit import fit_to_pushes
+from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.push.push_samples import PushSamples
+from q2q_model.identification.statistics.intervals import (
     UNKNOWN,
     EstimatingRows,
     Stretch,
@@ -24,10 +28,6 @@ from q2q_model.identification.intervals import (
     least_squares_rows,
     variances,
 )
-from q2q_model.identification.push.along_flight import Motion, eta_along
-from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
-from q2q_model.identification.push.push_samples import PushSamples
 from q2q_model.signals.values import Array
 
 FORM = JetForm("exponential", carried=0.0, delayed=True)

@@ -10,9 +10,9 @@ from made_flights import GRAVITY, Pass, made_flight
 
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.identification import ProcedureParams, identify
-from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.identification.push.sensor_check import sensor_notes
+from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_table
 from q2q_model.tools.identify_report import summary

@@ -39,7 +39,7 @@ from q2q_sim.experiments.ablation.variant_flight import (
     fly_variant,
 )
 from q2q_sim.loop.flight_blocks import plan_of
-from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.metrics.exposure import exposure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 

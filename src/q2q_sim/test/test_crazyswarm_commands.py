@@ -20,8 +20,8 @@ from q2q_sim.experiments.licence.crazyflie_py.ellipsoids import (
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import real, three, whole
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
 from q2q_sim.experiments.licence.crazyflie_py.uav_trajectory import GRAVITY, Polynomial4D, UavTrajectory
-from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom, OpenLink, may_run_motors
-from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom, OpenLink, may_run_motors
+from q2q_sim.experiments.licence.room.trials import LicenceTrial
 from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.controllers.columns import MOTOR
 from q2q_sim.firmware.parameters.uploads import Uploaded

@@ -23,11 +23,11 @@ from q2q_sim.experiments.licence.licence_reports import (
     verdict_text,
     write_licence_page,
 )
-from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, always
 from q2q_sim.experiments.licence.program.simulator_errors import is_of_room
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
-from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.loop.room import Room
 
 HOP = """
@@ -276,7 +276,7 @@ def test_a_process_that_dies_is_reported_with_its_signal_or_status(tmp_path: Pat
 
 SLOW_TICKS = """
 import time
-from q2q_sim.experiments.licence.licence_room import LicenceRoom
+from q2q_sim.experiments.licence.room.licence_room import LicenceRoom
 fly, within = LicenceRoom.fly, []
 
 def slow(room):
@@ -329,8 +329,8 @@ def test_an_air_that_does_not_exist_is_refused_before_a_program_flies(tmp_path: 
 
 WARM_UP = """
 from q2q_model.compiled import KERNELS
-from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
-from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom
+from q2q_sim.experiments.licence.room.trials import LicenceTrial
 
 def called():
     return {(one.name, kind) for one in KERNELS for kind in getattr(one.made, "overloads", ())}

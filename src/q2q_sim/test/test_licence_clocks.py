@@ -5,8 +5,8 @@ from pathlib import Path
 
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials
-from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams
+from q2q_sim.experiments.licence.room.trials import LicenceTrial
 
 READ = """
 import calendar, time, timeit

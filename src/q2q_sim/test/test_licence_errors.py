@@ -23,10 +23,10 @@ from q2q_sim.experiments.licence.licence_reports import (
     verdict_text,
     write_licence_page,
 )
-from q2q_sim.experiments.licence.licence_room import LicenceParams
 from q2q_sim.experiments.licence.licence_score import LicenceScore, ScoredProgram, licence_score_json
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams
+from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
-from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 
 WAITING = "import time\ntime.sleep(0.1)\n"
 FAILING_ROOM = """

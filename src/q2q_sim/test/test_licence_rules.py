@@ -12,11 +12,11 @@ from q2q_sim.experiments.licence.client_commands.client_command import Asked, Cl
 from q2q_sim.experiments.licence.flight_order import Program
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
-from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
 from q2q_sim.experiments.licence.licence_reports import junit_xml, report_text
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
-from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 
 LIMITS = LicenceLimits()

@@ -10,8 +10,8 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 from q2q_sim.commands.licence import main
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, fly_trials, licence
-from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams
+from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 
 ONE_BY_ONE = """
 import time

@@ -10,8 +10,8 @@ pytest.importorskip("cflib", reason="cflib is not installed: requirements/dev.tx
 from q2q_sim.experiments.licence.client_commands.client_command import CommandKind
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
-from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams
+from q2q_sim.experiments.licence.room.trials import LicenceTrial
 
 FED = """
 import time

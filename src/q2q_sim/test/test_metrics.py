@@ -12,9 +12,9 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
-from q2q_sim.monitors.exposure import exposed, exposure
 from q2q_sim.monitors.flight_verdict import FlightVerdict
-from q2q_sim.monitors.metrics import held_thrust, measure
+from q2q_sim.monitors.metrics.exposure import exposed, exposure
+from q2q_sim.monitors.metrics.metrics import held_thrust, measure
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import FlightRun

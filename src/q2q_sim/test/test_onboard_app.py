@@ -26,7 +26,7 @@ from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 from q2q_sim.firmware.firmware_build import Build
 from q2q_sim.firmware.onboard_apps import AppConditions, OnboardApps
 from q2q_sim.loop.room import Room
-from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.metrics.exposure import exposure
 from q2q_sim.scenarios.scenario_document import scenario_from_document
 
 pytestmark = pytest.mark.skipif(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from q2q_model.geometry.zone import Cylinder
-from q2q_sim.monitors.proximity import (
+from q2q_sim.monitors.metrics.proximity import (
     any_in_zone,
     in_zone_once,
     least_distances,

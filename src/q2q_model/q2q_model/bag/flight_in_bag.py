@@ -3,11 +3,12 @@
 from collections.abc import Collection
 from pathlib import Path
 
-from q2q_model.bag.reader import SIGNALS, BagReader
+from q2q_model.bag.reader import BagReader
 from q2q_model.bag.storage.bag_path import flight_name
 from q2q_model.bag.storage.errors import BagError, warn_of_repairs
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight
 from q2q_model.flights.joined_flight import flight_from_rows
+from q2q_model.signals.layout import SIGNALS
 from q2q_model.signals.topic_names import TICK_TOPICS
 
 

@@ -10,11 +10,8 @@ from q2q_model.bag.storage.open_source import open_source
 from q2q_model.bag.storage.source import Channel, RawMessage
 from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.signals.cdr.cdr_reader import SignalReader
-from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.layout import SIGNALS, Signal
 from q2q_model.signals.rows import SignalRows, rows_of_messages
-
-SIGNALS = {f"q2q_msgs/msg/{layout.message}": signal for signal, layout in LAYOUTS.items()}
-"""Message type to signal class."""
 
 __all__ = ["BagReader", "RawMessage", "TimedSignal"]
 

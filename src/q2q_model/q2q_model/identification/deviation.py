@@ -22,7 +22,7 @@ import numpy as np
 
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, in_clear_air
 from q2q_model.identification.gains.impulse_response import CLEAR
-from q2q_model.identification.intervals import UNKNOWN, Interval
+from q2q_model.identification.statistics.intervals import UNKNOWN, Interval
 from q2q_model.signals.values import Array
 
 DRAWS = 500

@@ -15,8 +15,6 @@ from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
-from q2q_model.identification.identification_data import IdentificationData, largest_gap
-from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.loading import loading_of
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
@@ -27,9 +25,11 @@ from q2q_model.identification.recorded_gains import predicting_loop, recorded_ga
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.candidates_of_kind import candidates
 from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
+from q2q_model.identification.selection.identification_data import IdentificationData, largest_gap
 from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
 from q2q_model.identification.selection.network_candidates import network_notes
+from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import Fit, ModelFile
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop

@@ -67,3 +67,7 @@ LAYOUTS: dict[type, Layout] = {
     signal: _layout(signal)
     for signal in (MocapFrame, SwarmState, SwarmSetpoint, Interference, SwarmCommand, SwarmImu)
 }
+SIGNALS: dict[str, type[Signal]] = {
+    f"q2q_msgs/msg/{layout.message}": signal for signal, layout in LAYOUTS.items()
+}
+"""Message type to signal class."""

@@ -10,7 +10,7 @@ import numpy as np
 from q2q_model.counted import counted
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array
-from q2q_sim.monitors.exposure import AFTER, FORGOTTEN, exposed
+from q2q_sim.monitors.metrics.exposure import AFTER, FORGOTTEN, exposed
 
 LOSS_SHOWN = 0.02
 """Smallest height below the reference that is reported [m]: a hover wanders as much."""

@@ -21,7 +21,7 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.bag_topics.bag_verdict import bag_verdict
 from q2q_sim.bag_topics.recorded_diagnostics import NodeLife, recorded_lives
 from q2q_sim.monitors.flight_verdict import FlightVerdict, verdict_line
-from q2q_sim.monitors.metrics import FlightMetrics, measure
+from q2q_sim.monitors.metrics.metrics import FlightMetrics, measure
 from q2q_sim.monitors.mocap_quality import MocapQuality, mocap_quality
 from q2q_sim.replay_page import MOST_RUNS, in_air, replay_element, replay_run
 from q2q_sim.report import figures

@@ -7,7 +7,6 @@ from q2q_model.bag.foreign.mapped_poses import mapped_frames, rows_by_vehicle, s
 from q2q_model.bag.foreign.pose_messages import POSITION, SETPOINTS
 from q2q_model.bag.foreign.references import References, with_references
 from q2q_model.bag.foreign.topic_map import TopicMap
-from q2q_model.bag.reader import SIGNALS
 from q2q_model.bag.storage.bag_path import flight_name
 from q2q_model.bag.storage.errors import BagError, warn_of_repairs
 from q2q_model.bag.storage.open_source import open_source
@@ -16,7 +15,7 @@ from q2q_model.flights.flight import Flight
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.cdr.cdr_format import BadMessageError
 from q2q_model.signals.cdr.cdr_reader import SignalReader
-from q2q_model.signals.layout import LAYOUTS, Signal
+from q2q_model.signals.layout import LAYOUTS, SIGNALS, Signal
 from q2q_model.signals.topic_names import TICK_TOPICS
 
 

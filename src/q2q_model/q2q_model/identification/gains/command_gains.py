@@ -39,7 +39,13 @@ from q2q_model.identification.gains.huber_regression import (
     significance,
 )
 from q2q_model.identification.gains.velocity_limit import at_velocity_limit
-from q2q_model.identification.intervals import EstimatingRows, Interval, Stretch, cluster_rows, intervals
+from q2q_model.identification.statistics.intervals import (
+    EstimatingRows,
+    Interval,
+    Stretch,
+    cluster_rows,
+    intervals,
+)
 from q2q_model.signals.values import Array, Mask
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

@@ -23,7 +23,7 @@ from q2q_model.identification.gains.trajectory_gains import (
     gains_from_trajectories,
     is_better,
 )
-from q2q_model.identification.intervals import Interval
+from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.vehicle.constants import Vehicle
 
 EXPLAINED = 0.9

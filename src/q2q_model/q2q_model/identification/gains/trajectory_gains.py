@@ -36,7 +36,7 @@ from scipy.special import fdtrc
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.huber_regression import SIGNIFICANCE
 from q2q_model.identification.gains.impulse_response import free_response, offset_response
-from q2q_model.identification.intervals import (
+from q2q_model.identification.statistics.intervals import (
     Interval,
     Stretch,
     around,

@@ -6,7 +6,8 @@ Fitted are the free parameters of a JetForm. The residuals are
     altitudes:  z - z_free - (h * eta)         every tenth tick, as the loop is much slower
 
 The loss on pushes is soft_l1, with z = (r / s)^2: psi = r (1 + z)^-1/2, psi' = (1 + z)^-3/2.
-Intervals allow for correlation within a flight or a stretch of it (q2q_model.identification.intervals).
+Intervals allow for correlation within a flight or a stretch of it
+(q2q_model.identification.statistics.intervals).
 """
 
 from collections.abc import Callable, Sequence
@@ -18,14 +19,6 @@ from scipy.optimize import least_squares
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.gains.altitude_record import AltitudeRecord, flight_numbers
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
-from q2q_model.identification.intervals import (
-    EstimatingRows,
-    Interval,
-    Stretch,
-    cluster_rows,
-    intervals,
-    least_squares_rows,
-)
 from q2q_model.identification.push.along_flight import FlownRows, Motion, VehicleTicks
 from q2q_model.identification.push.jet_deviation import affine_deviation, pushes_and_errors
 from q2q_model.identification.push.jet_form import (
@@ -36,6 +29,14 @@ from q2q_model.identification.push.jet_form import (
     values_of_jet,
 )
 from q2q_model.identification.push.push_samples import PushSamples
+from q2q_model.identification.statistics.intervals import (
+    EstimatingRows,
+    Interval,
+    Stretch,
+    cluster_rows,
+    intervals,
+    least_squares_rows,
+)
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 

@@ -20,10 +20,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.identification.intervals import Interval, Stretch, cluster_rows, intervals, least_squares_rows
 from q2q_model.identification.push.along_flight import Motion, eta_on_vehicle
 from q2q_model.identification.push.jet_fit import BLOCK
 from q2q_model.identification.push.push_samples import PushSamples
+from q2q_model.identification.statistics.intervals import (
+    Interval,
+    Stretch,
+    cluster_rows,
+    intervals,
+    least_squares_rows,
+)
 from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
 

@@ -3,8 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from q2q_model.identification.identification_data import IdentificationData, every_record, has_exposure
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
+from q2q_model.identification.selection.identification_data import (
+    IdentificationData,
+    every_record,
+    has_exposure,
+)
 from q2q_model.identification.selection.jet_candidates import jet_candidates
 from q2q_model.identification.selection.network_candidates import long_encounters, network_candidates
 from q2q_model.vehicle.altitude_loop import AltitudeLoop

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.identification_data import IdentificationData, every_record
-from q2q_model.identification.intervals import Interval
 from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
 from q2q_model.identification.push.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes
 from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.cross_validation import Fitter
+from q2q_model.identification.selection.identification_data import IdentificationData, every_record
+from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FORMS = {

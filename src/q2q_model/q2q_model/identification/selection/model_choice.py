@@ -12,9 +12,9 @@ import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.forked import forked
-from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.selection.candidate import Candidate
 from q2q_model.identification.selection.cross_validation import Score, score_held_out
+from q2q_model.identification.selection.identification_data import IdentificationData
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 FAILURES = (ValueError, np.linalg.LinAlgError)

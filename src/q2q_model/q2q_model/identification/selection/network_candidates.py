@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
-from q2q_model.identification.identification_data import IdentificationData
 from q2q_model.identification.networks.fit import NetworkFitParams, fit_networks
 from q2q_model.identification.networks.trajectory_loss import MOST_ACTIVE, WIDE, active_samples, flight_terms
 from q2q_model.identification.selection.candidate import Candidate
+from q2q_model.identification.selection.identification_data import IdentificationData
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 
 NETWORKS = "the paper's two networks"

@@ -25,7 +25,7 @@ import numpy as np
 
 from q2q_model.compiled import HOT, compiled
 from q2q_model.signals.values import Array, Mask
-from q2q_planner.online.safe.broad_phase import Pairs
+from q2q_planner.online.safe.stopping.broad_phase import Pairs
 
 SWEEPS = 4
 FAR = 6.0

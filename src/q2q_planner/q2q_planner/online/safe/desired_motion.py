@@ -13,11 +13,11 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask
 from q2q_planner.online.safe.barrier import BarrierLaw, BarrierStates, filter_accelerations
-from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, length
 from q2q_planner.online.safe.followed_reference import ReferenceRows
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.approach_speed import ApproachLaw, approach_speed
+from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.jerk_limited import jerk_towards
 from q2q_planner.online.safe.traffic import TrafficRows, TrafficTable, rows_in_pairs
 

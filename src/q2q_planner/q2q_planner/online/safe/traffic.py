@@ -16,7 +16,6 @@ import numpy as np
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_planner.online.last_known_states import KnownStates
-from q2q_planner.online.safe.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 from q2q_planner.online.safe.committed_motion import CommittedMotion, MotionRows, length
 from q2q_planner.online.safe.followed_reference import (
     SNAP_POS,
@@ -29,6 +28,7 @@ from q2q_planner.online.safe.followed_reference import (
 )
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
 from q2q_planner.online.safe.stopping.braking import Motions, motion_after
+from q2q_planner.online.safe.stopping.broad_phase import Pairs, StoppingSpace, SweepLimits, broad_phase
 
 NO_PAIRS = Pairs(np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))
 _EMPTY = np.zeros((0, 3))

@@ -5,7 +5,8 @@ no flight with them: an air learned from another family, or one of another form.
 exception: model and air are one law.
 
 All paths are flown by the vehicles, in the room, and with the gains of `table6_room` in an air; of each path
-the part around its passages is flown, and the first 3 s of that are not judged (q2q_sim.monitors.exposure).
+the part around its passages is flown, and the first 3 s of that are not judged
+(q2q_sim.monitors.metrics.exposure).
 """
 
 from dataclasses import dataclass, replace

@@ -4,7 +4,7 @@ The closed loop is q2q_sim.loop's. Errors are true minus planned heights.
 
 | column | meaning |
 |---|---|
-| under | z RMSE of vehicles under another (q2q_sim.monitors.exposure) [m] |
+| under | z RMSE of vehicles under another (q2q_sim.monitors.metrics.exposure) [m] |
 | clear | z RMSE of vehicles in clear air [m] |
 | worst | largest |z error| of vehicles under another [m] |
 """
@@ -26,7 +26,7 @@ from q2q_sim.experiments.ablation.side_by_side import side_by_side, with_vehicle
 from q2q_sim.experiments.ablation.variants import ONBOARD, VARIANTS, Variant, VariantInputs
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of
-from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.metrics.exposure import exposure
 from q2q_sim.scenarios.scenario import Scenario
 
 COLUMNS = ("under", "clear", "worst")

@@ -11,12 +11,12 @@ passes only while all of its threads wait, so that a verdict does not depend on 
 | link_host | where the links of a program end |
 | emulated_link | link driver for cflib that ends at the vehicles |
 | crazyflie_py | stand-in for Crazyswarm2's crazyflie_py and its server |
-| licence_room | vehicles, their motion capture and faults, with the log of a flight |
+| room/licence_room | vehicles, their motion capture and faults, with the log of a flight |
 | client_commands | commands in the packets of a program, in words; plans that no vehicle can follow |
-| licence_log | log of a flight as arrays, commands and the end of the program |
+| room/licence_log | log of a flight as arrays, commands and the end of the program |
 | flight_order | program to fly, and how |
 | program_flight | one flight of a program |
-| trials | flights of a licence, with the faults' times from the flight without faults |
+| room/trials | flights of a licence, with the faults' times from the flight without faults |
 | rules/ | what a flight must not do, what it did first, and why: the command or the silence before it |
 | licence_flights | all flights of a program |
 | licence_reports | verdict as text, JSON, JUnit XML and page |

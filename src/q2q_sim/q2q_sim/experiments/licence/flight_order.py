@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
-from q2q_sim.experiments.licence.licence_log import escaped
-from q2q_sim.experiments.licence.licence_room import LicenceParams
-from q2q_sim.experiments.licence.trials import LicenceTrial
+from q2q_sim.experiments.licence.room.licence_log import escaped
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams
+from q2q_sim.experiments.licence.room.trials import LicenceTrial
 
 PROGRAM_TIMEOUT_S = 140.0
 """Wall time after which a flight that waits outside Python's clock is ended [s]."""

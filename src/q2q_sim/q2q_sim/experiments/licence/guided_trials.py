@@ -11,8 +11,8 @@ from itertools import combinations
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.licence.licence_log import LicenceLog
-from q2q_sim.experiments.licence.trials import LicenceTrial, TrialKind
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.trials import LicenceTrial, TrialKind
 
 AFTER_RISE_S = 0.5
 BEFORE_LANDING_S = 1.0

@@ -15,17 +15,17 @@ from signal import strsignal
 from time import monotonic
 
 from q2q_model.counted import counted
-from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, Start
+from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.flight_order import PROGRAM_TIMEOUT_S, FlightOrder, Program
 from q2q_sim.experiments.licence.guided_trials import trials_after
-from q2q_sim.experiments.licence.licence_log import LicenceLog
-from q2q_sim.experiments.licence.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
 from q2q_sim.experiments.licence.program_flight import fly_program, received_log
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom, Start
+from q2q_sim.experiments.licence.room.trials import LicenceTrial
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.rules.licence_rules import broken_rules
-from q2q_sim.experiments.licence.trials import LicenceTrial
 from q2q_sim.processes.fork_server import start_fork_server
 from q2q_sim.sensors.range_finder import RoomBox
 

@@ -27,8 +27,6 @@ from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
 from q2q_sim.experiments.licence.crazyflie_py.modules import SwarmHost, install_modules
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle, stock_vehicles
 from q2q_sim.experiments.licence.flight_order import FlightOrder
-from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd, escaped
-from q2q_sim.experiments.licence.licence_room import LicenceRoom
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
 from q2q_sim.experiments.licence.program.last_lines import LastLines
 from q2q_sim.experiments.licence.program.link_host import LinkHost
@@ -36,6 +34,8 @@ from q2q_sim.experiments.licence.program.patched_threading import patch_threadin
 from q2q_sim.experiments.licence.program.program_lines import error_in, waiting_lines
 from q2q_sim.experiments.licence.program.refused_processes import refuse_processes
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure, end_by, is_of_room
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog, ProgramEnd, escaped
+from q2q_sim.experiments.licence.room.licence_room import LicenceRoom
 from q2q_sim.processes.parent_death import die_with_parent
 
 REST_S = 5.0

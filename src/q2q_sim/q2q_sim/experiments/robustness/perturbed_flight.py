@@ -2,7 +2,7 @@
 
 | symbol | name | meaning [unit] |
 |---|---|---|
-| | under | rms of all draws (q2q_sim.monitors.exposure) [m] |
+| | under | rms of all draws (q2q_sim.monitors.metrics.exposure) [m] |
 | | worst | median of the draws' largest error [m] |
 | | left | rms of the last LEFT seconds, all vehicles: wind-up or limit cycles would show [m] |
 """
@@ -28,7 +28,7 @@ from q2q_sim.experiments.robustness.perturbations import (
 )
 from q2q_sim.loop.closed_loop import LoopSettings, fly_blocks
 from q2q_sim.loop.flight_blocks import BlockChoices, Mode, blocks_of, ignore_accelerometers
-from q2q_sim.monitors.exposure import exposure
+from q2q_sim.monitors.metrics.exposure import exposure
 from q2q_sim.scenarios import library
 from q2q_sim.scenarios.scenario import Scenario
 from q2q_sim.scenarios.scenario_variants import with_air, with_firmware

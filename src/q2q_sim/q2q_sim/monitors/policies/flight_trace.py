@@ -15,8 +15,8 @@ from q2q_model.flights.joined_flight import check_clock
 from q2q_model.flights.output_ticks import output_ticks
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.values import Array, MocapFrame, Names
+from q2q_sim.monitors.metrics.proximity import near_sample
 from q2q_sim.monitors.policies.signal_tables import SAME_TICK, Table, TickGrid, Topic
-from q2q_sim.monitors.proximity import near_sample
 
 NAMING = ("truth", "reference", "reference_safe", "state", "command", "mocap")
 """Topics that give ticks and names, in order of preference."""

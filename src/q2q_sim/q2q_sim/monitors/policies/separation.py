@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array
+from q2q_sim.monitors.metrics.proximity import in_zone_once, least_distances
 from q2q_sim.monitors.policies.exemptions.feedback_loss import evading_lately, without_feedback_lately
 from q2q_sim.monitors.policies.exemptions.sensor_errors import marker_displacement, with_sensor_error
 from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import (
@@ -14,7 +15,6 @@ from q2q_sim.monitors.policies.exemptions.unpredicted_downwash import (
 )
 from q2q_sim.monitors.policies.flight_trace import FlightTrace
 from q2q_sim.monitors.policies.violations import Circumstances, Violation
-from q2q_sim.monitors.proximity import in_zone_once, least_distances
 
 
 class _Worst(NamedTuple):

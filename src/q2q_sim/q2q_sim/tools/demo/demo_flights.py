@@ -8,8 +8,8 @@ from pathlib import Path
 from q2q_model import palette
 from q2q_model.documents.json_file import write_json
 from q2q_model.flights.flight import Flight
-from q2q_sim.monitors.exposure import exposed
-from q2q_sim.monitors.metrics import FlightMetrics, best_position
+from q2q_sim.monitors.metrics.exposure import exposed
+from q2q_sim.monitors.metrics.metrics import FlightMetrics, best_position
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
 from q2q_sim.node_flights.run_json import runs_json
 from q2q_sim.node_flights.scenario_flight import FlightRun

@@ -34,7 +34,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.crtp.fleet_room import CrtpRoomParams, fleet_in
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
-from q2q_sim.monitors.proximity import (
+from q2q_sim.monitors.metrics.proximity import (
     any_in_zone,
     in_zone_once,
     least_distances,

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.committed_motion import MotionRows
 from q2q_planner.online.safe.desired_motion import DesiredMotion
 from q2q_planner.online.safe.stopping.braking import Motions
+from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.traffic import TrafficRows
 
 

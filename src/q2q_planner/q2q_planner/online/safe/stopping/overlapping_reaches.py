@@ -8,8 +8,8 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array, Rows
-from q2q_planner.online.safe.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.braking import BrakingLaw, Motions
+from q2q_planner.online.safe.stopping.broad_phase import Pairs
 from q2q_planner.online.safe.stopping.jerk_limited import StoppingMotions, rest_time, stop_reach
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.identification.intervals import LEVEL, MANY
+from q2q_model.identification.statistics.intervals import LEVEL, MANY
 from q2q_model.signals.values import Array
 
 BLOCK = 2.0

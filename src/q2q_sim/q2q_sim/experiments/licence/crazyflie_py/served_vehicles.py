@@ -12,11 +12,9 @@ from pathlib import Path
 from q2q_control.radio.crazyflies_file import check_connections, crazyflies_from_document, params_set
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
+from q2q_sim.experiments.licence.room.licence_room import Start
 
 Three = tuple[float, float, float]
-Start = tuple[float, float, float]
-"""x, y [m], yaw [rad]."""
-
 STOCK_PARAMETERS: Mapping[str, float] = {
     "commander.enHighLevel": 1,
     "stabilizer.estimator": 2,

@@ -13,8 +13,8 @@ import cflib.crtp
 from cflib.crtp.crtpstack import CRTPPacket
 from cflib.crtp.exceptions import WrongUriType
 
-from q2q_sim.experiments.licence.licence_room import OpenLink
 from q2q_sim.experiments.licence.program.link_host import LinkHost
+from q2q_sim.experiments.licence.room.licence_room import OpenLink
 
 SCHEMES = ("radio", "usb", "udp", "tcp", "serial")
 DRIVERS = ("UsbDriver", "SerialDriver", "UdpDriver", "PrrtDriver", "TcpDriver")

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from q2q_sim.experiments.licence.licence_room import PACKET_S, LicenceRoom, OpenLink
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, never
+from q2q_sim.experiments.licence.room.licence_room import PACKET_S, LicenceRoom, OpenLink
 
 
 class Sender(NamedTuple):

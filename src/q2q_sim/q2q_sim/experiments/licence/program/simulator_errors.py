@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import NoReturn
 
-from q2q_sim.experiments.licence.licence_log import escaped
-from q2q_sim.experiments.licence.licence_room import LicenceRoom
+from q2q_sim.experiments.licence.room.licence_log import escaped
+from q2q_sim.experiments.licence.room.licence_room import LicenceRoom
 
 ROOM = LicenceRoom.fly.__code__.co_filename
 """File of the room, which takes nothing but packets from a program."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.signals.values import Mask
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.experiments.licence.rules.licence_causes import failure_cause
 
 

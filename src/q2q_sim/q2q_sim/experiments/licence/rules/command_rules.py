@@ -6,10 +6,10 @@ import numpy as np
 
 from q2q_model.vehicle.setpoint_watchdog import LEVEL_AFTER_S
 from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.trials import TrialKind
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule, first_tick
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
-from q2q_sim.experiments.licence.trials import TrialKind
 from q2q_sim.firmware.supervisor.rules import State
 
 LEVEL_SHARE = 0.1

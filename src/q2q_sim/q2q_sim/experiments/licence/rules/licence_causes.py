@@ -4,7 +4,7 @@ import numpy as np
 
 from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S
 from q2q_sim.experiments.licence.client_commands.client_command import FLIGHT, ClientCommand, CommandKind
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.firmware.supervisor.rules import State
 
 JUST_S = 0.5

@@ -25,7 +25,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.trials import EXEMPT, TrialKind
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
 from q2q_sim.experiments.licence.rules.command_rules import (
     command_rule,
@@ -43,7 +44,6 @@ from q2q_sim.experiments.licence.rules.motion_rules import (
     tumble_rule,
 )
 from q2q_sim.experiments.licence.rules.pair_rules import nearness
-from q2q_sim.experiments.licence.trials import EXEMPT, TrialKind
 
 Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
 

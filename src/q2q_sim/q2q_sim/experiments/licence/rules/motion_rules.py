@@ -7,7 +7,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.experiments.licence.client_commands.client_command import Asked
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.experiments.licence.rules.broken_rule import (
     BrokenRule,
     broken_at,

@@ -6,11 +6,11 @@ from itertools import combinations
 import numpy as np
 
 from q2q_model.signals.values import Array
-from q2q_sim.experiments.licence.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog
+from q2q_sim.experiments.licence.room.trials import TrialKind
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule, first_lasting_tick, first_tick
 from q2q_sim.experiments.licence.rules.licence_causes import failure_cause
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
-from q2q_sim.experiments.licence.trials import TrialKind
 
 
 def nearness(log: LicenceLog, limits: LicenceLimits) -> Iterator[BrokenRule | None]:

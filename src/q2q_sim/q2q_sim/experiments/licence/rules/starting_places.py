@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from itertools import combinations
 from math import dist
 
-from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import Start
+from q2q_sim.experiments.licence.room.licence_room import Start
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from q2q_model.signals.values import Array, Mask, Names
 from q2q_sim.experiments.licence.client_commands.client_command import ClientCommand, CommandKind
-from q2q_sim.experiments.licence.trials import LicenceTrial, name_of_row
+from q2q_sim.experiments.licence.room.trials import LicenceTrial, name_of_row
 
 AIRBORNE = 0.06
 """Height from which a vehicle is in the air [m]."""

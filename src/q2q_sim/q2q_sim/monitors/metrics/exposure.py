@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.signals.values import Array, Mask
-from q2q_sim.monitors.proximity import under_another
+from q2q_sim.monitors.metrics.proximity import under_another
 
 SETTLE = 3.0
 """Initial transient that is not measured [s]."""

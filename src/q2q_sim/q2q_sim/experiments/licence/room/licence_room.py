@@ -19,8 +19,8 @@ from q2q_sim.crtp.packets.packet import MalformedError, packet_of
 from q2q_sim.crtp.ports.link_service import ECHO_REQUEST
 from q2q_sim.experiments.licence.client_commands.client_command import ClientCommand
 from q2q_sim.experiments.licence.client_commands.packet_command import client_command, malformed_command
-from q2q_sim.experiments.licence.licence_log import LicenceLog, ProgramEnd
-from q2q_sim.experiments.licence.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
+from q2q_sim.experiments.licence.room.licence_log import LicenceLog, ProgramEnd
+from q2q_sim.experiments.licence.room.trials import CHARGE, GAP_S, PUSH, LicenceTrial, TrialKind
 from q2q_sim.faults.injection import FaultInjection
 from q2q_sim.firmware.commander.setpoint import Mode
 from q2q_sim.firmware.controllers.columns import MOTOR
@@ -40,13 +40,15 @@ NOTICED_S = 1.0
 DECKS = ("bcFlow2", "bcLighthouse4", "bcMultiranger", "bcZRanger2")
 """Decks reported to programs that ask for them."""
 LONGEST_S = 3600.0
+Start = tuple[float, float, float]
+"""x, y [m], yaw [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class LicenceParams:
     """Room and vehicles of a licence."""
 
-    starts: tuple[tuple[float, float, float], ...]
+    starts: tuple[Start, ...]
     """x, y [m], yaw [rad] of every vehicle on the floor."""
     air: str = "room"
     seed: int = 0

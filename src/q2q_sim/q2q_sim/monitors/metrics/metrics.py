@@ -2,7 +2,7 @@
 
     z RMSE   = sqrt(1/T int (z - z_ref)^2 dt)          against the plan, of the truth if known
     effort   = int U1^2 dt,   above hover: - (m g)^2 T     control effort; the paper's "energy"
-    under, clear = z RMSE under another vehicle, in clear air (q2q_sim.monitors.exposure)
+    under, clear = z RMSE under another vehicle, in clear air (q2q_sim.monitors.metrics.exposure)
     worst    = max |z - z_ref| under another vehicle
     separation = min over pairs and time of |r_i - r_j|
     zone time  = time with any pair in the zone I(eps, d)
@@ -22,8 +22,8 @@ from q2q_model.flights.flight import Flight
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import Vehicle
-from q2q_sim.monitors.exposure import Exposure, exposure
-from q2q_sim.monitors.proximity import any_in_zone, least_distances
+from q2q_sim.monitors.metrics.exposure import Exposure, exposure
+from q2q_sim.monitors.metrics.proximity import any_in_zone, least_distances
 
 PAPER_ZONE = Cylinder()
 """I(0.1, 1.1)."""
