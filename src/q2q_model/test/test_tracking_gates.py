@@ -10,7 +10,7 @@ from q2q_model.estimation.association.reacquisition import CONFIRM_SAMPLES, Reac
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.attitude.attitude_steps import UNIT_TOLERANCE, AttitudeGateParams
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
-from q2q_model.flights.outliers import OutlierThresholds
+from q2q_model.estimation.outlier_thresholds import OutlierThresholds
 from q2q_model.signals.values import Array, Mask
 
 LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)

@@ -1,7 +1,7 @@
 """Causal filter from motion-capture frames to the state of every vehicle, with outlier rejection.
 
 The paper removes outliers from recorded flights (section 2.2). In flight the future is unknown, so each
-sample passes gates that share the paper's thresholds (q2q_model.flights.outliers), and a vehicle without a
+sample passes gates that share the paper's thresholds (outlier_thresholds), and a vehicle without a
 accepted sample coasts at constant velocity. Tracking is in the folders position and attitude, the match of
 rows by name in frame_rows. This file is about frames:
 

@@ -24,41 +24,19 @@ accepted, a marker swap of a few tenths of a second is not.
 | w | MEDIAN_REACH | half width of the median [samples] |
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from q2q_model.estimation.outlier_thresholds import REPEAT_STEP, OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
-from q2q_model.tunable import check_bounds, tunable
 
 MEDIAN_REACH = 5
 """Half width of the median [samples]: robust to bursts of up to 5 samples, 50 ms at 100 Hz."""
 TELEPORT_SAMPLES = 200
 """Length from which a segment out of reach is accepted [samples]: 2 s at 100 Hz."""
-REPEAT_STEP = 0.002
-"""Step above which a vehicle counts as moving [m]: above the rounding of logs in millimetres, and more than a
-hover moves within a tick."""
 GAP = 1.5
 """Time step from which there is a gap, and a new segment begins [median steps]."""
 SEGMENTS_BACK = 200
 """Number of earlier segments that the chain considers."""
-
-
-@dataclass(frozen=True, slots=True)
-class OutlierThresholds:
-    """Thresholds of section 2.2, shared by the batch rule and the online filter."""
-
-    pos_max: float = tunable(
-        50.0, "largest accepted |x|, |y|, |z|: no flight room is larger", unit="m", low=0.1
-    )
-    # Crazyflies above each other on real flights: at most 2.6 m/s, and 2.5 m/s^2 above 9.81 in downwash
-    speed_max: float = tunable(4.0, "largest accepted speed of a vehicle", unit="m/s", low=0.1, high=100.0)
-    # real flights deviate from straight motion by at most 26 mm within 20 ms (after a gap of a log)
-    jump_max: float = tunable(0.04, "largest accepted deviation from motion", unit="m", low=1e-4, high=10.0)
-
-    def __post_init__(self) -> None:
-        """Check the bounds."""
-        check_bounds(self)
 
 
 def find_outliers(t: Array, pos: Array, thresholds: OutlierThresholds | None = None) -> Mask:

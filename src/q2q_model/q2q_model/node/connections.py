@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from q2q_model.flights.flight import FLIGHT_FIELDS
+from q2q_model.signals.topic_names import TICK_TOPICS
 
 READS, OUT, LACKS = "<", "^", "-"
 """Text marks of a topic: subscribed; latched: published, or missing."""
@@ -85,7 +85,7 @@ def conflicting_topics(
     found = {
         topic: writers
         for topic, count in ours.items()
-        if topic.rpartition("/")[2] in FLIGHT_FIELDS and len(writers := sorted(publishers_of(topic))) > count
+        if topic.rpartition("/")[2] in TICK_TOPICS and len(writers := sorted(publishers_of(topic))) > count
     }
     return "; ".join(
         f"{topic} is written by {len(writers)} nodes ({', '.join(writers)})"

@@ -26,6 +26,7 @@ import numpy as np
 from q2q_model.estimation.association.label_swaps import swapped_sources
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
+from q2q_model.estimation.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.position.kalman_filter import start
 from q2q_model.estimation.position.position_prediction import Prediction, look_ahead
 from q2q_model.estimation.position.position_steps import (
@@ -39,7 +40,6 @@ from q2q_model.estimation.position.position_steps import (
 )
 from q2q_model.estimation.position.steady_gain import PERIOD
 from q2q_model.estimation.position.track_columns import TrackColumns, TrackParams, unseen
-from q2q_model.flights.outliers import OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
 
 BORROWED_MOST = 35
