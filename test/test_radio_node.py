@@ -27,7 +27,7 @@ from q2q_model.signals.cdr.cdr_reader import decode
 from q2q_model.signals.values import SwarmState
 from q2q_model.trajectory import plan_file
 from q2q_sim.loop import flight_blocks
-from q2q_sim.loop.scenario_node_parameters import (
+from q2q_sim.node_flights.scenario_node_parameters import (
     controller_node_parameters,
     filter_node_parameters,
     replanner_node_parameters,

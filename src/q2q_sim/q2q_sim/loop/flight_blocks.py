@@ -1,6 +1,6 @@
 """Blocks of a flight and their parameters, built from its scenario, for `closed_loop` and the nodes.
 
-The nodes take plan and parameters from here too (scenario_node_parameters), so that both fly the same.
+The nodes take plan and parameters from here too (node_flights.scenario_node_parameters): both fly the same.
 """
 
 from collections.abc import Callable

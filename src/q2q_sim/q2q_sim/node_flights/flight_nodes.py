@@ -15,13 +15,13 @@ from q2q_model.trajectory import plan_file
 from q2q_model.tunable import ParameterValue
 from q2q_sim.bag_topics.topics import PREDICTION_TYPE
 from q2q_sim.loop import flight_blocks
-from q2q_sim.loop.scenario_node_parameters import (
+from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
+from q2q_sim.node_flights.running_nodes import RECORDER
+from q2q_sim.node_flights.scenario_node_parameters import (
     controller_node_parameters,
     filter_node_parameters,
     replanner_node_parameters,
 )
-from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
-from q2q_sim.node_flights.running_nodes import RECORDER
 from q2q_sim.processes.cores import allowed_cores
 from q2q_sim.processes.processes import NodeSpec
 from q2q_sim.scenarios.scenario import Scenario
