@@ -15,7 +15,8 @@ from time import perf_counter
 import yaml
 
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.scenario_flight import FlightRun, fly
+from q2q_sim.node_flights.flight_run import FlightRun
+from q2q_sim.node_flights.scenario_flight import fly
 from row import Row
 
 SIZES = (2, 10, 50, 100, 200, 400)

@@ -14,7 +14,8 @@ from time import perf_counter
 
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.scenario_flight import MEASURED, FlightRun
+from q2q_sim.node_flights.flight_run import FlightRun
+from q2q_sim.node_flights.scenario_flight import MEASURED
 from q2q_sim.node_flights.scenario_flight import fly as fly_nodes
 from q2q_sim.scenarios import library
 from row import Row

@@ -31,8 +31,9 @@ from q2q_sim.loop.distributed import DistributedMpc
 from q2q_sim.loop.simulator_params import SimulatorParams
 from q2q_sim.node_flights import flight_nodes, scenario_flight
 from q2q_sim.node_flights.flight_request import FlightRequest, facts_of, load_scenario
+from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
-from q2q_sim.node_flights.scenario_flight import FlightRun, fly
+from q2q_sim.node_flights.scenario_flight import fly
 from q2q_sim.processes.processes import NodeDiedError, NodeSpec
 from q2q_sim.ros.flight_director import STILL_S
 from q2q_sim.scenarios import library

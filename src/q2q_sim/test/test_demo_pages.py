@@ -22,7 +22,7 @@ from q2q_sim.monitors.flight_judgement import verdict_of
 from q2q_sim.monitors.metrics.metrics import FlightMetrics, VehicleMetrics, measure
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.scenario_flight import FlightRun
+from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.run_table import run_notes
 from q2q_sim.scenarios import library
 from q2q_sim.tools.demo import real_flight

@@ -16,8 +16,7 @@ from q2q_sim.monitors.flight_verdict import FlightVerdict
 from q2q_sim.monitors.metrics.exposure import exposed, exposure
 from q2q_sim.monitors.metrics.metrics import held_thrust, measure
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.run_json import runs_json
-from q2q_sim.node_flights.scenario_flight import FlightRun
+from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.report.run_table import HEAD as TERMINAL_HEAD
 from q2q_sim.scenarios import library
 from q2q_sim.tools.report_bags import TRACKING

@@ -1,36 +1,23 @@
 """Flight of a scenario through the real nodes: start, fly, end, measure from the bag."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
-from q2q_model.flights.flight import Flight
 from q2q_model.signals.stamps import TICK_S
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.monitors.flight_judgement import verdict_of
-from q2q_sim.monitors.flight_verdict import FlightVerdict, with_finding
-from q2q_sim.monitors.metrics.metrics import FlightMetrics, measure
+from q2q_sim.monitors.flight_verdict import with_finding
+from q2q_sim.monitors.metrics.metrics import measure
 from q2q_sim.monitors.policies import Circumstances
 from q2q_sim.monitors.recording_end import with_lost_ticks
 from q2q_sim.node_flights.flight_nodes import node_specs
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
+from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.node_flights.running_nodes import running_nodes
 from q2q_sim.node_flights.unfinished_bag import end_of_bag, read_flown, why_unfinished
 
 MEASURED = ("mocap", "truth", "truth_interference", "reference", "reference_safe", "command")
 """Topics that metrics and verdict need; a temporary bag has no others."""
-
-
-@dataclass(frozen=True, slots=True)
-class FlightRun:
-    """Finished flight with its metrics."""
-
-    request: FlightRequest
-    flight: Flight
-    metrics: FlightMetrics
-    timing: FlightTiming
-    bag: Path
-    verdict: FlightVerdict
 
 
 def fly(request: FlightRequest, folder: Path, bag: Path, progress: Callable[[float], None]) -> FlightRun:

@@ -13,8 +13,8 @@ from q2q_model.documents.json_file import write_json
 from q2q_model.vehicle.constants import Vehicle, firmware_of
 from q2q_sim.faults.faults import late_fault_notes
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
-from q2q_sim.node_flights.run_json import runs_json
-from q2q_sim.node_flights.scenario_flight import MEASURED, FlightRun, fly
+from q2q_sim.node_flights.flight_run import FlightRun, runs_json
+from q2q_sim.node_flights.scenario_flight import MEASURED, fly
 from q2q_sim.node_flights.unfinished_bag import recorder_notes
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.report.run_table import run_notes, run_table, run_verdicts

@@ -11,8 +11,7 @@ from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.metrics.exposure import exposed
 from q2q_sim.monitors.metrics.metrics import FlightMetrics, best_position
 from q2q_sim.node_flights.flight_request import FlightRequest, load_scenario
-from q2q_sim.node_flights.run_json import runs_json
-from q2q_sim.node_flights.scenario_flight import FlightRun
+from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.processes.interruption import Interruption
 from q2q_sim.replay_page import in_air, replay_element, replay_run
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity

@@ -24,8 +24,7 @@ from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.air.air_file import load
 from q2q_sim.air.air_names import ROOM, air_path, flights_folder
 from q2q_sim.node_flights.flight_request import FlightRequest
-from q2q_sim.node_flights.run_json import runs_json
-from q2q_sim.node_flights.scenario_flight import FlightRun
+from q2q_sim.node_flights.flight_run import FlightRun, runs_json
 from q2q_sim.tools.demo.demo_flights import fly_requests, print_numbers
 from q2q_sim.tools.demo.real_flight_page import write_real_page
 from q2q_sim.tools.fly_scenario import print_flights as print_runs

@@ -7,7 +7,7 @@ from statistics import median_low
 from matplotlib.figure import Figure
 
 from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
-from q2q_sim.node_flights.scenario_flight import FlightRun
+from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.html_page import Grid, Heading, KeyNumber, PageVerdict, Part, Picture, page
 from q2q_sim.report.panels import save
 from q2q_sim.report.prediction_figure import PredictedPush, prediction_figure

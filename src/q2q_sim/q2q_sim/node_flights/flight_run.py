@@ -1,10 +1,27 @@
-"""JSON of flights as `fly` and `demo` write it, a contract with other programs."""
+"""Finished flight through nodes, and its JSON as `fly` and `demo` write it: a contract with other programs."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 from q2q_model.documents.json_file import Json
-from q2q_sim.node_flights.scenario_flight import FlightRun
+from q2q_model.flights.flight import Flight
+from q2q_sim.loop.flight_clock import FlightTiming
+from q2q_sim.monitors.flight_verdict import FlightVerdict
+from q2q_sim.monitors.metrics.metrics import FlightMetrics
+from q2q_sim.node_flights.flight_request import FlightRequest
+
+
+@dataclass(frozen=True, slots=True)
+class FlightRun:
+    """Finished flight with its metrics."""
+
+    request: FlightRequest
+    flight: Flight
+    metrics: FlightMetrics
+    timing: FlightTiming
+    bag: Path
+    verdict: FlightVerdict
 
 
 def runs_json(runs: Sequence[FlightRun]) -> Json:
