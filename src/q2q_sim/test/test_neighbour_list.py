@@ -50,7 +50,7 @@ def test_a_list_with_too_few_places_gives_the_same_as_one_with_enough() -> None:
     """More vehicles than a list has places for are in a cube that all of them reach."""
     count = NEIGHBOURS + 10
     few, enough = _swarm(count, 0.5, seed=2), _swarm(count, 0.5, seed=2)
-    places = np.zeros(count * count, dtype=np.int64)
+    places = np.zeros(count * count, dtype=np.intp)
     near = enough.air.room.near._replace(found=places)
     enough.air = enough.air._replace(room=enough.air.room._replace(near=near))
     np.testing.assert_array_equal(few.downwash(), enough.downwash())

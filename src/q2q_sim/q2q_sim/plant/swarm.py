@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, Axes, attitude_gains
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
+from q2q_model.signals.values import Array, Names, Rows, SwarmState, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.air_model import AirSetup
 from q2q_sim.air.find_air import FlownAir
@@ -30,7 +30,6 @@ from q2q_sim.plant.body.state_row import (
     state_at_rest,
 )
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.state_history_ring import remember
 from q2q_sim.plant.push.uncompiled_air import UncompiledAir
 from q2q_sim.plant.push.wake_law_push import wake_law_push

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.find_air import FlownAir
 from q2q_sim.air.room_air import RoomAir
@@ -20,7 +20,6 @@ from q2q_sim.air.wake_laws import MAX_DELAY, WakeLaw, max_delay
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import POS, ROTORS, X
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, compiled_room_air
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.room_air_push import room_air_push
 from q2q_sim.plant.push.state_history_ring import LAW_WIDTH, ROOM_WIDTH, empty_ring
 from q2q_sim.plant.push.wake_law_push import wake_law_push
@@ -56,7 +55,7 @@ def air_push(state: Array, air: Air, body: Body) -> None:
 
 def still_air(state: Array, air: FlownAir, body: Body, seed: int = 0) -> Air:
     """Return the air around vehicles that have always hovered at their present positions."""
-    order = np.append(np.argsort(state[:, X], kind="stable"), 0).astype(np.int64)
+    order = np.append(np.argsort(state[:, X], kind="stable"), 0).astype(np.intp)
     now = np.column_stack([state[:, POS], state[:, ROTORS].sum(axis=1) / (body.mass * GRAVITY)])  # (n, 4)
     kind, delay, room = UNCOMPILED, 0.0, compiled_room_air(RoomAir(), 0, body, seed)
     if isinstance(air, RoomAir):

@@ -5,13 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import KINDS, block_steps
 from q2q_sim.plant.body.quadcopter import Body
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_reach import EXTREMES_WIDTH, SearchBound, bound_of
 from q2q_sim.plant.push.neighbour_list import NeighbourList, empty_list
 from q2q_sim.plant.push.push_table import PushTable, ends_of_jet, knots_of
@@ -121,8 +120,8 @@ def compiled_room_air(air: RoomAir, count: int, body: Body, seed: int) -> Compil
         near=empty_list(count),
         places=np.zeros((3, count)),
         jet_rows=np.zeros((count + AT_ONCE, JET_ROW_WIDTH)),
-        receiver=np.zeros(count + AT_ONCE, dtype=np.int64),
-        source=np.zeros(count + AT_ONCE, dtype=np.int64),
+        receiver=np.zeros(count + AT_ONCE, dtype=np.intp),
+        source=np.zeros(count + AT_ONCE, dtype=np.intp),
     )
 
 

@@ -1,12 +1,7 @@
 """Insertion sort of vehicles by x, from the order of the last step, which hardly changes."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
-
-Rows = NDArray[np.int64]
+from q2q_model.signals.values import Array, Rows
 
 
 @compiled(**HOT)

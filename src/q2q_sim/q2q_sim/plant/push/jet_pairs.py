@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.unit_processes import MEANDER_X, MEANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
 from q2q_sim.plant.body.state_row import Three, X, Y, Z
@@ -24,7 +24,6 @@ from q2q_sim.plant.push.compiled_room_air import (
     WEIGHT,
     CompiledRoomAir,
 )
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_reach import JetReach, reach
 from q2q_sim.plant.push.push_table import cell, table_push
 from q2q_sim.plant.push.state_history_ring import SLOPE_X, SLOPE_Y, SPEED_X, SPEED_Y, THRUST_RATIO, recall

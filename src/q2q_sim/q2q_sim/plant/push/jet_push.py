@@ -6,7 +6,7 @@ For each source, by rising x, the jet acts on each vehicle in it with what those
 import math
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.plant.body.state_row import ETA_Z, QW, QX, QY, QZ, TX, TY, TZ, X, Y, Z
 from q2q_sim.plant.push.compiled_room_air import (
@@ -22,7 +22,6 @@ from q2q_sim.plant.push.compiled_room_air import (
     CompiledRoomAir,
     RoomNumbers,
 )
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_pairs import Now, add_pairs_in_reach, keep_pairs_in_jet
 from q2q_sim.plant.push.jet_reach import reach_of, update_extremes
 from q2q_sim.plant.push.neighbour_list import update

@@ -20,10 +20,9 @@ import math
 from typing import NamedTuple
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.plant.body.state_row import VX, VY, VZ
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.state_history_ring import SLOPE_X, SLOPE_Y
 
 HARDEST = 10.0

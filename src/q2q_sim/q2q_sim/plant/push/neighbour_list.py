@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.wake_laws import BLEND
 from q2q_sim.plant.body.state_row import X, Y, Z
-from q2q_sim.plant.push.insertion_sort import Rows, sort_by_x
+from q2q_sim.plant.push.insertion_sort import sort_by_x
 from q2q_sim.plant.push.jet_reach import Extremes, JetReach, SearchBound, reach, reach_of
 
 SLACK = 0.15
@@ -51,10 +51,10 @@ def empty_list(count: int) -> NeighbourList:
     """Return space for the list of `count` vehicles, which does not hold yet."""
     near = min(max(count - 1, 0), NEIGHBOURS)
     return NeighbourList(
-        begin=np.zeros(count, dtype=np.int64),
-        end=np.zeros(count, dtype=np.int64),
-        found=np.zeros((near + 1) * count, dtype=np.int64),
-        rank=np.zeros(count, dtype=np.int64),
+        begin=np.zeros(count, dtype=np.intp),
+        end=np.zeros(count, dtype=np.intp),
+        found=np.zeros((near + 1) * count, dtype=np.intp),
+        rank=np.zeros(count, dtype=np.intp),
         at=np.zeros((3, count)),
         limits=np.full(2, -1.0),
     )

@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.air_terms import AbsorptionTerm, JetTerm
-from q2q_sim.plant.push.insertion_sort import Rows
 
 LEAST_ABSORBED = 1e-3
 """Share of a jet below which nothing is absorbed by a vehicle that feels none of it [-]."""
@@ -53,7 +52,7 @@ def knots_of(at: Array) -> Knots:
     bins = min(int(np.ceil(at[-1] / np.diff(at).min() - 1e-9)), MOST_BINS)
     middles = (np.arange(bins) + 0.5) * at[-1] / bins
     cells = np.clip(np.searchsorted(at, middles) - 1, 0, len(at) - 2)
-    return Knots(np.ascontiguousarray(at), cells.astype(np.int64), bins / float(at[-1]))
+    return Knots(np.ascontiguousarray(at), cells.astype(np.intp), bins / float(at[-1]))
 
 
 @compiled(**HOT)

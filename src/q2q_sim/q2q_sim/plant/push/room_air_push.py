@@ -5,7 +5,7 @@ largest thrusts the load of its rates lowers.
 """
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Rows
 from q2q_sim.air.air_terms import INSIDE
 from q2q_sim.air.unit_processes import RESIDUAL
 from q2q_sim.plant.body.rotors import rotor_torque
@@ -35,7 +35,6 @@ from q2q_sim.plant.body.state_row import (
     Z,
 )
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir, RoomNumbers
-from q2q_sim.plant.push.insertion_sort import Rows
 from q2q_sim.plant.push.jet_push import add_jets
 
 
