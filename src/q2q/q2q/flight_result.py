@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from q2q.bag_scenario import FILE, bag_document
 from q2q_model.bag import BagError, BagReader, BagWriter, FlightFacts, read_facts, read_flight
+from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.stamps import stamp_from_time
@@ -95,7 +96,7 @@ class FlightResult:
             for one in self.signals:
                 writer.write_signal(f"/{one.topic}", stamp_from_time(one.at), one.signal)
         if document is not None:
-            (writer.path / FILE).write_text(yaml.safe_dump(document, sort_keys=False), encoding="utf-8")
+            write_text(yaml.safe_dump(document, sort_keys=False), writer.path / FILE)
         return writer.path
 
     def page(self, path: Path | str) -> Path:
@@ -165,7 +166,7 @@ def page(flights: Mapping[str, FlightResult], path: Path | str, title: str = "")
     ]
     html, file = replay_html(runs, title or ", ".join(flights)), Path(path)
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(html, encoding="utf-8")
+    write_text(html, file)
     return file
 
 

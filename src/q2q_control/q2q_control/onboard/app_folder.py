@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from q2q_control.onboard.model_header import AppRates, model_header
+from q2q_model.documents.written_file import write_text
 from q2q_model.model_files.model_file import ModelFile
 from q2q_model.vehicle.constants import Vehicle
 
@@ -26,5 +27,5 @@ def write_app(folder: Path, file: ModelFile, vehicle: Vehicle, rates: AppRates |
     written = {HEADER: header}
     written |= {one.name: one.read_text(encoding="utf-8") for one in sorted(SOURCES.iterdir())}
     for name, text in written.items():
-        (folder / name).write_text(text, encoding="utf-8")
+        write_text(text, folder / name)
     return [folder / name for name in written]

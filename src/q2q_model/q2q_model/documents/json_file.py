@@ -5,6 +5,8 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
+from q2q_model.documents.written_file import write_text
+
 Json = dict[str, "Json"] | list["Json"] | str | float | int | bool | None
 """Document of plain values; numbers that are not finite are written as null."""
 
@@ -16,11 +18,7 @@ def write_json(document: object, file: Path) -> None:
         OSError: naming the file.
     """
     file.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        text = json.dumps(with_nulls(document), indent=1, allow_nan=False)
-        file.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(file)) from error
+    write_text(json.dumps(with_nulls(document), indent=1, allow_nan=False) + "\n", file)
 
 
 def with_nulls(document: object) -> object:

@@ -18,6 +18,7 @@ from typing import TypeVar
 
 from q2q_model.documents.checksummed_json import FileFormat, decode_checksummed, encode_checksummed
 from q2q_model.documents.plain_values import Plain, PlainValueError, from_plain, to_plain
+from q2q_model.documents.written_file import write_text
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.envelope_network import EnvelopeNetwork
 from q2q_model.downwash.interaction_model import InteractionModel
@@ -92,7 +93,7 @@ def save(path: Path, content: ModelFile) -> None:
     except ValueError as error:
         raise ModelFileError(f"model file {path}: {error}") from error
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    write_text(text, path)
 
 
 def load(path: Path) -> ModelFile:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from q2q_model import palette
+from q2q_model.documents.written_file import naming_written
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.forked import forked
 from q2q_model.identification.deviation import DecayFit
@@ -38,7 +39,8 @@ def draw_all(found: Identification, stem: Path) -> list[Path]:
 
 def _save(figures: Mapping[Path, Draw]) -> None:
     for file, draw in figures.items():
-        draw().savefig(file, dpi=DPI, pil_kwargs={"compress_level": 1})
+        with naming_written(file):
+            draw().savefig(file, dpi=DPI, pil_kwargs={"compress_level": 1})
 
 
 def _figures(found: Identification) -> dict[str, Draw]:

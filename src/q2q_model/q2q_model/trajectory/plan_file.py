@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.documents.checksummed_json import checksum
+from q2q_model.documents.written_file import write_text
 from q2q_model.signals.values import Array
 from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory
@@ -126,7 +127,7 @@ def save(path: Path, plan: SwarmPlan, facts: PlanFacts | None = None) -> None:
     """Write the plan to a file."""
     text = encode(plan, facts) + "\n"
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    write_text(text, path)
 
 
 def load(path: Path) -> SwarmPlan:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from q2q_model.documents.written_file import naming_written
 from q2q_model.signals.values import Array
 from q2q_model.trajectory.polynomials import AXES, SwarmPlan, Trajectory, setpoint_at
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints
@@ -34,7 +35,7 @@ def write_samples(path: Path, plan: SwarmPlan) -> None:
     The folders above the file are created.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with naming_written(path), path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
         for t in sample_times(plan.duration):
@@ -103,7 +104,8 @@ def write_uploads(folder: Path, rows: Mapping[str, Array]) -> None:
     header = ["Duration", *(f"{axis}^{k}" for axis in ("x", "y", "z", "yaw") for k in range(UPLOAD_ORDER))]
     folder.mkdir(parents=True, exist_ok=True)
     for name, pieces in rows.items():
-        with upload_path(folder, name).open("w", newline="", encoding="utf-8") as file:
+        path = upload_path(folder, name)
+        with naming_written(path), path.open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file)
             table.writerow(header)
             for row in pieces:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 from q2q_model import palette
+from q2q_model.documents.written_file import naming_written
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.geometry.zone import Zone
 from q2q_model.signals.values import Array, Names
@@ -179,6 +180,7 @@ def _surface(zone: Zone) -> Array:
 
 def _kept(figure: Figure, path: Path) -> Path:
     figure.tight_layout()
-    figure.savefig(path, dpi=110)
+    with naming_written(path):
+        figure.savefig(path, dpi=110)
     plt.close(figure)
     return path

@@ -18,6 +18,7 @@ from q2q_model.documents.checksummed_json import (
     encode_checksummed,
 )
 from q2q_model.documents.plain_values import PlainValueError, from_plain, to_plain
+from q2q_model.documents.written_file import write_text
 from q2q_sim.air.air_names import AirError
 from q2q_sim.air.room_air import RoomAir
 
@@ -29,7 +30,7 @@ def save(path: Path, air: RoomAir) -> None:
     """Write an air file; raise AirError if a number is not finite."""
     text = encode(air)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    write_text(text, path)
 
 
 def load(path: Path) -> RoomAir:

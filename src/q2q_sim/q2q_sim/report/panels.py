@@ -8,6 +8,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from q2q_model.documents.written_file import naming_written
+
 WIDTH, PANEL, MARGIN = 5.4, 2.3, 0.9
 """Width of a figure, height of a panel, and of title, legend and label together [inch]."""
 DPI = 130
@@ -63,5 +65,6 @@ def picture_file(folder: Path, name: str, what: str = "") -> Path:
 def save(figure: Figure, path: Path) -> Path:
     """Write a figure as PNG; return its path."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=DPI)
+    with naming_written(path):
+        figure.savefig(path, dpi=DPI)
     return path

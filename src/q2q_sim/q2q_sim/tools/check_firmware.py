@@ -5,6 +5,7 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
+from q2q_model.documents.written_file import write_text
 from q2q_sim.firmware_check.table_rows import Table
 from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 from q2q_sim.scenarios.choices import STDOUT
@@ -15,7 +16,7 @@ def run(args: Namespace) -> int:
     verdict = compare(tables_in(args.folder))
     words = json.dumps({name: part._asdict() for name, part in verdict._asdict().items()}, indent=1)
     if args.json not in {None, STDOUT}:
-        Path(args.json).write_text(words + "\n")
+        write_text(words + "\n", Path(args.json))
     print(words if args.json == STDOUT else report(verdict))
     return int(not all(one.within for one in tolerance_checks(verdict)))
 

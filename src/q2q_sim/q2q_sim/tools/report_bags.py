@@ -10,6 +10,7 @@ import numpy as np
 
 from q2q_model.bag import TopicMap, read_facts
 from q2q_model.documents.json_file import Json, write_json
+from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.push.recorded_push import check_weight
 from q2q_model.recordings.bag_vehicle import FlownVehicle, flown_vehicle
@@ -135,7 +136,7 @@ def write(flights: Sequence[Reported], out: Path) -> None:
     ]
     lead = "Tracking against the plan, on the true positions where the bag has them, else on filtered ones."
     html = page(f"Flight {first.flight.name}", lead, parts)
-    (out / "index.html").write_text(html, encoding="utf-8")
+    write_text(html, out / "index.html")
 
 
 def _replay(flights: Sequence[Reported]) -> Part:

@@ -8,6 +8,7 @@ from pathlib import Path
 from shutil import which
 from tempfile import TemporaryDirectory
 
+from q2q_model.documents.written_file import write_text
 from q2q_sim.ros.access_policy import ROOT, enclaves, policy_text
 from q2q_sim.ros.node_survey import survey
 
@@ -29,7 +30,7 @@ def run(args: Namespace) -> int:
     granted = enclaves(survey(), args.vehicles, args.operators)
     text = policy_text(granted)
     if args.policy:
-        args.policy.write_text(text, encoding="utf-8")
+        write_text(text, args.policy)
         print(f"secure: policy of {len(granted)} enclaves in {args.policy}")
         return 0
     lacking = NO_SECURITY if not has_security() else NO_SROS2 if not has_sros2() else ""
@@ -75,6 +76,6 @@ def make_keystore(keystore: Path, policy: str) -> int:
     """Make keys and signed permissions of a policy; return the exit status of SROS2."""
     keystore.mkdir(parents=True, exist_ok=True)
     file = keystore / "policy.xml"
-    file.write_text(policy, encoding="utf-8")
+    write_text(policy, file)
     words = ["ros2", "security", "generate_artifacts", "-k", str(keystore), "-p", str(file)]
     return subprocess.run(words, check=False).returncode

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.bag import BagReader, FlightFacts, TopicMap, read_facts
+from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.identification.push.push_samples import PushRecord
@@ -33,7 +34,7 @@ def run(args: Namespace) -> int:
     runs = [_run_of(path, name, args, topics) for path, name in zip(args.flights, names, strict=True)]
     args.out.parent.mkdir(parents=True, exist_ok=True)
     html = replay_html(runs, args.title or " and ".join(one.name for one in runs))
-    args.out.write_text(html, encoding="utf-8")
+    write_text(html, args.out)
     for one in runs:
         if one.missing:
             print(f"replay_page: {one.name} does not record {', '.join(one.missing)}", file=sys.stderr)

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from q2q_model.documents.written_file import write_text
 from q2q_sim.air.find_air import FlownAir, find_air
 from q2q_sim.air.room_air import RoomAir
 from q2q_sim.experiments.ablation.ablation_cases import CASES, Case
@@ -44,7 +45,7 @@ def write(numbers: Numbers, out: Path, command: str) -> None:
     picture = Path("images") / f"{out.stem}.png"
     (out.parent / picture.parent).mkdir(parents=True, exist_ok=True)
     ablation_figure(numbers).savefig(out.parent / picture, dpi=DPI)
-    out.write_text(page(numbers, command, picture.as_posix()), encoding="utf-8")
+    write_text(page(numbers, command, picture.as_posix()), out)
 
 
 def _is_wanted(given: Namespace, case: Case, variant: str) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from q2q_model.bag import BagWriter
+from q2q_model.documents.written_file import write_text
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.model_files.find_model import find_model
 from q2q_model.signals.layout import Signal
@@ -130,7 +131,7 @@ def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> Non
     """Write a run's scenario and the messages of its flight into a folder, replacing older ones."""
     folder.mkdir(parents=True, exist_ok=True)
     write_scenario(run, folder / f"{run.seed}.yaml")
-    (folder / f"{run.seed}.options.yaml").write_text(yaml.safe_dump(asdict(run.options)))
+    write_text(yaml.safe_dump(asdict(run.options)), folder / f"{run.seed}.options.yaml")
     bag = folder / str(run.seed)
     shutil.rmtree(bag, ignore_errors=True)
     if signals:
@@ -142,7 +143,7 @@ def keep_run(run: Run, signals: tuple[RecordedSignal, ...], folder: Path) -> Non
 
 def write_scenario(run: Run, path: Path) -> None:
     """Write a run as a scenario file."""
-    path.write_text(yaml.safe_dump(plain_document(run.document), sort_keys=False))
+    write_text(yaml.safe_dump(plain_document(run.document), sort_keys=False), path)
 
 
 def plain_document(value: object) -> object:

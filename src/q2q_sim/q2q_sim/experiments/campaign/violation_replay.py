@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from q2q_model.documents.written_file import write_text
 from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.signals.layout import Signal
 from q2q_sim.faults.faults import Fault
@@ -35,7 +36,7 @@ def write_replay(
         page = replay_html([flown], f"{scenario.name}: {scenario.description}")
     except ValueError:
         return
-    file.write_text(page, encoding="utf-8")
+    write_text(page, file)
 
 
 def _verdict_text(violations: Sequence[Violation], faults: Sequence[Fault]) -> str:

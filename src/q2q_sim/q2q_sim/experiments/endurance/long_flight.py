@@ -10,6 +10,7 @@ from pathlib import Path
 
 import yaml
 
+from q2q_model.documents.written_file import write_text
 from q2q_model.signals.stamps import TICK_S
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.node_flights.flight_nodes import node_specs
@@ -110,5 +111,5 @@ def write_long_scenario(folder: Path, vehicles: int, duration: float) -> Path:
     """Write the scenario of a long flight; return its file."""
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "endurance.yaml"
-    file.write_text(yaml.safe_dump(scenario_of_pairs(vehicles, duration)), encoding="utf-8")
+    write_text(yaml.safe_dump(scenario_of_pairs(vehicles, duration)), file)
     return file

@@ -5,6 +5,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from q2q_model import palette
+from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_sim.experiments.explanation.causes import without_causes
 from q2q_sim.experiments.explanation.explanation import Explanation
@@ -42,7 +43,7 @@ def write_page(found: Explanation, recorded: RecordedCase, name: str, out: Path)
     ]
     file = out / "index.html"
     title, lead = f"Why did {found.loss.vehicle} leave its path?", f"Flight {name}"
-    file.write_text(page(title, lead, parts), encoding="utf-8")
+    write_text(page(title, lead, parts), file)
     return file
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import yaml
 
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.documents.written_file import write_text
 from q2q_model.documents.yaml_text import load_yaml
 from q2q_sim.experiments.campaign.campaign_flight import plain_document
 from q2q_sim.experiments.campaign.random_run import Run, fault_document
@@ -81,7 +82,7 @@ def case_of(run: Run, policies: Iterable[str]) -> Counterexample:
 def write_case(case: Counterexample, path: Path) -> None:
     """Write a case file."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(yaml.safe_dump(plain_document(asdict(case)), sort_keys=False), encoding="utf-8")
+    write_text(yaml.safe_dump(plain_document(asdict(case)), sort_keys=False), path)
 
 
 def read_case(path: Path) -> Counterexample:

@@ -6,6 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from q2q_model.documents.json_file import Json
+from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import vehicles_from_file
 from q2q_sim.experiments.licence.flight_order import Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
@@ -72,4 +73,4 @@ def _text(document: Json) -> str:
 
 def _write(file: Path, text: str) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(text, encoding="utf-8")
+    write_text(text, file)

@@ -8,6 +8,7 @@ import numpy as np
 
 from q2q_model.counted import counted
 from q2q_model.documents.json_file import Json
+from q2q_model.documents.written_file import write_text
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, Licence
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
@@ -138,7 +139,7 @@ def write_licence_page(found: Licence, folder: Path) -> Path:
     if output:
         parts += [Heading("Last lines of the program's output"), ProgramOutput(output)]
     file = folder / "index.html"
-    file.write_text(page(f"Licence of {found.program.name}", _lead(found), parts), encoding="utf-8")
+    write_text(page(f"Licence of {found.program.name}", _lead(found), parts), file)
     return file
 
 

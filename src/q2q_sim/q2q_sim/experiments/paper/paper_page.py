@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from q2q_model.documents.json_file import Json
+from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 from q2q_sim.experiments.paper.paper_numbers import PaperNumber
 from q2q_sim.report.html_page import Grid, Part, Picture, page
@@ -109,7 +110,7 @@ def write_page(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutc
     pictures = [Picture(path, one.caption) for one, path in _pictures(numbers, outcomes, out)]
     cells = without_repeated_notes(table_cells(numbers, outcomes))
     parts: list[Part] = [closeness_sentence(numbers, outcomes), Grid(HEAD, cells), pictures]
-    (out / "index.html").write_text(page(TITLE, LEAD, parts), encoding="utf-8")
+    write_text(page(TITLE, LEAD, parts), out / "index.html")
 
 
 def write_pdf(numbers: Sequence[PaperNumber], outcomes: Sequence[ExperimentOutcome], out: Path) -> None:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from rich.progress import track
 
 from q2q_model.documents.json_file import with_nulls
+from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.resume_log import exclusive_file
 from q2q_sim.experiments.robustness.perturbations import PERTURBATIONS
 from q2q_sim.experiments.robustness.perturbed_flight import Errors, PerturbedFlight, fly_perturbed
@@ -53,7 +54,7 @@ def run(given: Namespace) -> int:
     if not complete:
         raise ValueError(f"{given.json} holds none of these flights: leave out {TABLE_ONLY}")
     words = [word for word in given.argv if word != TABLE_ONLY]
-    given.out.write_text(page(found, complete, f"ros2 run q2q_sim robustness {shlex.join(words)}"))
+    write_text(page(found, complete, f"ros2 run q2q_sim robustness {shlex.join(words)}"), given.out)
     print(f"page: {given.out}\nnumbers: {given.json}")
     return 0
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.validation.comparison import (
     Comparison,
     ErrorSums,
@@ -84,7 +85,7 @@ def write_page(
         NOTES,
     ]
     file = out / "index.html"
-    file.write_text(page(f"Validation of {air}", LEAD, parts), encoding="utf-8")
+    write_text(page(f"Validation of {air}", LEAD, parts), file)
     return file
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from q2q_model import palette
 from q2q_model.documents.json_file import write_json
+from q2q_model.documents.written_file import write_text
 from q2q_model.flights.flight import Flight
 from q2q_sim.monitors.metrics.exposure import exposed
 from q2q_sim.monitors.metrics.metrics import FlightMetrics, best_position
@@ -77,7 +78,7 @@ def write_demo_page(runs: Sequence[FlightRun], out: Path) -> None:
         *run_notes(runs),
     ]
     html = page("q2q: one quadcopter over another", LEAD, parts)
-    (out / "index.html").write_text(html, encoding="utf-8")
+    write_text(html, out / "index.html")
     print(f"page: {out / 'index.html'}")
 
 

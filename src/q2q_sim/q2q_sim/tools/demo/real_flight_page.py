@@ -6,6 +6,7 @@ from statistics import median_low
 
 from matplotlib.figure import Figure
 
+from q2q_model.documents.written_file import write_text
 from q2q_model.identification.push.held_out_flights import HeldOutFlight, HeldOutScores
 from q2q_sim.node_flights.flight_run import FlightRun
 from q2q_sim.report.html_page import Grid, Heading, KeyNumber, PageVerdict, Part, Picture, page
@@ -48,7 +49,7 @@ def write_real_page(origin: str, scores: HeldOutScores, runs: Sequence[FlightRun
         "and flown by a controller in air that was learned from other real flights."
     )
     html = page("q2q: from recorded flights to a model that flies", lead, parts)
-    (out / "index.html").write_text(html, encoding="utf-8")
+    write_text(html, out / "index.html")
     print(f"page: {out / 'index.html'}")
 
 

@@ -9,6 +9,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from q2q_model.documents.written_file import write_text
 from q2q_sim.ros.node_survey import NodeInterface, survey
 from q2q_sim.ros.stand_in import Declared, RecordedPort
 from q2q_sim.tools.docs.animation import write_animation
@@ -50,7 +51,7 @@ def write(current: dict[str, str], folder: Path) -> None:
         if path.name not in current:
             path.unlink()
     for name, text in current.items():
-        (folder / name).write_text(text, encoding="utf-8")
+        write_text(text, folder / name)
 
 
 def index(nodes: Sequence[NodeInterface]) -> str:
