@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from q2q_sim.commands.firmware_check import main
-from q2q_sim.firmware_check.table_rows import Row, Table
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable
 from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 from q2q_sim.tools.check_firmware import tables_in
 
@@ -31,12 +31,12 @@ def verdict(tables: Tables) -> FirmwareVerdict:
     return compare(tables)
 
 
-def first_case(table: Table) -> list[Row]:
+def first_case(table: CheckTable) -> list[CheckRow]:
     """Return the beginning of the first case."""
     return [row for row in table if row.get("case") == table[0].get("case")][:40]
 
 
-def without(table: list[Row], at: int, **values: str) -> list[Row]:
+def without(table: list[CheckRow], at: int, **values: str) -> list[CheckRow]:
     """Return the table with other values in one row."""
     return [*table[:at], {**table[at], **values}, *table[at + 1 :]]
 

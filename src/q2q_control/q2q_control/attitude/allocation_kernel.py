@@ -5,10 +5,9 @@ Law, signs and priorities are those of `q2q_control.attitude.allocation`; a test
 
 from q2q_control.attitude.allocation import RotorFrame
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Four
 
-Numbers = Array | tuple[float, ...]
-Four = tuple[float, float, float, float]
+FloatSequence = Array | tuple[float, ...]
 
 
 def packed_frame(frame: RotorFrame) -> tuple[float, float, float]:
@@ -17,7 +16,7 @@ def packed_frame(frame: RotorFrame) -> tuple[float, float, float]:
 
 
 @compiled
-def unlimited_rotors(wrench: Numbers, frame: Numbers) -> tuple[Four, bool]:
+def unlimited_rotors(wrench: FloatSequence, frame: FloatSequence) -> tuple[Four, bool]:
     """Return the rotor thrusts [N] of `wrench` without limits, and whether they are within them."""
     roll, pitch = 0.25 * wrench[1] / frame[0], 0.25 * wrench[2] / frame[0]
     yaw = 0.25 * wrench[3] / frame[1]
@@ -29,7 +28,7 @@ def unlimited_rotors(wrench: Numbers, frame: Numbers) -> tuple[Four, bool]:
 
 
 @compiled
-def allocate(wrench: Numbers, frame: Numbers, rotors: Array) -> None:
+def allocate(wrench: FloatSequence, frame: FloatSequence, rotors: Array) -> None:
     """Write the rotor thrusts [N] of `wrench` (4,) into `rotors` (4,); `frame` is `packed_frame`'s."""
     (rotors[0], rotors[1], rotors[2], rotors[3]), fits = unlimited_rotors(wrench, frame)
     if fits:

@@ -36,7 +36,7 @@ from q2q_model.signals.values import Array
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.constants import Vehicle
 
-Axes = Array | tuple[float, float, float]
+AxisValues = Array | tuple[float, float, float]
 """One number for each body axis x, y, z."""
 
 
@@ -65,11 +65,11 @@ class AttitudeParams:
 class AttitudeGains(NamedTuple):
     """Constants of the attitude law of one vehicle, about the body axes x, y, z."""
 
-    stiffness: Axes
+    stiffness: AxisValues
     """I w_n^2 [N m/rad]; 0 about z."""
-    damping: Axes
+    damping: AxisValues
     """2 I zeta w_n, about z I k_r [N m s/rad]."""
-    inertia: Axes
+    inertia: AxisValues
     """[kg m^2]"""
     lead: float
     """[s]"""
@@ -100,7 +100,11 @@ def attitude_torques(
 
 @compiled
 def attitude_torque(
-    attitude: Axes, ang_vel_body: Axes, torque_now: Axes, desired: Axes, gains: AttitudeGains
+    attitude: AxisValues,
+    ang_vel_body: AxisValues,
+    torque_now: AxisValues,
+    desired: AxisValues,
+    gains: AttitudeGains,
 ) -> tuple[float, float, float]:
     """Return tau_x, tau_y, tau_z [N m] of one vehicle for compiled loops; arguments as `attitude_torques`."""
     p, q, r = ang_vel_body[0], ang_vel_body[1], ang_vel_body[2]

@@ -44,7 +44,7 @@ from q2q_model.downwash.source_strength import (
     thrust_ratio,
 )
 from q2q_model.downwash.state_history import StateHistory
-from q2q_model.downwash.sweep_and_prune import Pairs
+from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.signals.repeated_stamp import StampOrder, is_repeated
 from q2q_model.signals.values import Array, Interference, Mask, Names, SwarmState, TrackStatus, index_of
 
@@ -115,7 +115,7 @@ class InteractionPredictor:
         if not rejected and state.t > self._history.newest:
             self._history.push(state.t, now)
 
-    def _outputs(self, state: SwarmState, now: Array, pairs: Pairs) -> PairInteractions:
+    def _outputs(self, state: SwarmState, now: Array, pairs: OrderedPairs) -> PairInteractions:
         """Return the outputs of the model for the pairs of a tick."""
         i, j = pairs
         stale: Mask = np.not_equal(state.status[j], _TRACKED)
@@ -136,7 +136,7 @@ class InteractionPredictor:
             eta, deviation = share * eta, share * deviation
         return PairInteractions(eta, deviation, stale)
 
-    def _thrust_ratio(self, t: float, now: Array, pairs: Pairs, terms: SourceTerms) -> Array:
+    def _thrust_ratio(self, t: float, now: Array, pairs: OrderedPairs, terms: SourceTerms) -> Array:
         """Return thrust over weight of each pair's source when its air left it, (p, 1); 1 where unknown."""
         i, j = pairs
         if terms.loading == 0.0:
@@ -149,7 +149,7 @@ class InteractionPredictor:
         return np.where(np.isfinite(ratio) & (seen > 0.5 * HALF_SPAN_S), ratio, 1.0)[:, None]
 
 
-def _with_names(error: ModelOutputError, state: SwarmState, pairs: Pairs) -> ModelOutputError:
+def _with_names(error: ModelOutputError, state: SwarmState, pairs: OrderedPairs) -> ModelOutputError:
     """Return the error with its time, and with the vehicles of its pair."""
     if error.pair is None:
         return ModelOutputError(f"at {state.t:.3f} s: {error}")

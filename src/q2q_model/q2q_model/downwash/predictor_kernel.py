@@ -14,7 +14,7 @@ import numpy as np
 
 from q2q_model.compiled import compiled
 from q2q_model.downwash.jet_kernel import JetPairs, evaluate_pairs, law_of_numbers
-from q2q_model.downwash.sweep_and_prune import Pairs, sweep
+from q2q_model.downwash.sweep_and_prune import OrderedPairs, sweep
 from q2q_model.signals.values import Array, InterferenceStatus, Mask, Status, TrackStatus
 
 _VALID, _NO_MODEL = int(InterferenceStatus.VALID), int(InterferenceStatus.NO_MODEL)
@@ -59,7 +59,7 @@ def body_z(state: Array, axis: Array) -> None:
 
 
 @compiled
-def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) -> Pairs:
+def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) -> OrderedPairs:
     """Write `now` and return the pairs, for horizontal and vertical reach [m] and largest delay [s]."""
     horizontal, vertical, max_delay = bounds
     pos, fastest = np.empty((states.shape[0], 3)), 0.0
@@ -80,7 +80,7 @@ def find_pairs(states: Array, now: Array, bounds: tuple[float, float, float]) ->
 
 @compiled
 def sum_over_sources(
-    pairs: Pairs, outputs: PairInteractions, states: Array, known: bool, sums: InteractionSums
+    pairs: OrderedPairs, outputs: PairInteractions, states: Array, known: bool, sums: InteractionSums
 ) -> None:
     """Write the sums; `known` is whether there is a model."""
     (feels, _), (eta, deviation, stale) = pairs, outputs

@@ -11,11 +11,11 @@ from q2q_model.compiled import compiled
 from q2q_model.downwash.interaction_model import Reach
 from q2q_model.signals.values import Array, Rows
 
-Pairs = tuple[Rows, Rows]
+OrderedPairs = tuple[Rows, Rows]
 """Rows i and j of ordered pairs, (p,) each: i feels j."""
 
 
-def pairs_in_reach(pos: Array, reach: Reach) -> Pairs:
+def pairs_in_reach(pos: Array, reach: Reach) -> OrderedPairs:
     """Return rows (i, j) of all ordered pairs within reach, sorted by i, then j.
 
     Contains both (i, j) and (j, i), i != j. A vehicle with a NaN coordinate is in no pair.
@@ -28,7 +28,7 @@ def pairs_in_reach(pos: Array, reach: Reach) -> Pairs:
 
 
 @compiled
-def sweep(pos: Array, horizontal: float, vertical: float) -> Pairs:
+def sweep(pos: Array, horizontal: float, vertical: float) -> OrderedPairs:
     """Return the pairs of pos (n, 3) within the reaches [m], as `pairs_in_reach`."""
     order = np.argsort(pos[:, 0])  # NaN sorts last
     place = pos[order]
@@ -49,7 +49,7 @@ def sweep(pos: Array, horizontal: float, vertical: float) -> Pairs:
 
 
 @compiled
-def _both_ways(pairs: Pairs, n: int) -> Pairs:
+def _both_ways(pairs: OrderedPairs, n: int) -> OrderedPairs:
     """Return (i, j) and (j, i) of pairs of n rows, sorted by i, then j: written row by row, in order of j."""
     one, other = pairs
     begin = np.zeros(n + 1, np.intp)

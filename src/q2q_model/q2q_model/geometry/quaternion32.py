@@ -7,7 +7,7 @@ Each of these errs by at most 1 / (2 * 511 * sqrt 2) = 0.0007, the largest part 
 
 import math
 
-Four = tuple[float, float, float, float]
+from q2q_model.signals.values import Four
 
 _TOP = (1 << 9) - 1
 

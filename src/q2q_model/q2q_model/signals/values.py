@@ -19,6 +19,8 @@ Status = NDArray[np.uint8]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.intp]
 Names = tuple[str, ...]
+Three = tuple[float, float, float]
+Four = tuple[float, float, float, float]
 Value = TypeVar("Value", np.float64, np.uint8, np.bool_)
 """Of an array with a row for each vehicle."""
 

@@ -24,7 +24,7 @@ from q2q_model.vehicle.altitude_loop import AltitudeLoop
 DPI = 130
 
 
-Draw = Callable[[], Figure]
+DrawFigure = Callable[[], Figure]
 
 
 def draw_all(found: Identification, stem: Path) -> list[Path]:
@@ -37,15 +37,15 @@ def draw_all(found: Identification, stem: Path) -> list[Path]:
     return list(files)
 
 
-def _save(figures: Mapping[Path, Draw]) -> None:
+def _save(figures: Mapping[Path, DrawFigure]) -> None:
     for file, draw in figures.items():
         with naming_written(file):
             draw().savefig(file, dpi=DPI, pil_kwargs={"compress_level": 1})
 
 
-def _figures(found: Identification) -> dict[str, Draw]:
+def _figures(found: Identification) -> dict[str, DrawFigure]:
     """Return what draws each figure, by name."""
-    figures: dict[str, Draw] = {}
+    figures: dict[str, DrawFigure] = {}
     model, loop = found.file.interaction, found.file.gains
     if found.decay is not None:
         figures["fig4_dev"] = partial(_decay_figure, found.decay)

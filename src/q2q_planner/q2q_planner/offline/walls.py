@@ -10,13 +10,12 @@ from math import inf
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Three
 from q2q_model.trajectory.bernstein import control_points
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_planner.offline.certificate.branch_and_bound import least_on_stretches, polynomial_bounds
 from q2q_planner.offline.certificate.rounding_bound import MOST_ROUNDING, ROUNDING, rounding_slack
 from q2q_planner.offline.certificate.shared_pieces import shared_pieces
-from q2q_planner.offline.minimum_snap.waypoints import Point
 
 WALLS = 6
 """Walls of a room: low x, y, z, high x, y, z."""
@@ -26,9 +25,9 @@ WALLS = 6
 class Walls:
     """Box that all vehicles stay within."""
 
-    low: Point
+    low: Three
     """Minimum x, y, z [m], world."""
-    high: Point
+    high: Three
     """Largest x, y, z [m], world."""
 
     def __post_init__(self) -> None:
@@ -82,5 +81,5 @@ def prove_within(plan: SwarmPlan, walls: Walls) -> WallProof:
     return WallProof(found.bound - rounding, plan.names[int(vehicle)], float(t), walls)
 
 
-def _words(point: Point) -> str:
+def _words(point: Three) -> str:
     return " ".join(f"{value:g}" for value in point)

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Three
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.firmware.commander.commander import Commander, Priority
 from q2q_sim.firmware.commander.planner import MOVING, Planner, PlanState
-from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three, setpoint_of
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, setpoint_of
 from q2q_sim.firmware.controllers.choice import FirmwareController, choose, refusal_of, start_controller
 from q2q_sim.firmware.controllers.columns import MOTOR, SETPOINT_WIDTH, Power, setpoint_row
 from q2q_sim.firmware.estimator import DT, Estimator

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.geometry.rotations import rotate_inverse
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Three
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.firmware.commander.setpoint import Three
 from q2q_sim.firmware.controllers.state_attitude import DEG, legacy_degrees
 from q2q_sim.firmware.firmware_build import LOOKS_AROUND, LOOKS_DOWN, Build
 from q2q_sim.plant.body.state_row import ACC, POS, QUAT, RATE, VEL

@@ -21,7 +21,7 @@ from q2q_sim.firmware.controllers.mixer import cap, mix
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.parameters.parameter_table import TABLE
 from q2q_sim.firmware.parameters.parameter_values import Parameters
-from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, numbers
 from q2q_sim.plant.body.state_row import POS, QUAT, RATE, STATE_WIDTH, VEL
 
 SETPOINT = (
@@ -45,7 +45,7 @@ class ControllerDifference(NamedTuple):
     """Without battery compensation."""
 
 
-def compare_controllers(table: Table) -> ControllerDifference:
+def compare_controllers(table: CheckTable) -> ControllerDifference:
     """Return the largest differences over all cases of controllers.csv."""
     gains = _stock_gains()
     worst = np.array([_worst(rows, gains) for rows in cases(table)])  # (cases, 2)
@@ -60,7 +60,7 @@ def _stock_gains() -> Array:
     return stock.gains()
 
 
-def _worst(rows: list[Row], gains: Array) -> tuple[float, float]:
+def _worst(rows: list[CheckRow], gains: Array) -> tuple[float, float]:
     memory, frame = np.zeros(MEMORY_WIDTH), frame_row(airframe_of(CRAZYFLIE_2_0))
     worst = np.zeros(2)
     for row in rows:
@@ -74,7 +74,7 @@ def _worst(rows: list[Row], gains: Array) -> tuple[float, float]:
     return float(worst[0]), float(worst[1])
 
 
-def _step(row: Row, gains: Array, memory: Array) -> None:
+def _step(row: CheckRow, gains: Array, memory: Array) -> None:
     state, setpoint = np.zeros(STATE_WIDTH), np.zeros(SETPOINT_WIDTH)
     state[POS], state[VEL] = numbers(row, ("px", "py", "pz")), numbers(row, ("vx", "vy", "vz"))
     state[QUAT], state[RATE] = numbers(row, ("qx", "qy", "qz", "qw")), numbers(row, ("p", "q", "r"))

@@ -9,7 +9,7 @@ from q2q_sim.firmware.controllers.columns import CONTROL, MEMORY_WIDTH, MOTOR_CO
 from q2q_sim.firmware.controllers.mixer import cap, mix
 from q2q_sim.firmware.motors.airframe import airframe_of
 from q2q_sim.firmware.motors.thrust_curve import PWM_TOP, compensate
-from q2q_sim.firmware_check.table_rows import Table, numbers
+from q2q_sim.firmware_check.table_rows import CheckTable, numbers
 
 
 class MixerDifference(NamedTuple):
@@ -25,7 +25,7 @@ class CompensationDifference(NamedTuple):
     """Of the duty, 0 to 1."""
 
 
-def compare_mixer(table: Table) -> MixerDifference:
+def compare_mixer(table: CheckTable) -> MixerDifference:
     """Return the largest difference over all rows of mixer.csv."""
     memory, frame = np.zeros(MEMORY_WIDTH), frame_row(airframe_of(CRAZYFLIE_2_0))
     worst = 0.0
@@ -38,7 +38,7 @@ def compare_mixer(table: Table) -> MixerDifference:
     return MixerDifference(worst)
 
 
-def compare_compensation(table: Table) -> CompensationDifference:
+def compare_compensation(table: CheckTable) -> CompensationDifference:
     """Return the largest difference over all rows of compensation.csv."""
     gaps = [float(row["ratio"]) - compensate(float(row["control"]), float(row["volt"])) for row in table]
     return CompensationDifference(float(np.abs(gaps).max()) / PWM_TOP)

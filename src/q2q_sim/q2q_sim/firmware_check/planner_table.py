@@ -10,7 +10,7 @@ import numpy as np
 
 from q2q_sim.firmware.commander.setpoint import Setpoint
 from q2q_sim.firmware_check.bench import Bench
-from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, numbers
 
 READY_TICKS = 20
 """Ticks until the stock build is ready to fly."""
@@ -31,7 +31,7 @@ class PlannerDifference(NamedTuple):
     answers_differ: int
 
 
-def compare_planner(table: Table) -> PlannerDifference:
+def compare_planner(table: CheckTable) -> PlannerDifference:
     """Return the largest differences over all cases of planner.csv."""
     found = [_compare(rows) for rows in cases(table)]
     worst = np.array([gaps for gaps, _ in found]).max(axis=0)
@@ -39,7 +39,7 @@ def compare_planner(table: Table) -> PlannerDifference:
     return PlannerDifference(len(found), pos, vel, acc, sum(wrong for _, wrong in found))
 
 
-def _compare(rows: list[Row]) -> tuple[list[float], int]:
+def _compare(rows: list[CheckRow]) -> tuple[list[float], int]:
     """Return the largest differences of position, velocity, acceleration, and how many answers differ."""
     start, *rows = rows
     yaw = math.radians(float(start["yaw_deg"]))
@@ -60,6 +60,6 @@ def _compare(rows: list[Row]) -> tuple[list[float], int]:
     return worst.tolist(), wrong
 
 
-def _gaps(flown: Setpoint, row: Row) -> list[float]:
+def _gaps(flown: Setpoint, row: CheckRow) -> list[float]:
     pairs = (flown.pos, POS), (flown.vel, VEL), (flown.acc, ACC)
     return [float(np.abs(np.array(ours) - numbers(row, theirs)).max()) for ours, theirs in pairs]

@@ -7,7 +7,7 @@ import numpy as np
 from q2q_sim.firmware.firmware import TICK_MS
 from q2q_sim.firmware.supervisor.info import Info
 from q2q_sim.firmware_check.bench import Bench
-from q2q_sim.firmware_check.table_rows import Row, Table, cases, numbers
+from q2q_sim.firmware_check.table_rows import CheckRow, CheckTable, cases, numbers
 
 ACC = ("accx", "accy", "accz")
 NOT_COMPARED = Info.PLAN_FINISHED
@@ -22,13 +22,13 @@ class SupervisorDifference(NamedTuple):
     info_differ: int
 
 
-def compare_supervisor(table: Table) -> SupervisorDifference:
+def compare_supervisor(table: CheckTable) -> SupervisorDifference:
     """Return the differences over all cases of supervisor.csv."""
     found = [_compare(rows) for rows in cases(table)]
     return SupervisorDifference(len(found), sum(one for one, _ in found), sum(two for _, two in found))
 
 
-def _compare(rows: list[Row]) -> tuple[int, int]:
+def _compare(rows: list[CheckRow]) -> tuple[int, int]:
     bench = Bench(np.zeros(4), auto_arming=bool(int(rows[0]["info"]) & Info.AUTO_ARMED))
     states = infos = now_ms = 0
     for row in rows:

@@ -7,16 +7,16 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 
-Row = Mapping[str, str]
-Table = Sequence[Row]
+CheckRow = Mapping[str, str]
+CheckTable = Sequence[CheckRow]
 
 
-def cases(table: Table) -> Iterator[list[Row]]:
+def cases(table: CheckTable) -> Iterator[list[CheckRow]]:
     """Yield the rows of each case in turn."""
     for _, rows in groupby(table, key=lambda row: row["case"]):
         yield list(rows)
 
 
-def numbers(row: Row, columns: Sequence[str]) -> Array:
+def numbers(row: CheckRow, columns: Sequence[str]) -> Array:
     """Return columns of a row, (len(columns),)."""
     return np.array([float(row[name]) for name in columns])

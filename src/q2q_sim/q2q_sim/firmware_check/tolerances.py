@@ -12,18 +12,18 @@ from q2q_sim.firmware_check.motor_tables import (
 )
 from q2q_sim.firmware_check.planner_table import PlannerDifference, compare_planner
 from q2q_sim.firmware_check.supervisor_table import SupervisorDifference, compare_supervisor
-from q2q_sim.firmware_check.table_rows import Table
+from q2q_sim.firmware_check.table_rows import CheckTable
 
 
 @dataclass(frozen=True, slots=True)
 class Tables:
     """Answers of the real firmware."""
 
-    controllers: Table
-    planner: Table
-    supervisor: Table
-    mixer: Table
-    compensation: Table
+    controllers: CheckTable
+    planner: CheckTable
+    supervisor: CheckTable
+    mixer: CheckTable
+    compensation: CheckTable
 
 
 class FirmwareVerdict(NamedTuple):

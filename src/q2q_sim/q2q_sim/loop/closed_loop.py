@@ -23,7 +23,7 @@ from q2q_sim.loop.recording import FlightRecording
 from q2q_sim.loop.room import Room, Tick
 from q2q_sim.scenarios.scenario import Scenario
 
-Listener = Callable[[str, int, Signal], None]
+SignalListener = Callable[[str, int, Signal], None]
 """Function of topic, stamp of the tick [ns] and signal."""
 
 
@@ -40,7 +40,7 @@ class LoopSettings:
     seed: int = 0
     air: FlownAir | None = None
     """Air in place of the scenario's air, or wake and disturbance."""
-    on_signal: Listener = ignore_signals
+    on_signal: SignalListener = ignore_signals
     """Called with every signal of q2q_sim.bag_topics.topics, as a recorder of the nodes' topics."""
 
 
@@ -62,7 +62,7 @@ class FlightOptions:
     """Plan in place of the scenario's own."""
     residual_process: ResidualProcess | None = None
     """Residual of the model that the controller corrects by accelerometers; None corrects nothing."""
-    on_signal: Listener = ignore_signals
+    on_signal: SignalListener = ignore_signals
     """As in LoopSettings."""
 
     @property
@@ -161,7 +161,7 @@ def _record(recording: FlightRecording, tick: Tick, answer: BlockSignals, downwa
     recording.command(number, answer.command)
 
 
-def _report(on_signal: Listener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
+def _report(on_signal: SignalListener, tick: Tick, answer: BlockSignals, downwash: Interference) -> None:
     signals: dict[str, Signal] = {"mocap": tick.frame, "state": answer.state, "interference": downwash}
     signals |= {
         "reference": answer.reference,

@@ -17,12 +17,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Three
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.ornstein_uhlenbeck import ExactStep, advance_processes, exact_step
 from q2q_sim.random_streams import DrawnAhead, stream
 
-Three = tuple[float, float, float]
 STILL = (0.0, 0.0, 0.0)
 
 

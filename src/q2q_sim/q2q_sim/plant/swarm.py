@@ -8,9 +8,9 @@ import sys
 
 import numpy as np
 
-from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, Axes, attitude_gains
+from q2q_control.attitude.attitude_law import AttitudeGains, AttitudeParams, AxisValues, attitude_gains
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.signals.values import Array, Names, Rows, SwarmState, TrackStatus
+from q2q_model.signals.values import Array, Names, Rows, SwarmState, Three, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 from q2q_sim.air.air_model import AirSetup
 from q2q_sim.air.find_air import FlownAir
@@ -18,17 +18,7 @@ from q2q_sim.air.room_air import RoomAir
 from q2q_sim.air.unit_processes import UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.quadcopter import Body
-from q2q_sim.plant.body.state_row import (
-    ETA_X,
-    ETA_Y,
-    ETA_Z,
-    POS,
-    QUAT,
-    RATE,
-    VEL,
-    Three,
-    state_at_rest,
-)
+from q2q_sim.plant.body.state_row import ETA_X, ETA_Y, ETA_Z, POS, QUAT, RATE, VEL, state_at_rest
 from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, advance_rows
 from q2q_sim.plant.push.state_history_ring import remember
 from q2q_sim.plant.push.uncompiled_air import UncompiledAir
@@ -41,7 +31,7 @@ PHYSICS_RATE = 500
 
 LawAir = tuple[int, Array, Rows]
 """Kind, ring and rows of an Air: all that a wake law needs, as numba looks at every number in each call."""
-PlainBody = tuple[tuple[Axes, Axes, Axes, float], Three, float, float, float]
+PlainBody = tuple[tuple[AxisValues, AxisValues, AxisValues, float], Three, float, float, float]
 """Fields of a Body, which numba takes in a third of the time."""
 
 

@@ -23,7 +23,7 @@ from q2q_sim.air.unit_processes import RESIDUAL, UnitProcesses
 from q2q_sim.air.wake_laws import WakeLaw
 from q2q_sim.plant.body.quadcopter import Body
 from q2q_sim.plant.body.state_row import STATE_WIDTH, state_at_rest
-from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, Work, advance_rows
+from q2q_sim.plant.body.vectorised_step import BLOCK_WIDTH, LANES, StepMemory, advance_rows
 from q2q_sim.plant.push.compiled_room_air import CompiledRoomAir
 from q2q_sim.plant.push.neighbour_list import NeighbourList
 from q2q_sim.plant.push.state_history_ring import empty_ring, remember
@@ -99,7 +99,7 @@ class SwarmBatchInputs(NamedTuple):
 
 
 @compiled(nogil=True, **BORROWING)
-def run_swarm_batch(state: Array, inputs: SwarmBatchInputs, share: Share, work: Work) -> None:
+def run_swarm_batch(state: Array, inputs: SwarmBatchInputs, share: Share, work: StepMemory) -> None:
     """Advance the swarms of a share by one physics step for each row of commands; releases the GIL.
 
     Args:

@@ -30,10 +30,10 @@ MOST_SAMPLES = 1_000_000
 HOLE_S = 0.05
 """Distance from the nearest recorded tick beyond which a sample is missing [s]."""
 
-Json = Mapping[str, object]
+PackedValues = Mapping[str, object]
 
 
-def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> Json:
+def packed_run(run: ReplayRun, rate_hz: float = RATE_HZ) -> PackedValues:
     """Return a run as plain values for JSON, sampled at `rate_hz` or its own rate, whichever is lower.
 
     Raises:
@@ -105,7 +105,7 @@ def _check_span(t: Array, rate: float) -> None:
         )
 
 
-def _packed(values: Array, step: float) -> Json:
+def _packed(values: Array, step: float) -> PackedValues:
     """Return (T, n, width) values as width, low, step and base64."""
     low = float(np.nanmin(values))
     step = max(step, (float(np.nanmax(values)) - low) / (MISSING - 1))

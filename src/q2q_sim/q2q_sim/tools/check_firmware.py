@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from q2q_model.documents.written_file import write_text
-from q2q_sim.firmware_check.table_rows import Table
+from q2q_sim.firmware_check.table_rows import CheckTable
 from q2q_sim.firmware_check.tolerances import FirmwareVerdict, Tables, compare, tolerance_checks
 from q2q_sim.scenarios.choices import STDOUT
 
@@ -32,7 +32,7 @@ def tables_in(folder: Path) -> Tables:
     )
 
 
-def _table(file: Path) -> Table:
+def _table(file: Path) -> CheckTable:
     with file.open(newline="") as text:
         rows = list(csv.DictReader(text))
     if not rows:

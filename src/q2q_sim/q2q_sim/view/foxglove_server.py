@@ -6,7 +6,8 @@ The SDK (foxglove-sdk) is optional: it is imported when a server is opened.
 from typing import TYPE_CHECKING
 
 from q2q_model.signals.stamps import stamp_parts
-from q2q_sim.view.shapes import Point, Scene, Shape, ShapeKind, arrow_quat
+from q2q_model.signals.values import Three
+from q2q_sim.view.shapes import Scene, Shape, ShapeKind, arrow_quat
 
 if TYPE_CHECKING:
     from foxglove import messages
@@ -142,5 +143,5 @@ def _name(shape: Shape, scene: Scene) -> str:
     return f"{shape.group}/{scene.names[shape.row]}"
 
 
-def _length(tail: Point, tip: Point) -> float:
+def _length(tail: Three, tip: Three) -> float:
     return float(sum((to - start) ** 2 for start, to in zip(tail, tip, strict=True)) ** 0.5)

@@ -30,13 +30,14 @@ from q2q_model.signals.values import (
     Interference,
     SwarmSetpoint,
     SwarmState,
+    Three,
     TrackStatus,
     index_of,
 )
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.tunable import check_bounds, tunable
 from q2q_sim.air.wake_laws import MEASURED_SPEED
-from q2q_sim.view.shapes import Colour, Point, Scene, Shape, ShapeKind
+from q2q_sim.view.shapes import Colour, Scene, Shape, ShapeKind
 from q2q_sim.view.trails import AirTrail, Trail, point_of
 
 COLOURS: tuple[Colour, ...] = tuple(palette.rgba(colour) for colour in palette.VEHICLES)
@@ -50,7 +51,7 @@ FORCE: Colour = palette.rgba(palette.PUSH)
 TEXT: Colour = palette.rgba(palette.BLACK)
 REPLANNED: Colour = palette.rgba(palette.BLACK)
 
-BODY: Point = (0.092, 0.092, 0.029)
+BODY: Three = (0.092, 0.092, 0.029)
 """A Crazyflie's motor diagonal and height [m] (Bitcraze)."""
 TEXT_HEIGHT = 0.08
 """[m]"""
@@ -116,7 +117,7 @@ class SceneBuilder:
     def __init__(self, params: SceneParams) -> None:
         """Take the parameters of the drawing."""
         self._params = params
-        self._plans: dict[str, tuple[Point, ...]] = {}
+        self._plans: dict[str, tuple[Three, ...]] = {}
         self._air: dict[str, AirTrail] = {}
         self._trails: dict[tuple[str, str], Trail] = {}
 
@@ -159,7 +160,7 @@ class SceneBuilder:
             Shape(ShapeKind.LINE, "wake", row, AIR, self._blown(state, row), (THICK, 0.0, 0.0)),
         ]
 
-    def _blown(self, state: SwarmState, row: int) -> tuple[Point, ...]:
+    def _blown(self, state: SwarmState, row: int) -> tuple[Three, ...]:
         air = self._air.setdefault(state.names[row], AirTrail())
         axis = rotate(state.quat[row], np.array([0.0, 0.0, 1.0]))
         air.add(state.t, state.pos[row], axis, self._params.d / self._params.wake_speed)
@@ -199,7 +200,7 @@ class SceneBuilder:
             ]
         return [shape for shape in made if len(shape.points) > 1]
 
-    def _trail(self, group: str, name: str, t: float, pos: Array | None) -> tuple[Point, ...]:
+    def _trail(self, group: str, name: str, t: float, pos: Array | None) -> tuple[Three, ...]:
         trail = self._trails.setdefault((group, name), Trail())
         trail.forget(t, self._params.trail_s)
         if pos is not None and np.isfinite(pos).all():

@@ -4,12 +4,10 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from q2q_model.signals.values import Names
+from q2q_model.signals.values import Names, Three
 
 Colour = tuple[float, float, float, float]
 """Red, green, blue, opacity, 0 to 1."""
-Point = tuple[float, float, float]
-"""[m], world."""
 Quat = tuple[float, float, float, float]
 """x y z w."""
 
@@ -33,9 +31,9 @@ class Shape:
     row: int
     """Index of its vehicle in the order of names."""
     colour: Colour
-    points: tuple[Point, ...]
+    points: tuple[Three, ...]
     """Centre of a box, cylinder or text; tail and tip of an arrow; all of a line. [m], world."""
-    size: Point = (0.0, 0.0, 0.0)
+    size: Three = (0.0, 0.0, 0.0)
     """Extent of a box or cylinder; (width, -, -) of line and arrow; (-, -, height) of text [m]."""
     quat: Quat = (0.0, 0.0, 0.0, 1.0)
     """Orientation of a box or cylinder, x y z w."""
@@ -56,7 +54,7 @@ class Scene:
         return tuple(shape for shape in self.shapes if shape.group == name)
 
 
-def arrow_quat(tail: Point, tip: Point) -> Quat:
+def arrow_quat(tail: Three, tip: Three) -> Quat:
     """Return the shortest rotation of +x to the arrow's direction; identity for an arrow of zero length.
 
     q = (x cross d, 1 + x . d) normalised; straight back it is half a turn about z. Backwards 1 + d_x is

@@ -3,17 +3,16 @@
 from collections import deque
 from dataclasses import dataclass, field
 
-from q2q_model.signals.values import Array
-from q2q_sim.view.shapes import Point
+from q2q_model.signals.values import Array, Three
 
 
 @dataclass(slots=True)
 class Trail:
     """Recent positions of one vehicle, each with its time [s]."""
 
-    points: deque[tuple[float, Point]] = field(default_factory=deque)
+    points: deque[tuple[float, Three]] = field(default_factory=deque)
 
-    def add(self, t: float, point: Point, rate_hz: float) -> None:
+    def add(self, t: float, point: Three, rate_hz: float) -> None:
         """Add a point if the last is old enough."""
         if not self.points or t - self.points[-1][0] >= (1.0 - 1e-6) / rate_hz:
             self.points.append((t, point))
@@ -25,7 +24,7 @@ class Trail:
         while self.points and t - self.points[0][0] > seconds:
             self.points.popleft()
 
-    def as_points(self) -> tuple[Point, ...]:
+    def as_points(self) -> tuple[Three, ...]:
         """Return the points, oldest first."""
         return tuple(point for _, point in self.points)
 
@@ -44,12 +43,12 @@ class AirTrail:
         while t - self.parcels[0][0] > longest:
             self.parcels.popleft()
 
-    def at(self, t: float, speed: float) -> tuple[Point, ...]:
+    def at(self, t: float, speed: float) -> tuple[Three, ...]:
         """Return the positions of the air at time t [s], the youngest first."""
         return tuple(point_of(pos - axis * speed * (t - left)) for left, pos, axis in reversed(self.parcels))
 
 
-def point_of(pos: Array) -> Point:
+def point_of(pos: Array) -> Three:
     """Return a position (3,) as plain numbers."""
     x, y, z = pos.tolist()
     return x, y, z

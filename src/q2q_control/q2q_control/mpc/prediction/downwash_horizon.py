@@ -47,7 +47,7 @@ from q2q_model.downwash.interaction_model import (
 from q2q_model.downwash.jet import Jet, jet_law
 from q2q_model.downwash.source_strength import SourceTerms, source_terms, strengths
 from q2q_model.downwash.state_history import states_at
-from q2q_model.downwash.sweep_and_prune import Pairs, pairs_in_reach
+from q2q_model.downwash.sweep_and_prune import OrderedPairs, pairs_in_reach
 from q2q_model.signals.values import Array, Rows
 
 ALL_PAIRS = 64
@@ -109,7 +109,7 @@ def _jet_rule(model: Jet, rule: GradientRule) -> JetRule:
     return JetRule(np.array(jet_law(model)), np.array(rule.moves), rule.slope_max, reach)
 
 
-def _summed(law: Array, tracks: Tracks, pairs: Pairs, rule: GradientRule) -> DownwashHorizon:
+def _summed(law: Array, tracks: Tracks, pairs: OrderedPairs, rule: GradientRule) -> DownwashHorizon:
     """Return the downwash of pairs at all places, (1 + 2 moves, pairs, N, 3), without faint ones."""
     (i, j), (n, stages) = pairs, tracks.axis.shape[:2]
     downwash = DownwashHorizon(np.zeros((n, stages, 3)), i, j, np.zeros((i.size, stages, 3, 3)))
@@ -118,7 +118,7 @@ def _summed(law: Array, tracks: Tracks, pairs: Pairs, rule: GradientRule) -> Dow
 
 
 def _law_of(
-    model: InteractionModel, tracks: Tracks, pairs: Pairs, rule: GradientRule, spread: Array | None
+    model: InteractionModel, tracks: Tracks, pairs: OrderedPairs, rule: GradientRule, spread: Array | None
 ) -> Array:
     """Return the downwash of a model at all places [m/s^2], (1 + 2 moves, pairs, N, 3).
 
@@ -137,7 +137,7 @@ def no_downwash(tracks: Tracks) -> DownwashHorizon:
     return DownwashHorizon(np.zeros((n, stages, 3)), none, none, np.zeros((0, stages, 3, 3)))
 
 
-def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int) -> Pairs:
+def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int) -> OrderedPairs:
     """Return ordered pairs, among them all that come within reach; only the first `felt` vehicles feel."""
     n = len(tracks.axis)
     if reach.horizontal <= 0.0 or n < 2:
@@ -150,14 +150,14 @@ def _pairs_to_check(reach: Reach, tracks: Tracks, felt: int) -> Pairs:
     return (i[i < felt], j[i < felt]) if felt < n else (i, j)
 
 
-def _near(reach: Reach, tracks: Tracks, pairs: Pairs) -> Pairs:
+def _near(reach: Reach, tracks: Tracks, pairs: OrderedPairs) -> OrderedPairs:
     """Return those of `pairs` that come within reach at some stage."""
     hit = within_reach(tracks.pos[tracks.first :], pairs, (reach.horizontal, reach.vertical))
     return pairs[0][hit], pairs[1][hit]
 
 
 @lru_cache(maxsize=ALL_PAIRS)
-def _all_pairs(felt: int, n: int) -> Pairs:
+def _all_pairs(felt: int, n: int) -> OrderedPairs:
     i, j = np.nonzero(~np.eye(felt, n, dtype=np.bool_))
     return i.copy(), j.copy()  # columns of one array: one layout, one kernel
 
@@ -173,7 +173,9 @@ def _widened(model: InteractionModel, places: Array, motion: PairMotion, spread:
     return np.asarray(np.tensordot(shares, model.acceleration(places + away, motion), 1))
 
 
-def _places(model: InteractionModel, tracks: Tracks, pairs: Pairs, moves: Rows) -> tuple[Array, PairMotion]:
+def _places(
+    model: InteractionModel, tracks: Tracks, pairs: OrderedPairs, moves: Rows
+) -> tuple[Array, PairMotion]:
     """Return where sources are from those who feel them, and how both move.
 
     The places are those of each stage, and displaced by DELTA [m], (1 + 2 moves, pairs, N, 3).

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.downwash.sweep_and_prune import Pairs
+from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.signals.values import Array, Mask, Rows
 
 DELTA = 1e-3
@@ -71,7 +71,7 @@ def bounding_boxes(path: Array) -> tuple[Array, Array]:
 
 
 @compiled
-def within_reach(path: Array, pairs: Pairs, reach: tuple[float, float]) -> Mask:
+def within_reach(path: Array, pairs: OrderedPairs, reach: tuple[float, float]) -> Mask:
     """Return the pairs that come within reach (horizontal, vertical [m]) at some stage's middle, (p,)."""
     i, j = pairs
     hit = np.zeros(i.size, np.bool_)

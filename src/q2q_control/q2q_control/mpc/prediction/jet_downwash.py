@@ -19,7 +19,7 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import (
 )
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.downwash.jet_kernel import JetLaw, JetPairs, evaluate_pairs, law_of_numbers
-from q2q_model.downwash.sweep_and_prune import Pairs
+from q2q_model.downwash.sweep_and_prune import OrderedPairs
 from q2q_model.signals.values import Array, Mask, Rows
 
 
@@ -35,7 +35,7 @@ class JetRule(NamedTuple):
 
 
 @compiled
-def sum_near_jets(rule: JetRule, tracks: Tracks, pairs: Pairs) -> DownwashHorizon:
+def sum_near_jets(rule: JetRule, tracks: Tracks, pairs: OrderedPairs) -> DownwashHorizon:
     """Return the downwash of those of `pairs` that come within reach and are not faint."""
     n, stages = tracks.axis.shape[0], tracks.axis.shape[1]
     near = within_reach(tracks.pos[tracks.first :], pairs, rule.reach)

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.optimize import minimize
 
 from q2q_model.downwash.jet import Jet
-from q2q_model.identification.intervals import Z95
 from q2q_model.identification.push.along_flight import eta_on_vehicle
 from q2q_model.identification.push.push_samples import PushSamples
+from q2q_model.identification.statistics.intervals import Z95
 from q2q_model.signals.values import Array
 
 MOST_STD = 10.0

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.flights.flight import Flight
-from q2q_model.identification.intervals import Z95
 from q2q_model.identification.push.push_samples import FEWEST_FREE, scored_rows
 from q2q_model.identification.push.recorded_push import push_of_sensors, recorded_acceleration
+from q2q_model.identification.statistics.intervals import Z95
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 

@@ -11,10 +11,10 @@ from q2q_model.signals.values import Names
 FRAMES = 100
 """Frames with one stamp after which is warned; a lost message is requested again a few times."""
 
-Take = Callable[[int, Signal], None]
+TakeSignal = Callable[[int, Signal], None]
 
 
-def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> Take:
+def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> TakeSignal:
     """Return a listener that warns of names in a topic that are not among `vehicles`; none are all."""
 
     def unknown(names: Names) -> Names:
@@ -23,7 +23,7 @@ def warn_of_unknown_names(node: Node, topic: str, vehicles: Names) -> Take:
     return _warn_once(node, topic, unknown, lambda _: f"ignored: vehicles are {', '.join(vehicles)}")
 
 
-def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> Take:
+def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> TakeSignal:
     """Return a listener that warns of `vehicles` that a topic does not have."""
 
     def missing(names: Names) -> Names:
@@ -32,7 +32,9 @@ def warn_of_missing_names(node: Node, topic: str, vehicles: Names) -> Take:
     return _warn_once(node, topic, missing, lambda names: f"missing: it has {', '.join(names) or 'none'}")
 
 
-def _warn_once(node: Node, topic: str, differ: Callable[[Names], Names], why: Callable[[Names], str]) -> Take:
+def _warn_once(
+    node: Node, topic: str, differ: Callable[[Names], Names], why: Callable[[Names], str]
+) -> TakeSignal:
     warned: set[Names] = {()}
     last: Names | None = None
 

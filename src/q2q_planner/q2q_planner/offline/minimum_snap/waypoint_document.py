@@ -7,12 +7,13 @@ from math import isnan, nan, tau
 from typing import Annotated
 
 from q2q_model.documents.plain_values import from_plain
+from q2q_model.signals.values import Three
 from q2q_model.signals.vehicle_name import check_vehicle_name
 from q2q_model.vehicle.constants import DEFAULT_VEHICLE
 from q2q_model.vehicle.thrust_map import STOCK
 from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits, allocate_times
 from q2q_planner.offline.minimum_snap.minimum_snap import InnerWaypoints
-from q2q_planner.offline.minimum_snap.waypoints import Point, VehicleWaypoints, Waypoint, check_swarm
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint, check_swarm
 
 ROUNDED = 1e-3
 """Excess of a full turn that is one written with few digits [rad]: 6.2832."""
@@ -38,7 +39,7 @@ class WaypointDocument:
 class _Row:
     """Waypoint of a document."""
 
-    pos: Annotated[Point, "[x, y, z] in metres"]
+    pos: Annotated[Three, "[x, y, z] in metres"]
     t: float = nan
     """NaN if it is not given."""
     yaw: float = 0.0

@@ -10,9 +10,7 @@ from math import isfinite
 
 import numpy as np
 
-from q2q_model.signals.values import Array
-
-Point = tuple[float, float, float]
+from q2q_model.signals.values import Array, Three
 
 SHORTEST_PIECE = 1e-3
 """Minimum time between waypoints [s]: a tenth of the 100 Hz tick."""
@@ -28,7 +26,7 @@ class Waypoint:
 
     t: float
     """Time from the plan's start [s]."""
-    pos: Point
+    pos: Three
     """Position [m], world."""
     yaw: float = 0.0
     """[rad]"""

@@ -20,7 +20,7 @@ from q2q_sim.crtp.packets.packet import MalformedError, Packet
 from q2q_sim.crtp.tables.number_types import TYPES, NumberType
 from q2q_sim.crtp.tables.param_toc import PARAM_TOC
 from q2q_sim.firmware.firmware import Firmware
-from q2q_sim.firmware.parameters.parameter_table import TABLE, Definition, Value
+from q2q_sim.firmware.parameters.parameter_table import TABLE, Definition, FirmwareValue
 
 TOC, READ, WRITE = 0, 1, 2
 ENOENT = 2
@@ -40,7 +40,7 @@ def packed_value(firmware: Firmware, one: Definition) -> bytes:
     return TYPES[one.kind].packed(firmware.parameters[one.name])
 
 
-def value_in(kind: NumberType, data: bytes) -> Value:
+def value_in(kind: NumberType, data: bytes) -> FirmwareValue:
     """Return the value at the front of `data`; raise MalformedError if it is short or not finite."""
     value = read_fields(kind.layout, data)[0]
     if not math.isfinite(value):

@@ -99,9 +99,9 @@ def _clear(firmware: Firmware, one: Definition) -> bytes | None:
     return None if firmware.uploads.stored.pop(one.name, None) is None else b"\0"
 
 
-Made = Callable[[Firmware, Definition], bytes | None]
+MakeAnswer = Callable[[Firmware, Definition], bytes | None]
 
-_COMMANDS: dict[int, tuple[Made, int]] = {
+_COMMANDS: dict[int, tuple[MakeAnswer, int]] = {
     2: (_extended, NOT_FOUND),
     3: (_store, ENOENT),
     4: (_state, NOT_FOUND),

@@ -37,7 +37,7 @@ from q2q_sim.firmware.firmware import Firmware
 from q2q_sim.firmware.firmware_build import SEES_FLOW
 from q2q_sim.plant.body.state_row import ACC, QUAT, RATE
 
-Numbers = Array | tuple[float, ...]
+LogValues = Array | tuple[float, ...]
 RSSI = 40
 """Signal strength of a vehicle in the same room [-dBm]."""
 SEA_LEVEL, LAPSE, ASL_EXPONENT = 1015.7, 0.0065, 0.1902630958
@@ -60,7 +60,7 @@ class Variable:
 
 
 def _vector(
-    names: str, kind: str, read: Callable[[Firmware], Numbers], scale: float = 1.0
+    names: str, kind: str, read: Callable[[Firmware], LogValues], scale: float = 1.0
 ) -> tuple[Variable, ...]:
     """Return one variable for each component of `read`; `names` is "group: first second ..."."""
     group, rest = names.split(": ")
@@ -104,7 +104,7 @@ def _turned(firmware: Firmware, vector: Array) -> Array:
     return np.array([c * vector[0] + s * vector[1], c * vector[1] - s * vector[0], vector[2]])
 
 
-def _flow(firmware: Firmware) -> Numbers:
+def _flow(firmware: Firmware) -> LogValues:
     """Return what a flow deck sees [pixels in 10 ms]; 0 without one."""
     if not (firmware.build.flow_deck or not SEES_FLOW.isdisjoint(firmware.build.decks)):
         return 0.0, 0.0
@@ -114,14 +114,14 @@ def _flow(firmware: Firmware) -> Numbers:
     return PIXELS * (per_height * x - rates[1]), PIXELS * (per_height * y + rates[0])
 
 
-def _baro(height: float) -> Numbers:
+def _baro(height: float) -> LogValues:
     """Return height above sea level [m], temperature [deg C] and pressure [mbar]; the floor is at the sea."""
     kelvin = ROOM_TEMPERATURE + 273.15
     pressure = SEA_LEVEL * (1.0 + LAPSE * height / kelvin) ** (-1.0 / ASL_EXPONENT)
     return height, ROOM_TEMPERATURE, pressure
 
 
-def _memory(first: int) -> Callable[[Firmware], Numbers]:
+def _memory(first: int) -> Callable[[Firmware], LogValues]:
     return lambda firmware: firmware.rows.memory[first:]
 
 

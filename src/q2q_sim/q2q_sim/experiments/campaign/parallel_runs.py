@@ -19,7 +19,7 @@ RECYCLE = 2000
 pools: with max_tasks_per_child a pool may deadlock, https://github.com/python/cpython/issues/115634."""
 
 Result = TypeVar("Result")
-Work = Callable[[int], Result]
+RunOne = Callable[[int], Result]
 """Work on a number, such as the run of a seed."""
 Died = Callable[[int], Result]
 """Result of work on a number whose process died, alone with it."""
@@ -46,7 +46,7 @@ class ParallelRuns(NamedTuple):
 
 
 def spread_work(
-    where: ParallelRuns, work: Work[Result], numbers: Sequence[int], died: Died[Result]
+    where: ParallelRuns, work: RunOne[Result], numbers: Sequence[int], died: Died[Result]
 ) -> Iterator[Result]:
     """Yield the result of work on every number, in the order of completion; an error of work is raised.
 
@@ -60,12 +60,12 @@ def spread_work(
     raise ValueError(f"unknown engine {where.engine!r}: choose one of {', '.join(ENGINES)}")
 
 
-def _local(work: Work[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
+def _local(work: RunOne[Result], numbers: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
     for begin in range(0, len(numbers), jobs * RECYCLE):
         yield from _by_pools(work, numbers[begin : begin + jobs * RECYCLE], jobs, died)
 
 
-def _by_pools(work: Work[Result], left: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
+def _by_pools(work: RunOne[Result], left: Sequence[int], jobs: int, died: Died[Result]) -> Iterator[Result]:
     """Yield the results; a pool in which a process died is replaced, and what it worked on is done alone."""
     while left:
         left = yield from _by_pool(work, left, jobs)
@@ -75,7 +75,9 @@ def _by_pools(work: Work[Result], left: Sequence[int], jobs: int, died: Died[Res
                 yield died(number)
 
 
-def _by_pool(work: Work[Result], numbers: Sequence[int], jobs: int) -> Generator[Result, None, Sequence[int]]:
+def _by_pool(
+    work: RunOne[Result], numbers: Sequence[int], jobs: int
+) -> Generator[Result, None, Sequence[int]]:
     """Yield results until a process dies; return the numbers without one, the first begun first."""
     left, pool = dict(enumerate(numbers)), worker_pool(jobs, freeze_imports)
     try:
@@ -103,7 +105,7 @@ def _died(seed: int, air: str) -> RunOutcome:
     return RunOutcome(seed, through_nodes=False, what=DIED, violations=(what,), seconds=0.0, air=air)
 
 
-def _dask(work: Work[Result], numbers: Sequence[int], jobs: int) -> Iterator[Result]:
+def _dask(work: RunOne[Result], numbers: Sequence[int], jobs: int) -> Iterator[Result]:
     """Run on the cluster at DASK_SCHEDULER_ADDRESS, else on a local one of `jobs` processes."""
     try:
         from dask.distributed import Client

@@ -26,8 +26,8 @@ from q2q_sim.experiments.explanation.first_cause import first_cause
 from q2q_sim.experiments.explanation.flight_case import FlightCase, fly_flight_case
 from q2q_sim.experiments.explanation.loss import Loss, LossKind, largest_loss, loss_over_time
 from q2q_sim.experiments.explanation.shapley import (
-    Order,
-    Value,
+    CauseOrder,
+    ValueOfCauses,
     all_orders_fit,
     orders_of,
     shapley_shares,
@@ -128,7 +128,7 @@ def cut_case(case: FlightCase, end: float) -> FlightCase:
     return replace(case, scenario=replace(case.scenario, duration=end, faults=begun))
 
 
-def loss_without(case: FlightCase, loss: Loss) -> Value:
+def loss_without(case: FlightCase, loss: Loss) -> ValueOfCauses:
     """Return the loss [m] of a vehicle as a function of the causes taken out; each set is flown once."""
     known: dict[frozenset[str], float] = {}
 
@@ -151,7 +151,7 @@ def half_widths(found: Array, *, exact: bool) -> Array:
 
 
 def _all_shares(
-    causes: Sequence[str], orders: Sequence[Order], values: Sequence[Value], follow: Follow
+    causes: Sequence[str], orders: Sequence[CauseOrder], values: Sequence[ValueOfCauses], follow: Follow
 ) -> Array:
     """Return the shares of the causes of each draw and in each order, (draws, orders, causes)."""
     found = np.empty((len(values), len(orders), len(causes)))

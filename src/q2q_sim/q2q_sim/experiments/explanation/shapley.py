@@ -17,9 +17,9 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 
-Value = Callable[[frozenset[str]], float]
+ValueOfCauses = Callable[[frozenset[str]], float]
 """v."""
-Order = tuple[str, ...]
+CauseOrder = tuple[str, ...]
 
 
 def all_orders_fit(causes: Sequence[str], most: int) -> bool:
@@ -27,7 +27,7 @@ def all_orders_fit(causes: Sequence[str], most: int) -> bool:
     return factorial(len(causes)) <= most
 
 
-def orders_of(causes: Sequence[str], most: int, rng: np.random.Generator) -> list[Order]:
+def orders_of(causes: Sequence[str], most: int, rng: np.random.Generator) -> list[CauseOrder]:
     """Return all orders if there are at most `most`, else `most` random ones in pairs."""
     if all_orders_fit(causes, most):
         return list(permutations(causes))
@@ -35,7 +35,7 @@ def orders_of(causes: Sequence[str], most: int, rng: np.random.Generator) -> lis
     return [one for order in drawn for one in (order, order[::-1])]
 
 
-def shapley_shares(causes: Sequence[str], orders: Sequence[Order], value: Value) -> Array:
+def shapley_shares(causes: Sequence[str], orders: Sequence[CauseOrder], value: ValueOfCauses) -> Array:
     """Return the share of each cause in each order, (orders, causes)."""
     found = np.empty((len(orders), len(causes)))
     for row, order in enumerate(orders):

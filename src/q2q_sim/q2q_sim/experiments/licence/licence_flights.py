@@ -15,13 +15,14 @@ from signal import strsignal
 from time import monotonic
 
 from q2q_model.counted import counted
+from q2q_model.signals.values import Three
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.flight_order import PROGRAM_TIMEOUT_S, FlightOrder, Program
 from q2q_sim.experiments.licence.guided_trials import trials_after
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure
 from q2q_sim.experiments.licence.program_flight import fly_program, received_log
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
-from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom, Start
+from q2q_sim.experiments.licence.room.licence_room import LicenceParams, LicenceRoom
 from q2q_sim.experiments.licence.room.trials import LicenceTrial
 from q2q_sim.experiments.licence.rules.broken_rule import BrokenRule
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
@@ -47,8 +48,9 @@ STUCK_S = PROGRAM_TIMEOUT_S + 10.0
 class LicenceOptions:
     """Conditions of a licence."""
 
-    starts: tuple[Start, ...] = ()
-    """Of the vehicles in the order of their URIs; empty for rows along y, SPACING apart (`rows_of`)."""
+    starts: tuple[Three, ...] = ()
+    """x, y [m], yaw [rad] of the vehicles in the order of their URIs; empty for rows along y, SPACING apart
+    (`rows_of`)."""
     limits: LicenceLimits = field(default_factory=LicenceLimits)
     air: str = "room"
     seed: int = 0
@@ -70,7 +72,7 @@ class LicenceOptions:
         room = RoomBox(*self.limits.half_room, self.limits.ceiling)
         return LicenceParams(starts, self.air, self.seed, self.arming, room)
 
-    def rows_of(self, count: int) -> tuple[Start, ...]:
+    def rows_of(self, count: int) -> tuple[Three, ...]:
         """Return starts of `count` vehicles in rows along y, as few as the room has space for."""
         fit = max(1 + int(2.0 * (self.limits.half_room[1] - ASIDE) / SPACING), 1)
         rows = -(-count // fit)

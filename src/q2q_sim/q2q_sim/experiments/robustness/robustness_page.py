@@ -20,7 +20,7 @@ last 2 s, 2 s or more after the last passage [mm], and that of ignoring: there, 
 would show. *Floor*: no vehicle is left under another, as thrust does not carry them; in bold if it does where
 the downwash is ignored."""
 
-Table = Mapping[PerturbedFlight, Errors]
+ErrorTable = Mapping[PerturbedFlight, Errors]
 
 
 def flight_key(asked: PerturbedFlight) -> str:

@@ -9,10 +9,8 @@ from enum import IntEnum
 
 import numpy as np
 
+from q2q_model.signals.values import Four, Three
 from q2q_sim.firmware.commander.polynomial import Goal
-
-Three = tuple[float, float, float]
-Four = tuple[float, float, float, float]
 
 ZERO: Three = (0.0, 0.0, 0.0)
 

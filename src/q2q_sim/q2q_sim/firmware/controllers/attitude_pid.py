@@ -11,8 +11,7 @@ The yaw setpoint integrates a yaw-rate setpoint. The PIDs are reset when a mode 
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
-from q2q_model.signals.values import Array
-from q2q_sim.firmware.commander.setpoint import Three
+from q2q_model.signals.values import Array, Three
 from q2q_sim.firmware.controllers.columns import (
     ATTITUDE_GAINS,
     ATTITUDE_SETPOINT,

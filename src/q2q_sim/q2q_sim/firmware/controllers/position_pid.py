@@ -14,9 +14,8 @@ import math
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Three
 from q2q_model.vehicle.thrust_map import PWM_FULL
-from q2q_sim.firmware.commander.setpoint import Three
 from q2q_sim.firmware.controllers.columns import (
     ATTITUDE_SETPOINT,
     MODE_X,

@@ -4,8 +4,7 @@ import math
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
-from q2q_model.signals.values import Array
-from q2q_sim.firmware.commander.setpoint import Three
+from q2q_model.signals.values import Array, Three
 
 Nine = tuple[float, float, float, float, float, float, float, float, float]
 

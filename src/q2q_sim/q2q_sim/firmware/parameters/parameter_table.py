@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from q2q_model.vehicle.thrust_map import MASS_THRUST
 
-Value = float | int
+FirmwareValue = float | int
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Definition:
     """group.name"""
     kind: str
     """C type: uint8 uint16 uint32 int8 int16 int32 float."""
-    default: Value
+    default: FirmwareValue
     persistent: bool = False
     read_only: bool = False
 

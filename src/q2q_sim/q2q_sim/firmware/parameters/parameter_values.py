@@ -6,13 +6,13 @@ import numpy as np
 
 from q2q_model.signals.values import Array
 from q2q_sim.firmware.motors.airframe import Airframe
-from q2q_sim.firmware.parameters.parameter_table import GAINS, IDLE_PWM, TABLE, Definition, Value
+from q2q_sim.firmware.parameters.parameter_table import GAINS, IDLE_PWM, TABLE, Definition, FirmwareValue
 
 STIFF = ("kp_xy", "kd_xy", "ki_xy", "kp_z", "kd_z", "ki_z")
 """Mellinger gains in N/m, N s/m, N/(m s)."""
 
 
-def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, Value]:
+def defaults_of(airframe: Airframe, *, auto_arming: bool) -> dict[str, FirmwareValue]:
     """Return the initial value of every parameter in the build for an airframe."""
     values = {one.name: one.default for one in TABLE}
     for name in STIFF:
@@ -36,11 +36,11 @@ class Parameters:
         """Iterate over the names."""
         return iter(TABLE)
 
-    def __getitem__(self, name: str) -> Value:
+    def __getitem__(self, name: str) -> FirmwareValue:
         """Return the value of `group.name`."""
         return self._values[name]
 
-    def set(self, name: str, value: Value) -> None:
+    def set(self, name: str, value: FirmwareValue) -> None:
         """Set `group.name`."""
         self._values[name] = _as_float32(value)
         self.changes += 1
@@ -50,7 +50,7 @@ class Parameters:
         self._values = dict(self._defaults)
         self.changes += 1
 
-    def default(self, name: str) -> Value:
+    def default(self, name: str) -> FirmwareValue:
         """Return the initial value."""
         return self._defaults[name]
 
@@ -64,6 +64,6 @@ class Parameters:
         return np.array([*row, float(self._values["stabilizer.controller"])])
 
 
-def _as_float32(value: Value) -> Value:
+def _as_float32(value: FirmwareValue) -> FirmwareValue:
     """Return a value as the vehicle stores it: floats have 32 bits."""
     return value if isinstance(value, int) else float(np.float32(value))

@@ -13,8 +13,9 @@ Source: firmware: modules/src/supervisor.c.
 
 from dataclasses import dataclass, replace
 
+from q2q_model.signals.values import Three
 from q2q_model.vehicle.setpoint_watchdog import CUT_AFTER_S, LEVEL_AFTER_S
-from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint, Three
+from q2q_sim.firmware.commander.setpoint import STOP, Mode, Setpoint
 from q2q_sim.firmware.parameters.parameter_values import Parameters
 from q2q_sim.firmware.supervisor.rules import (
     MAY_FLY,

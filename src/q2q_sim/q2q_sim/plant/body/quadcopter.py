@@ -40,7 +40,7 @@ from q2q_control.attitude.attitude_law import (
 )
 from q2q_model.compiled import BORROWING, compiled
 from q2q_model.geometry.yaw import yaw_of
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Four, Three
 from q2q_model.vehicle.constants import Vehicle
 from q2q_sim.plant.body.rigid_body import (
     acceleration,
@@ -74,11 +74,9 @@ from q2q_sim.plant.body.state_row import (
     TZ,
     VX,
     VZ,
-    Four,
     P,
     Q,
     R,
-    Three,
     X,
     Y,
     Z,

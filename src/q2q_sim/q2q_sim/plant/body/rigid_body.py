@@ -2,10 +2,11 @@
 
 import math
 
-from q2q_control.attitude.attitude_law import Axes
+from q2q_control.attitude.attitude_law import AxisValues
 from q2q_model.compiled import BORROWING, compiled
+from q2q_model.signals.values import Four, Three
 from q2q_model.vehicle.constants import GRAVITY
-from q2q_sim.plant.body.state_row import Four, Three, Two
+from q2q_sim.plant.body.state_row import Two
 
 SMALL_SQUARE = 1e-3
 """Square of an angle up to which the series of its sine and cosine are exact [rad^2]."""
@@ -24,7 +25,7 @@ def acceleration(quat: Four, rotors: Four, push: Three, mass: float) -> Three:
 
 
 @compiled(**BORROWING)
-def rate_after(rate: Three, torque: Three, inertia: Axes, step: float) -> Three:
+def rate_after(rate: Three, torque: Three, inertia: AxisValues, step: float) -> Three:
     """Return the body rates after one step under the torque [N m] of rotors and air."""
     p, q, r = rate
     ix, iy, iz = inertia[0], inertia[1], inertia[2]

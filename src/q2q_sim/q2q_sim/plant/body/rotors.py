@@ -1,7 +1,7 @@
 """Rotors: their torque, and the thrust they give where some are asked for more than they have."""
 
 from q2q_model.compiled import BORROWING, compiled
-from q2q_sim.plant.body.state_row import Four, Three
+from q2q_model.signals.values import Four, Three
 
 
 @compiled(**BORROWING)

@@ -30,8 +30,6 @@ RATE, ROTORS, ACC = slice(P, F1), slice(F1, AX), slice(AX, ETA_Z)
 TORQUE = slice(TX, ROTOR_MAX1)
 
 Two = tuple[float, float]
-Three = tuple[float, float, float]
-Four = tuple[float, float, float, float]
 
 
 def state_at_rest(start: Array, mass: float) -> Array:

@@ -9,9 +9,9 @@ vector instructions round as scalar ones do.
 """
 
 from q2q_control.attitude.allocation_kernel import unlimited_rotors
-from q2q_control.attitude.attitude_law import AttitudeGains, Axes, attitude_torque
+from q2q_control.attitude.attitude_law import AttitudeGains, AxisValues, attitude_torque
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Four, Three
 from q2q_sim.plant.body.quadcopter import GAIN1, Body, advance, tilt
 from q2q_sim.plant.body.rigid_body import (
     SMALL_SQUARE,
@@ -33,9 +33,7 @@ from q2q_sim.plant.body.state_row import (
     STATE_WIDTH,
     TX,
     VX,
-    Four,
     P,
-    Three,
     X,
     Y,
     Z,
@@ -56,7 +54,7 @@ BLOCK_WIDTH = VALID + 1
 IN_LOOP: dict[str, object] = {**BORROWING, "forceinline": True}
 """Options of functions of one lane: a call that is left in the loop over the lanes keeps it from vectors."""
 
-Work = tuple[Array, Array]
+StepMemory = tuple[Array, Array]
 """Workspace: a block (BLOCK_WIDTH * LANES,), and rotor thrusts of a row (4,)."""
 
 
@@ -178,12 +176,12 @@ def _step_block(block: Array, body: Body) -> None:
 
 
 @compiled(**BORROWING)
-def _axes(values: Axes) -> Three:
+def _axes(values: AxisValues) -> Three:
     return values[0], values[1], values[2]
 
 
 @compiled(**BORROWING)
-def advance_rows(state: Array, commands: Array, drive: Array, body: Body, work: Work) -> None:
+def advance_rows(state: Array, commands: Array, drive: Array, body: Body, work: StepMemory) -> None:
     """Advance all vehicles by a step.
 
     Args:

@@ -8,10 +8,10 @@ import math
 from typing import NamedTuple
 
 from q2q_model.compiled import HOT, compiled
-from q2q_model.signals.values import Array, Rows
+from q2q_model.signals.values import Array, Rows, Three
 from q2q_sim.air.unit_processes import MEANDER_X, MEANDER_Y
 from q2q_sim.air.wake_laws import BLEND, MAX_DELAY
-from q2q_sim.plant.body.state_row import Three, X, Y, Z
+from q2q_sim.plant.body.state_row import X, Y, Z
 from q2q_sim.plant.push.compiled_room_air import (
     AWAY_X,
     AWAY_Y,

@@ -6,9 +6,9 @@ Visits pairs only while x_j - x_i is within the widest reach of the wake over th
 import math
 
 from q2q_model.compiled import BORROWING, compiled
-from q2q_model.signals.values import Array, Rows
+from q2q_model.signals.values import Array, Four, Rows
 from q2q_sim.air.wake_laws import MEASURED, NONE, PAPER, pair_eta, wake_delay, wake_reach
-from q2q_sim.plant.body.state_row import ETA_Z, Four, X, Y, Z
+from q2q_sim.plant.body.state_row import ETA_Z, X, Y, Z
 from q2q_sim.plant.push.insertion_sort import sort_by_x
 from q2q_sim.plant.push.state_history_ring import THRUST_RATIO
 

@@ -45,7 +45,7 @@ from q2q_sim.plant.swarm import Swarm
 from q2q_sim.plant.swarm_batch import SwarmBatch, SwarmBatchSetup
 from q2q_sim.scenarios import library
 
-Call = Callable[[], object]
+KernelCall = Callable[[], object]
 TICKS = 0.06
 """Long enough to confirm a track [s]."""
 MANY = tuple(f"cf{k}" for k in range(1, 11))
@@ -53,7 +53,7 @@ MANY = tuple(f"cf{k}" for k in range(1, 11))
 CONTROLLED = (SwarmState, SwarmSetpoint, Interference)
 
 
-def calls() -> tuple[Call, ...]:
+def calls() -> tuple[KernelCall, ...]:
     """Return the functions that call every kernel, those that compile for longest first."""
     long = (_mpc, _replanned, _in_a_rooms_air, _firmware)
     return *long, _room, _estimators, _nearness, _identification, _many

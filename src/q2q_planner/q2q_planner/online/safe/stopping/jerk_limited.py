@@ -55,7 +55,7 @@ class StoppingMotions(NamedTuple):
     """Sign of the velocity that is stopped [-], and t_1, t_2, t_3 [s], of each axis, (n, 3 axes, 4)."""
 
 
-Axes = tuple[AxisMotion, AxisMotion, AxisMotion]
+ThreeAxisMotion = tuple[AxisMotion, AxisMotion, AxisMotion]
 """x, y and z of a motion."""
 
 
@@ -126,13 +126,13 @@ def axis_at(motion: AxisMotion, s: float, law: BrakingLaw) -> Axis:
 
 
 @compiled(**HOT)
-def axes_of(stopping: StoppingMotions, row: int) -> Axes:
+def axes_of(stopping: StoppingMotions, row: int) -> ThreeAxisMotion:
     """Return x, y and z of a motion."""
     return _axis_motion(stopping, row, 0), _axis_motion(stopping, row, 1), _axis_motion(stopping, row, 2)
 
 
 @compiled(**HOT)
-def rest_of(axes: Axes) -> float:
+def rest_of(axes: ThreeAxisMotion) -> float:
     """Return the time at which a motion rests [s]."""
     longest = 0.0
     for motion in axes:

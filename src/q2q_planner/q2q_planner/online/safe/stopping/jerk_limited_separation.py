@@ -17,10 +17,10 @@ import numpy as np
 from q2q_model.compiled import HOT, compiled
 from q2q_planner.online.safe.stopping.braking import MOST_STEPS, NEARER, BrakingLaw, zone_distance
 from q2q_planner.online.safe.stopping.jerk_limited import (
-    Axes,
     Axis,
     AxisMotion,
     StoppingMotions,
+    ThreeAxisMotion,
     acceleration_bound,
     axes_of,
     axis_at,
@@ -54,7 +54,9 @@ def stays_out_jerk_limited(stopping: StoppingMotions, i: int, j: int, law: Braki
 
 
 @compiled(**HOT)
-def _relative_motion(one: Axes, other: Axes, s: float, law: BrakingLaw) -> tuple[Axis, float]:
+def _relative_motion(
+    one: ThreeAxisMotion, other: ThreeAxisMotion, s: float, law: BrakingLaw
+) -> tuple[Axis, float]:
     """Return the position of one motion from another at time s [m], and the speed between them [m/s]."""
     x, u = _relative_axis(one[0], other[0], s, law)
     y, v = _relative_axis(one[1], other[1], s, law)

@@ -19,7 +19,7 @@ from scipy.optimize import nnls
 from q2q_model.identification.push.push_samples import APART, GAPS
 from q2q_model.signals.values import Array
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace
-from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, block_sums
+from q2q_sim.air.learning.statistics.block_bootstrap import BlockOfRows, block_sums
 
 REACH = APART
 """Radius at which a jet ends [m]: nothing is measured beyond 0.15 m, and rows beyond this count as clear."""
@@ -87,7 +87,7 @@ class Normal:
     """y' y, (B,)."""
 
 
-def normal_equations(place: JetPlace, y: Array, blocks: Blocks) -> Normal:
+def normal_equations(place: JetPlace, y: Array, blocks: BlockOfRows) -> Normal:
     """Return the normal equations of the push y (m,) at places (m,)."""
     order = np.argsort(blocks, kind="stable")
     rows = (-place.thrust_ratio[:, None] * spline_values(place.gap, place.radius))[order]

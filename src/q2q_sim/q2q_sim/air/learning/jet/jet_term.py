@@ -22,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize
 
-from q2q_model.identification.intervals import Z95
+from q2q_model.identification.statistics.intervals import Z95
 from q2q_model.signals.values import Array, Mask
 from q2q_sim.air.air_terms import JetTerm
 from q2q_sim.air.learning.jet import wake_rows
@@ -42,7 +42,7 @@ from q2q_sim.air.learning.jet.jet_table import GAPS, RADII, push_table
 from q2q_sim.air.learning.jet.upper_share import upper_share
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_one
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, Spread, block_sums, estimate_spread
+from q2q_sim.air.learning.statistics.block_bootstrap import BlockOfRows, Spread, block_sums, estimate_spread
 from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
 
 FEWEST = 300
@@ -155,7 +155,7 @@ class _Fit:
         """Return the best travel whose items that are not `free` are those of START."""
         if not free.any():
             return START
-        together: Blocks = np.zeros(self._y.size, dtype=np.intp)
+        together: BlockOfRows = np.zeros(self._y.size, dtype=np.intp)
         one = np.ones(1)
 
         def moved(x: Array) -> Travel:

@@ -9,7 +9,7 @@ from q2q_model.identification.push.push_samples import GAPS, PushSamples
 from q2q_model.signals.values import Array, Mask, Rows
 from q2q_sim.air.learning.jet.jet_coordinates import JetPlace, Travel, jet_place
 from q2q_sim.air.learning.records.air_record import AirRecord
-from q2q_sim.air.learning.statistics.block_bootstrap import Blocks, Row, block_of_rows
+from q2q_sim.air.learning.statistics.block_bootstrap import BlockOfRows, Row, block_of_rows
 
 NEAR = 0.35
 """Horizontal distance within which a vehicle above is a source [m]: the table's reach and 0.05 m of drift."""
@@ -88,6 +88,6 @@ def _columns(place: JetPlace) -> tuple[Array, Array, Array, Array]:
     return place.gap, place.radius, place.toward, place.thrust_ratio
 
 
-def row_blocks(parts: Sequence[WakeRows]) -> Blocks:
+def row_blocks(parts: Sequence[WakeRows]) -> BlockOfRows:
     """Return the block of every row of all parts in order."""
     return block_of_rows([Row(part.record.name, part.record.motion.t[part.rows]) for part in parts])

@@ -18,8 +18,8 @@ BLOCK = 2.0
 DRAWS = 200
 SEED = 0
 
-Blocks = NDArray[np.intp]
-Estimate = Callable[[Array], Array]
+BlockOfRows = NDArray[np.intp]
+WeightedEstimate = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Row:
     t: Array
 
 
-def block_of_rows(parts: Sequence[Row]) -> Blocks:
+def block_of_rows(parts: Sequence[Row]) -> BlockOfRows:
     """Return the block of every row of `parts`, in their order, numbered from 0."""
     flights = list(dict.fromkeys(part.flight for part in parts if part.t.size))
     if len(flights) >= MANY:
@@ -43,12 +43,12 @@ def block_of_rows(parts: Sequence[Row]) -> Blocks:
     return np.asarray(np.unique(pairs, axis=0, return_inverse=True)[1].ravel())
 
 
-def block_sums(values: Array, blocks: Blocks) -> Array:
+def block_sums(values: Array, blocks: BlockOfRows) -> Array:
     """Return the sums of rows (m, ...) over each block, (B, ...)."""
     return np.asarray(cell_sums(values, blocks, np.zeros_like(blocks), 1)[:, 0])
 
 
-def cell_sums(values: Array, blocks: Blocks, cells: Blocks, count: int) -> Array:
+def cell_sums(values: Array, blocks: BlockOfRows, cells: BlockOfRows, count: int) -> Array:
     """Return the sums of rows (m, ...) over each block and each of `count` cells, (B, count, ...)."""
     size = int(blocks.max(initial=-1)) + 1
     sums = np.zeros((size * count, *values.shape[1:]))
@@ -65,7 +65,7 @@ class Spread:
     high: Array
 
 
-def estimate_spread(estimate: Estimate, count: int) -> Spread:
+def estimate_spread(estimate: WeightedEstimate, count: int) -> Spread:
     """Return an estimate from `count` blocks with its interval."""
     value = estimate(np.ones(count))
     if count < 2:
@@ -78,7 +78,7 @@ def estimate_spread(estimate: Estimate, count: int) -> Spread:
     return Spread(value, low, high)
 
 
-def slope_spread(products: Array, blocks: Blocks) -> Spread:
+def slope_spread(products: Array, blocks: BlockOfRows) -> Spread:
     """Return the slope b of y = b x by least squares with its interval, from rows of (x y, x^2), (m, 2)."""
     sums = block_sums(products, blocks)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from q2q_sim.firmware.commander.setpoint import Three
+from q2q_model.signals.values import Three
 
 
 class CommandKind(StrEnum):

@@ -6,6 +6,7 @@ commander and of the supervisor are read from their packets (q2q_sim.crtp.ports 
 
 from dataclasses import replace
 
+from q2q_model.signals.values import Three
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_2_1
 from q2q_model.vehicle.thrust_map import MASS_THRUST, RPYT_PWM_MIN
 from q2q_sim.crtp.packets.packet import Packet, Port
@@ -23,7 +24,7 @@ from q2q_sim.experiments.licence.client_commands.plan_reach import reach_violati
 from q2q_sim.experiments.licence.client_commands.setpoint_text import asked_position, setpoint_text
 from q2q_sim.experiments.licence.client_commands.uploaded_trajectories import overwritten_trajectory
 from q2q_sim.firmware.commander.planner import PlanState
-from q2q_sim.firmware.commander.setpoint import STOP, Mode, Three
+from q2q_sim.firmware.commander.setpoint import STOP, Mode
 from q2q_sim.firmware.firmware import Firmware
 
 _STOPS = (

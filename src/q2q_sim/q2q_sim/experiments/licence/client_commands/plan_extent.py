@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from q2q_model.signals.values import Three
 from q2q_sim.firmware.commander.piecewise import Piecewise
-from q2q_sim.firmware.commander.setpoint import Three
 
 SAMPLES = 16
 """Samples of a piece, next to its end: half a circle of radius 1 m is found to within 5 mm."""

@@ -2,7 +2,8 @@
 
 import math
 
-from q2q_sim.firmware.commander.setpoint import Mode, Setpoint, Three
+from q2q_model.signals.values import Three
+from q2q_sim.firmware.commander.setpoint import Mode, Setpoint
 
 
 def asked_position(one: Setpoint) -> Three | None:

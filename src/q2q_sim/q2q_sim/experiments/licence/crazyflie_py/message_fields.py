@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-Three = tuple[float, float, float]
+from q2q_model.signals.values import Three
 
 
 def real(value: object, what: str) -> float:

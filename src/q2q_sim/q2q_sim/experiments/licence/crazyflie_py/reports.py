@@ -18,7 +18,7 @@ _VALUES_AT = 4
 COUNTS = ("num_rx_broadcast", "num_tx_broadcast", "num_rx_unicast", "num_tx_unicast")
 """Packets counted by the server, which are 0 here as with old firmware."""
 
-Status = dict[str, str | float]
+StatusReport = dict[str, str | float]
 
 
 class Point(NamedTuple):
@@ -46,7 +46,7 @@ class Pose:
     orientation: Quaternion
 
 
-def report_in_packet(datagram: bytes) -> Pose | Status | None:
+def report_in_packet(datagram: bytes) -> Pose | StatusReport | None:
     """Return the pose or status in a packet of the vehicle; None if it has neither."""
     packet = packet_of(datagram)
     if (packet.port, packet.channel) != (Port.LOG, log_blocks.DATA):

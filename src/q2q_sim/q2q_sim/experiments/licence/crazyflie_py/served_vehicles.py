@@ -12,9 +12,8 @@ from pathlib import Path
 from q2q_control.radio.crazyflies_file import check_connections, crazyflies_from_document, params_set
 from q2q_model.documents.plain_values import from_plain
 from q2q_model.documents.yaml_text import load_yaml
-from q2q_sim.experiments.licence.room.licence_room import Start
+from q2q_model.signals.values import Three
 
-Three = tuple[float, float, float]
 STOCK_PARAMETERS: Mapping[str, float] = {
     "commander.enHighLevel": 1,
     "stabilizer.estimator": 2,
@@ -40,8 +39,8 @@ class ServedVehicle:
     status_hz: int = STOCK_STATUS_HZ
 
     @property
-    def start(self) -> Start:
-        """Return where it stands unless set otherwise."""
+    def start(self) -> Three:
+        """Return where it stands unless set otherwise: x, y [m], yaw [rad]."""
         return self.initial[0], self.initial[1], 0.0
 
 
@@ -96,7 +95,7 @@ def vehicles_from_file(path: Path) -> tuple[ServedVehicle, ...]:
     return tuple(sorted(found, key=lambda one: one.name))
 
 
-def stock_vehicles(uris: Sequence[str], starts: Sequence[Start]) -> tuple[ServedVehicle, ...]:
+def stock_vehicles(uris: Sequence[str], starts: Sequence[Three]) -> tuple[ServedVehicle, ...]:
     """Return vehicles named by the last byte of their addresses (cf1, cf231), sorted by name."""
     found = [
         ServedVehicle(f"cf{int(uri[-2:], 16)}", uri, (x, y, 0.0))

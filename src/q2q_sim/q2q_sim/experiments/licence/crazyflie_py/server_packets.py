@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.geometry.quaternion32 import compress_quat
-from q2q_model.signals.values import Array
+from q2q_model.signals.values import Array, Three
 from q2q_sim.crtp.packets.packet import Packet, Port
 from q2q_sim.crtp.ports import (
     commander_generic,
@@ -38,7 +38,6 @@ from q2q_sim.crtp.ports.parameters_misc import SET_BY_NAME
 from q2q_sim.crtp.tables.number_types import TYPES
 from q2q_sim.firmware.parameters.parameter_table import Definition
 
-Three = tuple[float, float, float]
 MISC = 3
 """Channel of parameters by name."""
 TAKE_OFF, LAND, GO_TO, START, DEFINE = 1, 2, 4, 5, 6

@@ -9,7 +9,7 @@ from q2q_sim.experiments.licence.crazyflie_py import server_packets
 from q2q_sim.experiments.licence.crazyflie_py.absent import Absence
 from q2q_sim.experiments.licence.crazyflie_py.connection import NUMBERS
 from q2q_sim.experiments.licence.crazyflie_py.message_fields import flag, real, seconds, three, whole
-from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, Status, report_in_packet
+from q2q_sim.experiments.licence.crazyflie_py.reports import Pose, StatusReport, report_in_packet
 from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import ServedVehicle
 from q2q_sim.experiments.licence.crazyflie_py.server_links import ServerLinks
 from q2q_sim.experiments.licence.crazyflie_py.server_packets import FullStateArguments
@@ -40,7 +40,7 @@ class CrazyflieCalls(Absence):
         self.uri = vehicle.uri
         self.initialPosition = np.array(vehicle.initial)
         self.paramTypeDict = NUMBERS
-        self.status: Status = {}
+        self.status: StatusReport = {}
         self.poseStamped: dict[str, object] = {}
         self.pose: dict[str, object] = {}
         self.position = [0.0, 0.0, 0.0]
@@ -154,7 +154,7 @@ class CrazyflieCalls(Absence):
         )
         self._links.send(self._number, packet)
 
-    def get_status(self) -> Status:
+    def get_status(self) -> StatusReport:
         """Return the last status; empty before the first."""
         return self.status
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from q2q_model.signals.stamps import TICK_NS, TICK_S
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Names, Three
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_sim.crtp.fleet import Fleet
@@ -40,15 +40,13 @@ NOTICED_S = 1.0
 DECKS = ("bcFlow2", "bcLighthouse4", "bcMultiranger", "bcZRanger2")
 """Decks reported to programs that ask for them."""
 LONGEST_S = 3600.0
-Start = tuple[float, float, float]
-"""x, y [m], yaw [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class LicenceParams:
     """Room and vehicles of a licence."""
 
-    starts: tuple[Start, ...]
+    starts: tuple[Three, ...]
     """x, y [m], yaw [rad] of every vehicle on the floor."""
     air: str = "room"
     seed: int = 0

@@ -45,9 +45,9 @@ from q2q_sim.experiments.licence.rules.motion_rules import (
 )
 from q2q_sim.experiments.licence.rules.pair_rules import nearness
 
-Rule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
+LicenceRule = Callable[[LicenceLog, int, LicenceLimits], BrokenRule | None]
 
-RULES: tuple[Rule, ...] = (
+RULES: tuple[LicenceRule, ...] = (
     motors_rule, landing_rule, room_rule, tumble_rule, setpoints_rule, spin_rule, yaw_rule, command_rule,
     end_rule, idle_rule,
 )  # fmt: skip

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from itertools import combinations
 from math import dist
 
-from q2q_sim.experiments.licence.room.licence_room import Start
+from q2q_model.signals.values import Three
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 
 
-def check_starts(starts: Mapping[str, Start], limits: LicenceLimits) -> None:
+def check_starts(starts: Mapping[str, Three], limits: LicenceLimits) -> None:
     """Raise ValueError for a start outside the room, and for two at which vehicles touch; each has a name."""
     half_x, half_y = limits.half_room
     for name, (x, y, _) in starts.items():
