@@ -8,9 +8,12 @@
 | received_ns | when each vehicle received the last one [ns], (n,) |
 | locked | vehicles whose thrust is locked, (n,) |
 | applied | setpoint of each vehicle, columns as `what`, (n, 4) |
+
+Python passes plain tuples: numba takes named ones in three times the time.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,15 +34,23 @@ Flying = tuple[Nanoseconds, Array]
 """when, what."""
 Counted = tuple[Nanoseconds, Array, int]
 """when, what, and the number of packets in the air."""
-Asked = tuple[Array, float, float]
+TickCommands = tuple[Array, float, float]
 """Commands of a tick, (4, k); largest thrust, and thrust at PWM_FULL, of which 0 rounds nothing [N]."""
-Sent = tuple[Rows, Nanoseconds, Mask]
+Transmitter = tuple[Rows, Nanoseconds, Mask]
 """Vehicle of each command; next_ns; jammed vehicles, which lose their packets, (n,)."""
-Chance = tuple[Array, float, Array, float]
+PacketLoss = tuple[Array, float, Array, float]
 """Random numbers from 0 to 1 and the share of packets lost, (n,); others and the largest delay beyond the
 latency [ns], (n,)."""
 Onboard = tuple[Nanoseconds, Mask, Array]
-"""received_ns, locked, applied."""
+"""Fields of OnboardReceivers."""
+
+
+class OnboardReceivers(NamedTuple):
+    """State of the vehicles' receivers."""
+
+    received_ns: Nanoseconds
+    locked: Mask
+    applied: Array
 
 
 @compiled
@@ -63,9 +74,9 @@ def round_packets(values: Array, full_pwm_thrust: float, out: Array) -> None:
 @compiled
 def send_packets(
     flying: Counted,
-    commands: Asked,
-    sent: Sent,
-    chance: Chance,
+    commands: TickCommands,
+    sent: Transmitter,
+    chance: PacketLoss,
     clock: tuple[int, int, int],
 ) -> int:
     """Send packets; return how many are in the air then.
@@ -100,16 +111,15 @@ def send_packets(
 
 
 @compiled
-def run_watchdog(onboard: Onboard, now_ns: int) -> None:
+def run_watchdog(onboard: OnboardReceivers, now_ns: int) -> None:
     """Level vehicles that have received nothing for LEVEL_AFTER_NS; cut their motors after CUT_AFTER_NS."""
-    received_ns, locked, applied = onboard
-    for i in range(received_ns.size):
-        silent_ns = now_ns - received_ns[i]
+    for i in range(onboard.received_ns.size):
+        silent_ns = now_ns - onboard.received_ns[i]
         if silent_ns > LEVEL_AFTER_NS:
-            applied[i, 1:] = 0.0
+            onboard.applied[i, 1:] = 0.0
         if silent_ns > CUT_AFTER_NS:
-            applied[i, 0] = 0.0
-            locked[i] = True
+            onboard.applied[i, 0] = 0.0
+            onboard.locked[i] = True
 
 
 @compiled
@@ -126,7 +136,7 @@ def deliver_packets(flying: Flying, count: int, onboard: Onboard, clock: tuple[i
     when, what = flying
     received_ns, locked, applied = onboard
     now_ns, step_ns = clock
-    run_watchdog(onboard, now_ns)
+    run_watchdog(OnboardReceivers(received_ns, locked, applied), now_ns)
     steps, left = out.shape[0], 0
     for s in range(steps):
         out[s] = applied

@@ -36,7 +36,7 @@ from q2q_sim.firmware.controllers.columns import (
     SET_THRUST,
     THRUST_SETPOINT,
 )
-from q2q_sim.firmware.controllers.pid_step import pid, pid_reset, slope_of
+from q2q_sim.firmware.controllers.pid_step import PidColumns, pid, pid_reset, slope_of
 from q2q_sim.firmware.controllers.position_pid import position_pid
 from q2q_sim.firmware.controllers.state_attitude import DEG, legacy_degrees
 from q2q_sim.firmware.controllers.truncation import INT16_MAX, truncate
@@ -100,7 +100,7 @@ def attitude_loop(attitude: Three, memory: Array, gains: Array) -> None:
         if k == 2:
             error, limit, rise = wrap_degrees(error), YAW_INTEGRAL, wrap_degrees(rise * DT) / DT
         memory[RATE_SETPOINT + k] = pid(
-            error, rise, memory, gains, (at, ATTITUDE_GAINS + 3 * k, DT, limit, 0.0)
+            error, rise, memory, gains, PidColumns(at, ATTITUDE_GAINS + 3 * k, DT, limit, 0.0)
         )
 
 
@@ -112,9 +112,9 @@ def rate_loop(row: Array, memory: Array, gains: Array) -> None:
         at = PIDS + PID_WIDTH * (PID_ROLL_RATE + k)
         limit = YAW_RATE_INTEGRAL if k == 2 else RATE_INTEGRAL
         rise = slope_of(memory, at, rates[k], DT)
-        how = (at, RATE_GAINS + 3 * k, DT, limit, 0.0)
+        columns = PidColumns(at, RATE_GAINS + 3 * k, DT, limit, 0.0)
         memory[CONTROL + k] = truncate(
-            pid(memory[RATE_SETPOINT + k] - rates[k], rise, memory, gains, how), INT16_MAX
+            pid(memory[RATE_SETPOINT + k] - rates[k], rise, memory, gains, columns), INT16_MAX
         )
     memory[CONTROL + 2] = -memory[CONTROL + 2]
 

@@ -9,6 +9,7 @@ position and velocity (20 Hz), not for attitude and rates. A u_max of 0 means no
 """
 
 import math
+from typing import NamedTuple
 
 from q2q_model.compiled import compiled
 from q2q_model.signals.values import Array
@@ -21,8 +22,19 @@ _C = 1.0 + math.sqrt(2.0) * _OHM + _OHM * _OHM
 _B0 = _OHM * _OHM / _C
 _A1, _A2 = 2.0 * (_OHM * _OHM - 1.0) / _C, (1.0 - math.sqrt(2.0) * _OHM + _OHM * _OHM) / _C
 
-How = tuple[int, int, float, float, float]
-"""First column of the PID in memory, of its gains, dt [s], limit of the integral, u_max."""
+
+class PidColumns(NamedTuple):
+    """Where a PID stands in memory and gains, and its limits."""
+
+    memory: int
+    """First column in memory."""
+    gains: int
+    """First column in the gains."""
+    dt: float
+    """[s]"""
+    integral_max: float
+    output_max: float
+    """u_max; 0: no limit."""
 
 
 @compiled
@@ -43,12 +55,12 @@ def filtered(memory: Array, at: int, sample: float) -> float:
 
 
 @compiled
-def pid(error: float, slope: float, memory: Array, gains: Array, how: How) -> float:
+def pid(error: float, slope: float, memory: Array, gains: Array, columns: PidColumns) -> float:
     """Return the output of one step."""
-    at, gain, dt, integral_max, output_max = how
-    memory[at] = min(max(memory[at] + error * dt, -integral_max), integral_max)
+    at, gain, top = columns.memory, columns.gains, columns.output_max
+    memory[at] = min(max(memory[at] + error * columns.dt, -columns.integral_max), columns.integral_max)
     out = gains[gain] * error + gains[gain + 1] * memory[at] + gains[gain + 2] * slope
-    return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
+    return float(min(max(out, -top), top) if top > 0.0 else out)
 
 
 @compiled

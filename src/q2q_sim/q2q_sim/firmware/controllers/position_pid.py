@@ -11,6 +11,7 @@ acceleration: `acc` of a full state does nothing under this controller.
 """
 
 import math
+from typing import NamedTuple
 
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
@@ -40,7 +41,7 @@ from q2q_sim.firmware.controllers.columns import (
     VEL_MAX,
     VEL_TARGET,
 )
-from q2q_sim.firmware.controllers.pid_step import INTEGRAL_LIMIT, filtered, pid, slope_of
+from q2q_sim.firmware.controllers.pid_step import INTEGRAL_LIMIT, PidColumns, filtered, pid, slope_of
 
 DT = 1.0 / 100.0
 """POSITION_RATE of the firmware [s]."""
@@ -51,18 +52,26 @@ LIFT_MAX = 32.767
 """Half of UINT16_MAX, truncated, over the thrust scale."""
 PWM_TOP = float(PWM_FULL)
 
-Which = tuple[int, int, float, float]
-"""Number of a PID, first column of its gains, largest output, feed-forward."""
+
+class FilteredPid(NamedTuple):
+    """One of the PIDs of position and velocity."""
+
+    number: int
+    gains: int
+    """First column of its gains."""
+    output_max: float
+    """With the feed-forward; 0: no limit."""
+    feed: float
+    """Feed-forward."""
 
 
 @compiled
-def axis(error: float, measured: float, memory: Array, gains: Array, which: Which) -> float:
+def axis(error: float, measured: float, memory: Array, gains: Array, one: FilteredPid) -> float:
     """Run one filtered PID."""
-    number, gain, output_max, feed = which
-    at = PIDS + PID_WIDTH * number
+    at, top = PIDS + PID_WIDTH * one.number, one.output_max
     rise = filtered(memory, at, slope_of(memory, at, measured, DT))
-    out = pid(error, rise, memory, gains, (at, gain, DT, INTEGRAL_LIMIT, 0.0)) + feed
-    return float(min(max(out, -output_max), output_max) if output_max > 0.0 else out)
+    out = pid(error, rise, memory, gains, PidColumns(at, one.gains, DT, INTEGRAL_LIMIT, 0.0)) + one.feed
+    return float(min(max(out, -top), top) if top > 0.0 else out)
 
 
 @compiled
@@ -79,15 +88,21 @@ def velocity_setpoint(
     if setpoint[MODE_X] == 1.0:
         memory[POS_TARGET] = setpoint[p] * c + setpoint[p + 1] * s
         error = memory[POS_TARGET] - ahead
-        vx = axis(error, ahead, memory, gains, (PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX], 0.0))
+        vx = axis(error, ahead, memory, gains, FilteredPid(PID_X, POS_GAINS, OVERHEAD * gains[VEL_MAX], 0.0))
     if setpoint[MODE_Y] == 1.0:
         memory[POS_TARGET + 1] = setpoint[p + 1] * c - setpoint[p] * s
         error = memory[POS_TARGET + 1] - left
-        vy = axis(error, left, memory, gains, (PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1], 0.0))
+        vy = axis(
+            error,
+            left,
+            memory,
+            gains,
+            FilteredPid(PID_X + 1, POS_GAINS + 3, OVERHEAD * gains[VEL_MAX + 1], 0.0),
+        )
     if setpoint[MODE_Z] == 1.0:
         memory[POS_TARGET + 2] = setpoint[p + 2]
         error, top = setpoint[p + 2] - where[2], OVERHEAD * max(gains[VEL_MAX + 2], 0.5)
-        vz = axis(error, where[2], memory, gains, (PID_X + 2, POS_GAINS + 6, top, 0.0))
+        vz = axis(error, where[2], memory, gains, FilteredPid(PID_X + 2, POS_GAINS + 6, top, 0.0))
     return vx, vy, vz
 
 
@@ -103,9 +118,13 @@ def position_pid(row: Array, drift: Array, setpoint: Array, gains: Array, memory
     memory[VEL_TARGET], memory[VEL_TARGET + 1], memory[VEL_TARGET + 2] = vx, vy, vz
     feed = gains[VEL_FEED] * vx, gains[VEL_FEED + 1] * vy, gains[VEL_FEED + 2] * vz
     pitch_max, roll_max = gains[PITCH_LIMIT], gains[ROLL_LIMIT]
-    pitch = -axis(vx - ahead, ahead, memory, gains, (PID_VX, VEL_GAINS, OVERHEAD * pitch_max, feed[0]))
-    roll = -axis(vy - left, left, memory, gains, (PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max, feed[1]))
-    lift = axis(vz - vel_z, vel_z, memory, gains, (PID_VX + 2, VEL_GAINS + 6, LIFT_MAX, feed[2]))
+    pitch = -axis(
+        vx - ahead, ahead, memory, gains, FilteredPid(PID_VX, VEL_GAINS, OVERHEAD * pitch_max, feed[0])
+    )
+    roll = -axis(
+        vy - left, left, memory, gains, FilteredPid(PID_VX + 1, VEL_GAINS + 3, OVERHEAD * roll_max, feed[1])
+    )
+    lift = axis(vz - vel_z, vel_z, memory, gains, FilteredPid(PID_VX + 2, VEL_GAINS + 6, LIFT_MAX, feed[2]))
     memory[ATTITUDE_SETPOINT] = min(max(roll, -roll_max), roll_max)
     memory[ATTITUDE_SETPOINT + 1] = min(max(pitch, -pitch_max), pitch_max)
     thrust = max(THRUST_SCALE * lift + gains[THRUST_BASE], gains[THRUST_MIN])
