@@ -31,13 +31,11 @@ from q2q_planner.online.potential_field import PotentialField
 from q2q_planner.online.replanner import Replanner
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 from q2q_planner.online.safe.safe_replanner_params import SafeReplannerParams
+from q2q_sim.scenarios import library
 from row import Row
 
 ZONE = Cylinder()
-SECTION_4_1 = (
-    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
-    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
-)
+SECTION_4_1 = library.load("section4_1").waypoints
 NEURAL_TIME = 60.0
 """Processor time that the paper's way is given [s]."""
 ROOMS = (10, 50, 100, 200)

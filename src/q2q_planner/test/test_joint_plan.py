@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 from scipy.optimize import nnls
+from section_4_1 import SECTION_4_1
 
 from q2q_model.geometry.zone import Cylinder, Ellipsoid
 from q2q_model.signals.values import Array
@@ -29,10 +30,6 @@ from q2q_planner.offline.minimum_snap.minimum_snap import (
 )
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 
-SECTION_4_1 = (
-    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
-    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
-)
 PAPER = Cylinder(0.1, 1.1)
 DUALITY_GAP = 1e-8
 """Suboptimality at which PIQP stops (its default)."""

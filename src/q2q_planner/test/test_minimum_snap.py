@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from section_4_1 import SECTION_4_1
 
 from q2q_model.trajectory.hermite import hermite_matrix, pieces_from_nodes
 from q2q_model.trajectory.polynomials import Trajectory, derive
@@ -14,12 +15,6 @@ from q2q_planner.offline.minimum_snap.minimum_snap import (
     snap_cost,
 )
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
-
-SECTION_4_1 = (
-    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
-    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
-)
-
 
 HOVER_ROUNDING = 1e-24
 """Snap of a hover at 3 m by rounding: (24 * 3 eps / T^4)^2 T is 3e-26 for T = 0.5 s; solving adds some."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
+from section_4_1 import SECTION_4_1
 
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.signals.values import Array
@@ -16,13 +17,15 @@ from q2q_model.vehicle.altitude_loop import PAPER_LOOP
 from q2q_planner.commands.plan import main
 from q2q_planner.offline.certificate import certificate
 from q2q_planner.offline.certificate.certified_file import load_plan
+from q2q_planner.offline.minimum_snap.flight_limits import FlightLimits
 from q2q_planner.offline.minimum_snap.minimum_snap import minimum_snap_plan
 from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
 from q2q_planner.offline.zones.altitude_response import altitude_rms
 from q2q_planner.offline.zones.downwash_zone import STEP
 from q2q_planner.tools.export import write_samples
+from q2q_planner.tools.waypoint_file import read_waypoints
 
-SECTION_4_1 = """
+WRITTEN = """
 vehicles:
   cf1: [{t: 0, pos: [-1, 0, 0]}, {t: 20, pos: [0, 0, 2.5]}, {t: 50, pos: [1, 0, 0]}]
   cf2: [{t: 0, pos: [0, -1, 0]}, {t: 30, pos: [0, 0, 2.0]}, {t: 50, pos: [0, 1, 0]}]
@@ -32,8 +35,12 @@ vehicles:
 @pytest.fixture
 def crossing(tmp_path: Path) -> Path:
     path = tmp_path / "crossing.yaml"
-    path.write_text(SECTION_4_1)
+    path.write_text(WRITTEN)
     return path
+
+
+def test_a_file_of_section_4_1_is_read_as_its_waypoints(crossing: Path) -> None:
+    assert read_waypoints(crossing, FlightLimits(), "stop") == SECTION_4_1
 
 
 def test_without_avoidance_it_writes_the_infimum_and_says_not_certified(
@@ -302,32 +309,32 @@ def test_the_firmware_of_a_file_is_that_of_its_thrust(
 @pytest.mark.parametrize(
     ("text", "arguments", "message"),
     [
-        (SECTION_4_1.replace("20,", ".nan,"), [], "cf1, waypoint 1: t = nan"),
-        (SECTION_4_1.replace("t: 20", "t: 0"), [], "cf1, waypoint 1: t = 0.0 s coincides"),
-        (SECTION_4_1.replace("t: 20", "t: 60"), [], "cf1, waypoint 2: t = 50.0 s is before"),
-        (SECTION_4_1.replace("t: 50", "t: 20.3"), [], "cf2, waypoint 2: t = 20.3 s is before"),
-        (SECTION_4_1.replace("t: 20", "t: 0.5"), [], "cf1, after waypoint 0"),
+        (WRITTEN.replace("20,", ".nan,"), [], "cf1, waypoint 1: t = nan"),
+        (WRITTEN.replace("t: 20", "t: 0"), [], "cf1, waypoint 1: t = 0.0 s coincides"),
+        (WRITTEN.replace("t: 20", "t: 60"), [], "cf1, waypoint 2: t = 50.0 s is before"),
+        (WRITTEN.replace("t: 50", "t: 20.3"), [], "cf2, waypoint 2: t = 20.3 s is before"),
+        (WRITTEN.replace("t: 20", "t: 0.5"), [], "cf1, after waypoint 0"),
         (
-            SECTION_4_1.replace("t: 20", "t: 30"),
+            WRITTEN.replace("t: 20", "t: 30"),
             [],
             "cf1, waypoint 1 and cf2, waypoint 1 lie 0.1 m inside",
         ),
-        (SECTION_4_1, ["--eps", "-1"], "--eps = -1.0: allowed is 0 to 5.0 m"),
-        (SECTION_4_1, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
-        (SECTION_4_1, ["--model", "measured_law", "--eps", "0.3"], "--eps and --model both choose the zone"),
+        (WRITTEN, ["--eps", "-1"], "--eps = -1.0: allowed is 0 to 5.0 m"),
+        (WRITTEN, ["--model", "paper_law", "--threshold", "99"], "threshold = 99"),
+        (WRITTEN, ["--model", "measured_law", "--eps", "0.3"], "--eps and --model both choose the zone"),
         (
-            SECTION_4_1,
+            WRITTEN,
             ["--model", "measured_law", "--threshold", "1", "--shape", "ellipsoid"],
             "--shape and --model both choose the zone",
         ),
-        (SECTION_4_1, ["--model", "none"], "--model none has no downwash, so no zone: name another, or give"),
+        (WRITTEN, ["--model", "none"], "--model none has no downwash, so no zone: name another, or give"),
         (
-            SECTION_4_1,
+            WRITTEN,
             ["--no-avoid", "--model", "paper_law", "--cut", "0.9"],
             "--cut 0.9 needs --model, and neither --threshold, which it chooses, nor --no-avoid",
         ),
         ("vehicles: [", [], "bad.yaml: is not valid YAML: line 1: expected the node content"),
-        (SECTION_4_1, ["--threshold", "1"], "needs --model"),
+        (WRITTEN, ["--threshold", "1"], "needs --model"),
         ("nothing: 1", [], "the file: vehicles is missing"),
     ],
 )
@@ -389,7 +396,7 @@ def test_no_file_is_written_twice_or_over_another(
     Path("old.json").write_text("{}")
     Path("new").mkdir()
     assert words in refusal(["crossing.yaml", *options], capsys)
-    assert crossing.read_text() == SECTION_4_1
+    assert crossing.read_text() == WRITTEN
     assert not Path("plan.json").exists()
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from section_4_1 import SECTION_4_1
 
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.level_set import level_set
@@ -17,10 +18,6 @@ from q2q_planner.offline.zones.altitude_response import altitude_errors, altitud
 from q2q_planner.offline.zones.downwash_zone import LearnedDownwash, avoid_downwash
 from q2q_planner.online.safe.safe_replanner import SafeReplanner
 
-SECTION_4_1 = (
-    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
-    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
-)
 STEP = 0.02
 HARMLESS = 0.05
 """Downwash taken as harmless [m/s^2]: a tenth of its strength at 0.5 m."""

@@ -1,0 +1,8 @@
+"""Way-points of the paper's section 4.1 [s, m]: the first climbs higher than the second, and over it."""
+
+from q2q_planner.offline.minimum_snap.waypoints import VehicleWaypoints, Waypoint
+
+SECTION_4_1 = (
+    VehicleWaypoints("cf1", (Waypoint(0, (-1, 0, 0)), Waypoint(20, (0, 0, 2.5)), Waypoint(50, (1, 0, 0)))),
+    VehicleWaypoints("cf2", (Waypoint(0, (0, -1, 0)), Waypoint(30, (0, 0, 2.0)), Waypoint(50, (0, 1, 0)))),
+)
