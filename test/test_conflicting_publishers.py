@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from resting_signals import level_command
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
@@ -22,7 +23,7 @@ from q2q_model.ros.node.publisher_conflicts import PublisherConflicts
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import MocapFrame, Names, SwarmCommand
+from q2q_model.signals.values import MocapFrame, Names
 from q2q_model.trajectory import plan_file
 from q2q_planner.ros import replanner_node, trajectory_node
 from q2q_sim.loop import flight_blocks
@@ -213,8 +214,8 @@ def commands(*orders: tuple[Names, float]) -> list[bytes]:
     made = []
     for stamp_ns in range(0, 10**9, 10**7):
         for names, thrust in orders:
-            level, sound = np.zeros(len(names)), np.zeros(len(names), np.uint8)
-            one = SwarmCommand(0.0, names, level + thrust, level, level, level, sound)
+            level = np.zeros(len(names))
+            one = level_command(0.0, names, level + thrust)
             made.append(encode(one, stamp_ns))
     return made
 

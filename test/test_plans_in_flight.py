@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint
 
 pytest.importorskip("q2q_msgs", reason="the workspace is not built")
 
@@ -31,8 +32,8 @@ def plan(**changed: object) -> Plan:
 
 
 def setpoint(names: Names) -> SwarmSetpoint:
-    still, level = np.zeros((len(names), 3)), np.zeros(len(names))
-    return SwarmSetpoint(0.0, names, still, still, still, level, level, np.zeros(len(names), np.uint8))
+    still = np.zeros((len(names), 3))
+    return resting_setpoint(0.0, names, still)
 
 
 def test_an_invalid_plan_is_refused_with_its_reason_and_the_next_one_is_taken() -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from resting_signals import level_command, resting_state
 
 from q2q_model.downwash.jet import Jet
 from q2q_model.model_files.find_model import find_model
@@ -13,7 +14,7 @@ from q2q_model.ros.online_identification import OnlineIdentification
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
 from q2q_model.signals.stamps import stamp_from_time
-from q2q_model.signals.values import SwarmCommand, SwarmImu, SwarmState
+from q2q_model.signals.values import SwarmImu
 from q2q_model.tunable import ParameterValue
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065, Vehicle
 from q2q_sim.ros.stand_in import NullEntity, StandInNode
@@ -66,8 +67,8 @@ def tick(k: int) -> tuple[Signal, ...]:
     thrust = np.full(2, CRAZYFLIE_2_0.hover_thrust)
     unmoved = np.zeros((2, 3))
     return (
-        SwarmState(t, NAMES, pos, unmoved, LEVEL, unmoved, ZEROS, STATUS),
-        SwarmCommand(t, NAMES, thrust, ZEROS, ZEROS, ZEROS, STATUS),
+        resting_state(t, NAMES, pos),
+        level_command(t, NAMES, thrust),
         SwarmImu(t, NAMES, force, unmoved),
     )
 

@@ -9,6 +9,7 @@ import yaml
 from foxglove_client import FoxgloveClient
 from fresh_checkout import ROOT
 from open_ports import addresses_of
+from resting_signals import resting_state
 from visualization_msgs.msg import Marker, MarkerArray
 
 from q2q_model.flights.flight import Flight
@@ -17,7 +18,7 @@ from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.plan_message import encode_plan
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.layout import Signal
-from q2q_model.signals.values import Interference, SwarmState
+from q2q_model.signals.values import Interference
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.flight_blocks import plan_of
 from q2q_sim.ros.stand_in import StandInNode
@@ -70,8 +71,7 @@ def shown(node: StandInNode, flight: Flight, tick: int) -> None:
     flags = np.zeros(n, dtype=np.uint8)
     spread = np.full((n, 3), np.nan)
     downwash = Interference(t, flight.names, flight.eta[tick], spread, flags)
-    zeros = np.zeros((n, 3))
-    state = SwarmState(t, flight.names, flight.pos[tick], zeros, flight.quat[tick], zeros, np.zeros(n), flags)
+    state = resting_state(t, flight.names, flight.pos[tick], quat=flight.quat[tick])
     node.hear(downwash, round(t * 1e9))
     node.hear(state, round(t * 1e9))
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hovering_stack import STACK
+from resting_signals import level_command, resting_state
 
 import q2q
 from q2q.checked_controller import CheckedController, ControllerOutputError
@@ -27,8 +28,7 @@ class Changed:
     def update(self, state: SwarmState, setpoint: SwarmSetpoint, _: Interference | None) -> SwarmCommand:
         """Return the command."""
         level = np.zeros(len(setpoint.names))
-        status = level.astype(np.uint8)
-        command = SwarmCommand(state.t, setpoint.names, level + HOVER, level, level, level, status)
+        command = level_command(state.t, setpoint.names, level + HOVER)
         return command if state.t < self._since - 1e-9 else self._change(command)  # type: ignore[return-value]
 
     def reset(self) -> None:
@@ -84,9 +84,8 @@ def test_rows_may_be_in_another_order_and_thrust_beyond_the_motors():
 
 def test_a_vehicle_without_a_state_may_get_no_number_and_no_other():
     names, level = ("cf1", "cf2"), np.zeros((2, 3))
-    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     pos = np.array([[0.0, 0.0, 1.0], [np.nan, np.nan, np.nan]])
-    state = SwarmState(0.0, names, pos, level, quat, level, np.zeros(2), np.array([0, 2], dtype=np.uint8))
+    state = resting_state(0.0, names, pos, status=np.array([0, 2], dtype=np.uint8))
     setpoint = SwarmSetpoint(0.0, names, level, level, level, *np.zeros((2, 2)), np.zeros(2, dtype=np.uint8))
     missing = CheckedController(Changed(with_cf2("thrust", np.nan), since=0.0), CRAZYFLIE_2_0)
     np.testing.assert_array_equal(missing.update(state, setpoint, None).thrust, [HOVER, np.nan])
@@ -105,11 +104,11 @@ class Integrating:
         """Return the command."""
         goal = setpoint.pos
         goal[:, 2] += self._higher
-        error, level = goal[:, 2] - state.pos[:, 2], np.zeros(len(setpoint.names))
+        error = goal[:, 2] - state.pos[:, 2]
         self._sum = self._sum + 0.01 * np.nan_to_num(error)
         acc = 10.0 * error - 5.0 * state.vel[:, 2] + 5.0 * self._sum
         thrust = CRAZYFLIE_2_0.mass * np.clip(9.81 + acc, 4.0, 14.0)
-        return SwarmCommand(setpoint.t, setpoint.names, thrust, level, level, level, level.astype(np.uint8))
+        return level_command(setpoint.t, setpoint.names, thrust)
 
     def reset(self) -> None:
         """Empty the integral."""

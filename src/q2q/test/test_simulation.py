@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import level_command
 
 import q2q
 from q2q_control.pid.pid import Pid
@@ -57,8 +58,7 @@ class Motionless:
     def update(self, state: SwarmState, setpoint: SwarmSetpoint, _: Interference | None) -> SwarmCommand:
         """Return the thrust for every vehicle."""
         n, names = len(setpoint.names), setpoint.names
-        level, status = np.zeros(n), np.zeros(n, dtype=np.uint8)
-        return SwarmCommand(state.t, names, np.full(n, self._thrust), level, level, level, status)
+        return level_command(state.t, names, np.full(n, self._thrust))
 
     def reset(self) -> None:
         """Forget nothing."""

@@ -1,6 +1,7 @@
 """Vehicles at rest of which some are lost: states, setpoints and fallbacks for tests of the evasion."""
 
 import numpy as np
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import is_blind
 from q2q_control.failsafe.evasion.climb_back import InFallback
@@ -13,19 +14,13 @@ UPPER = (0.0, 0.0, 1.5)
 
 def state_of(pos: np.ndarray) -> SwarmState:
     n = len(pos)
-    return SwarmState(
-        t=0.0, names=names_of(n), pos=pos, vel=np.zeros((n, 3)), quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
-        ang_vel_body=np.zeros((n, 3)), age=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_state(0.0, names_of(n), pos)
 
 
 def setpoint_of(t: float, pos: np.ndarray, vel: np.ndarray | None = None) -> SwarmSetpoint:
     n = len(pos)
     zero = np.zeros((n, 3))
-    return SwarmSetpoint(
-        t=t, names=names_of(n), pos=pos, vel=zero if vel is None else vel, acc=zero, yaw=np.zeros(n),
-        yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_setpoint(t, names_of(n), pos, vel=zero if vel is None else vel)
 
 
 def flown(n: int, *blind: int, how: CommandStatus = CommandStatus.LEVEL) -> InFallback:

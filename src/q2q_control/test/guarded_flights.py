@@ -1,6 +1,7 @@
 """Two vehicles under a guard: states, setpoints and controllers for tests of the failsafe."""
 
 import numpy as np
+from resting_signals import level_command, resting_setpoint, resting_state
 
 from q2q_control.controller import Controller
 from q2q_control.failsafe.fallback_params import FallbackParams
@@ -33,13 +34,10 @@ def state_at(t: float, ages: tuple[float, ...] = (0.0, 0.0), coast: float = 0.35
     """Return two hovering vehicles, measured `ages` ago; lost beyond `coast`, as the filter has it."""
     age = np.array(ages)
     late = np.where(age <= coast, TrackStatus.COASTING, TrackStatus.LOST)
-    return SwarmState(
-        t=t,
-        names=NAMES,
-        pos=np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.5]]),
-        vel=np.zeros((2, 3)),
-        quat=np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)),
-        ang_vel_body=np.zeros((2, 3)),
+    return resting_state(
+        t,
+        NAMES,
+        np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.5]]),
         age=age,
         status=np.where(age == 0.0, TrackStatus.TRACKED, late).astype(np.uint8),
     )
@@ -48,10 +46,7 @@ def state_at(t: float, ages: tuple[float, ...] = (0.0, 0.0), coast: float = 0.35
 def setpoint_at(t: float, names: Names = NAMES, x: float = 0.1) -> SwarmSetpoint:
     count = len(names)
     pos = np.array([[x, 0.0, 1.0], [1.0, 0.0, 1.5]])[:count]
-    zero = np.zeros((count, 3))
-    return SwarmSetpoint(
-        t, names, pos, zero, zero, np.zeros(count), np.zeros(count), np.zeros(count, dtype=np.uint8)
-    )
+    return resting_setpoint(t, names, pos)
 
 
 def pid() -> Pid:
@@ -67,9 +62,8 @@ class Level:
 
     def update(self, _: SwarmState, setpoint: SwarmSetpoint, __: object) -> SwarmCommand:
         """Return level hover."""
-        zero = np.zeros(2)
         status = np.full(2, OK, dtype=np.uint8)
-        return SwarmCommand(setpoint.t, NAMES, np.full(2, HOVER), zero, zero, zero, status)
+        return level_command(setpoint.t, NAMES, np.full(2, HOVER), status=status)
 
     def reset(self) -> None:
         """Do nothing."""

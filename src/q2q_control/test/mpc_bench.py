@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.inputs.preview import SampledPreview
 from q2q_control.mpc.mpc import Mpc, MpcSetup
@@ -14,7 +15,6 @@ from q2q_model.signals.values import (
     Array,
     Interference,
     Names,
-    SwarmSetpoint,
     SwarmState,
 )
 from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
@@ -75,9 +75,9 @@ class Air:
 def signals(t: float, names: Names, pos: Array, vel: Array, ref: Array):
     """Return state, setpoint and downwash of zero."""
     n = len(names)
-    zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    state = SwarmState(t, names, pos.copy(), vel.copy(), level, zero, np.zeros(n), flag)
-    setpoint = SwarmSetpoint(t, names, ref[:, :3], ref[:, 3:6], ref[:, 6:9], np.zeros(n), np.zeros(n), flag)
+    zero, flag = np.zeros((n, 3)), np.zeros(n, np.uint8)
+    state = resting_state(t, names, pos.copy(), vel=vel.copy())
+    setpoint = resting_setpoint(t, names, ref[:, :3], vel=ref[:, 3:6], acc=ref[:, 6:9])
     return state, setpoint, Interference(t, names, zero, zero, flag)
 
 

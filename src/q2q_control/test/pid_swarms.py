@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import (
@@ -20,9 +21,8 @@ def swarm(names: Names, t: float = 0.0) -> tuple[SwarmState, SwarmSetpoint, Inte
     """Return vehicles at rest, level, on their setpoints, in still air."""
     n = len(names)
     zero, flag = np.zeros((n, 3)), np.zeros(n, np.uint8)
-    level = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    state = SwarmState(t, names, zero, zero, level, zero, np.zeros(n), flag)
-    setpoint = SwarmSetpoint(t, names, zero, zero, zero, np.zeros(n), np.zeros(n), flag)
+    state = resting_state(t, names, zero)
+    setpoint = resting_setpoint(t, names, zero)
     return state, setpoint, Interference(t, names, zero, zero, flag)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from resting_signals import resting_state
 
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth
@@ -132,6 +133,5 @@ class Bench:
 
 
 def state(t: float, status: TrackStatus = TrackStatus.TRACKED) -> SwarmState:
-    zero, quat = np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     pos = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-    return SwarmState(t, NAMES, pos, zero, quat, zero, np.zeros(2), np.full(2, status, dtype=np.uint8))
+    return resting_state(t, NAMES, pos, status=np.full(2, status, dtype=np.uint8))

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from resting_signals import level_command
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_control.failsafe.blind_flight.dead_reckoning import (
@@ -38,9 +39,8 @@ def state_at(t: float, vel: np.ndarray, yaw: float = 0.0, age: float = 0.0) -> S
 
 
 def level_at(t: float, status: CommandStatus = CommandStatus.LEVEL, roll: float = 0.0) -> SwarmCommand:
-    zero = np.zeros(2)
     statuses = np.array([status, CommandStatus.OK], dtype=np.uint8)
-    return SwarmCommand(t, NAMES, np.full(2, HOVER), np.full(2, roll), zero, zero, statuses)
+    return level_command(t, NAMES, np.full(2, HOVER), roll=np.full(2, roll), status=statuses)
 
 
 def ticked(block: DeadReckonedBraking, state: SwarmState, command: SwarmCommand) -> SwarmCommand:

@@ -1,6 +1,7 @@
 """A lockstep tick waits for the predictions of the last one, and for a silent neighbour once."""
 
 import numpy as np
+from resting_signals import resting_state
 
 from q2q_control.mpc.prediction.awaited_predictions import AwaitedPredictions
 from q2q_model.signals.recent_ticks import SAME_STAMP
@@ -11,9 +12,9 @@ TICK = 0.01
 
 def state(t: float, lost: str = "") -> SwarmState:
     names = ("cf1", "cf2", "cf3")
-    zero, level = np.zeros((3, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (3, 1))
+    zero = np.zeros((3, 3))
     status = np.array([TrackStatus.LOST if name == lost else TrackStatus.TRACKED for name in names], np.uint8)
-    return SwarmState(t, names, zero, zero, level, zero, np.zeros(3), status)
+    return resting_state(t, names, zero, status=status)
 
 
 class Received:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from evading_flights import names_of
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.failsafe.evasion.climb_back import BACK, LONGEST, ClimbBack, InFallback
 from q2q_model.signals.values import SwarmSetpoint, SwarmState
@@ -21,20 +22,13 @@ CUT = InFallback((), ("cf1",))
 
 def state_of(*pos: tuple[float, float, float]) -> SwarmState:
     n = len(pos)
-    return SwarmState(
-        t=0.0, names=names_of(n), pos=np.array(pos), vel=np.zeros((n, 3)),
-        quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)), ang_vel_body=np.zeros((n, 3)), age=np.zeros(n),
-        status=np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_state(0.0, names_of(n), np.array(pos))
 
 
 def setpoint_of(t: float, *pos: tuple[float, float, float], climb: float = 0.0) -> SwarmSetpoint:
     n = len(pos)
     vel = np.tile([0.2, 0.1, climb], (n, 1))
-    return SwarmSetpoint(
-        t=t, names=names_of(n), pos=np.array(pos), vel=vel, acc=np.zeros((n, 3)), yaw=np.zeros(n),
-        yaw_rate=np.zeros(n), status=np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_setpoint(t, names_of(n), np.array(pos), vel=vel)
 
 
 def lost(*blind: str, climbs: ClimbBack) -> ClimbBack:

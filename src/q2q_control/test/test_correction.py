@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.mpc.axis_cost import AxisWeights
 from q2q_control.mpc.axis_model import axis_model, transition
@@ -19,7 +20,7 @@ from q2q_control.mpc.mpc_params import MpcParams
 from q2q_model.downwash.correction.residual_process import ResidualProcess
 from q2q_model.downwash.jet import Jet
 from q2q_model.downwash.predictor import InteractionPredictor
-from q2q_model.signals.values import Array, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY, TEXTBOOK_065
 
 TICK = 0.01
@@ -157,12 +158,12 @@ def aside_at_the_end(reserve: float, push: float) -> float:
         latency=0.0, thrust_limited=True, thrust_max=TEXTBOOK_065.mass * (GRAVITY + 1.6), reserve=reserve
     )
     setup = MpcSetup(vehicles=("cf1",), residual_process=ResidualProcess(floor=0.4, slope=0.0))
-    mpc, zero = Mpc(params, TEXTBOOK_065, wake, setup), np.zeros((2, 3))
-    pos, level = np.array([[0.01, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
-    names, flag = ("cf1", "cf2"), np.zeros(2, np.uint8)
+    mpc = Mpc(params, TEXTBOOK_065, wake, setup)
+    pos = np.array([[0.01, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    names = ("cf1", "cf2")
     for tick in range(10):  # each linearises along the last solution
-        state = SwarmState(TICK * tick, names, pos, zero, level, zero, np.zeros(2), flag)
-        setpoint = SwarmSetpoint(state.t, names, pos, zero, zero, np.zeros(2), np.zeros(2), flag)
+        state = resting_state(TICK * tick, names, pos)
+        setpoint = resting_setpoint(state.t, names, pos)
         mpc.update(state, setpoint, InteractionPredictor(wake).update(state))
     ahead = mpc.prediction
     assert ahead is not None

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.experiments.explicit.c_export import c_source
 from q2q_control.experiments.explicit.distillation import DistillationParams, control_policy, distil
@@ -272,7 +273,6 @@ def test_a_law_of_another_vehicle_or_horizon_is_refused():
 
 def alone() -> tuple[SwarmState, SwarmSetpoint, Interference]:
     zero, flag = np.zeros((1, 3)), np.zeros(1, np.uint8)
-    level = np.array([[0.0, 0.0, 0.0, 1.0]])
-    state = SwarmState(0.0, ("cf1",), zero, zero, level, zero, np.zeros(1), flag)
-    setpoint = SwarmSetpoint(0.0, ("cf1",), zero, zero, zero, np.zeros(1), np.zeros(1), flag)
+    state = resting_state(0.0, ("cf1",), zero)
+    setpoint = resting_setpoint(0.0, ("cf1",), zero)
     return state, setpoint, Interference(0.0, ("cf1",), zero, zero, flag)

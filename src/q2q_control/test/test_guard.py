@@ -24,6 +24,7 @@ from guarded_flights import (
     setpoint_at,
     state_at,
 )
+from resting_signals import resting_state
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.guard import Guard
@@ -260,10 +261,7 @@ def test_what_is_known_follows_vehicles_by_name() -> None:
 
 @pytest.mark.parametrize("make", [pid, mpc], ids=["pid", "mpc"])
 def test_signals_of_nobody_leave_every_vehicle_without_a_state(make: type) -> None:
-    nobody = SwarmState(
-        0.0, (), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0),
-        np.zeros(0, dtype=np.uint8),
-    )  # fmt: skip
+    nobody = resting_state(0.0, (), np.zeros((0, 3)), quat=np.zeros((0, 4)))
     output = guarded(make()).update(nobody, setpoint_at(0.0), None)
     assert output.names == NAMES
     assert output.status.tolist() == [LEVEL, LEVEL]

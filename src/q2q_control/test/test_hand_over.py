@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.controller import Controller
 from q2q_control.disturbance.tracker import TrackerParams
@@ -37,12 +38,10 @@ BEGINS = [
 
 def at_rest(t: float, height: float, climb: float, beside: float) -> tuple[SwarmState, SwarmSetpoint]:
     """Return the tick of a vehicle whose setpoint is `beside` it [m]."""
-    zero, pos, level = np.zeros((1, 3)), np.array([[0.0, 0.0, height]]), np.array([[0.0, 0.0, 0.0, 1.0]])
-    one, vel = np.zeros(1, np.uint8), np.array([[0.0, 0.0, climb]])
-    state = SwarmState(t, ("cf1",), pos, vel, level, zero, np.zeros(1), one)
-    return state, SwarmSetpoint(
-        t, ("cf1",), pos + np.array([beside, 0.0, 0.0]), zero, zero, np.zeros(1), np.zeros(1), one
-    )
+    pos = np.array([[0.0, 0.0, height]])
+    vel = np.array([[0.0, 0.0, climb]])
+    state = resting_state(t, ("cf1",), pos, vel=vel)
+    return state, resting_setpoint(t, ("cf1",), pos + np.array([beside, 0.0, 0.0]))
 
 
 def climbed(guard: Guard) -> float:

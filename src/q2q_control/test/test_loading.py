@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.inputs.alignment import align
 from q2q_control.mpc.prediction.constant_velocity import at_constant_velocity
@@ -11,7 +12,6 @@ from q2q_control.mpc.prediction.downwash_horizon_kernel import Tracks
 from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
-from q2q_model.signals.values import SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import GRAVITY
 
 PAIR = ("cf1", "cf2")
@@ -21,9 +21,8 @@ STAGES = 4
 def tracks_of(loading: float, climb_acc: float) -> Tracks:
     """Return the tracks of a hovering pair whose upper vehicle accelerates upwards by `climb_acc` [m/s^2]."""
     pos = np.array([[0.0, 0.0, 1.0], [0.03, 0.0, 1.5]])
-    zero, flag, level = np.zeros((2, 3)), np.zeros(2, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
-    state = SwarmState(0.0, PAIR, pos, zero, level, zero, np.zeros(2), flag)
-    setpoint = SwarmSetpoint(0.0, PAIR, pos, zero, zero, np.zeros(2), np.zeros(2), flag)
+    state = resting_state(0.0, PAIR, pos)
+    setpoint = resting_setpoint(0.0, PAIR, pos)
     inputs = np.zeros((2, STAGES, 3))
     inputs[1, :, 2] = climb_acc
     times = 0.05 * np.arange(STAGES + 1)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.mpc.mpc import Mpc, MpcSetup
 from q2q_control.mpc.mpc_params import MpcParams
@@ -144,7 +145,7 @@ def test_without_predictions_a_neighbour_is_on_its_reference_and_a_lost_one_far_
     pos, vel = np.arange(12.0).reshape(4, 3), np.tile([0.0, 1.0, 0.0], (4, 1))
     state = SwarmState(1.0, names, pos, vel, np.tile([0.0, 0.0, 0.0, 1.0], (4, 1)), vel, np.zeros(4), flag)
     two = np.zeros((2, 3))
-    given = SwarmSetpoint(1.0, ("cf2", "cf1"), two, two, two, np.zeros(2), np.zeros(2), flag[:2])
+    given = resting_setpoint(1.0, ("cf2", "cf1"), two, status=flag[:2])
     references = np.full((2, STAGES + 1, 9), 7.0)
     found = known_neighbours(at_constant_velocity(state, ("cf1",), TIMES), given, references)
     assert found.names == ("cf2", "cf3", "cf4")
@@ -156,15 +157,14 @@ def test_without_predictions_a_neighbour_is_on_its_reference_and_a_lost_one_far_
 
 def empty_setpoint(t: float) -> SwarmSetpoint:
     """Return a setpoint without vehicles."""
-    none, flag = np.zeros((0, 3)), np.zeros(0, np.uint8)
-    return SwarmSetpoint(t, (), none, none, none, np.zeros(0), np.zeros(0), flag)
+    none = np.zeros((0, 3))
+    return resting_setpoint(t, (), none)
 
 
 def hovering(t: float) -> SwarmState:
     """Return cf1 below cf2, at rest."""
-    zero, pos = np.zeros((2, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
-    level, flag = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.zeros(2, np.uint8)
-    return SwarmState(t, ("cf1", "cf2"), pos, zero, level, zero, np.zeros(2), flag)
+    pos = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
+    return resting_state(t, ("cf1", "cf2"), pos)
 
 
 def test_where_the_setpoint_names_nobody_a_neighbour_moves_on_at_constant_velocity() -> None:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import level_command, resting_setpoint, resting_state
 
 from q2q_control.disturbance.tracker import DisturbanceTracker, Tracked, TrackerParams
 from q2q_control.inputs.alignment import align
@@ -11,7 +12,7 @@ from q2q_control.pid.observed_pid import ObservedPid
 from q2q_control.pid.pid import Pid
 from q2q_control.pid.pid_params import PidParams
 from q2q_model.geometry.rotations import matrix_from_quat, quat_from_euler
-from q2q_model.signals.values import Array, Interference, Names, SwarmCommand, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, Interference, Names, SwarmSetpoint, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY, TEXTBOOK_065
 
 DT = 0.01
@@ -22,9 +23,9 @@ GAINS = PidParams(k_p_z=10.0, k_d_z=5.0)
 def rest(names: Names, t: float) -> tuple[SwarmState, SwarmSetpoint, Interference]:
     """Return vehicles at rest on their setpoints."""
     n = len(names)
-    zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    state = SwarmState(t, names, zero, zero, level, zero, np.zeros(n), flag)
-    setpoint = SwarmSetpoint(t, names, zero, zero, zero, np.zeros(n), np.zeros(n), flag)
+    zero, flag = np.zeros((n, 3)), np.zeros(n, np.uint8)
+    state = resting_state(t, names, zero)
+    setpoint = resting_setpoint(t, names, zero)
     return state, setpoint, Interference(t, names, zero, zero, flag)
 
 
@@ -96,8 +97,8 @@ def track(tracker: DisturbanceTracker, names: Names, t: float) -> Tracked:
     eta = np.array([[0.0, 0.0, PUSHED[name]] for name in names])
     tick = align(state, setpoint, replace(interference, acc=eta))
     tracked = tracker.update(tick)
-    thrust, zero = TEXTBOOK_065.mass * (GRAVITY - eta[:, 2]), np.zeros(len(names))
-    tracker.sent(SwarmCommand(t, names, thrust, zero, zero, zero, state.status), tick)
+    thrust = TEXTBOOK_065.mass * (GRAVITY - eta[:, 2])
+    tracker.sent(level_command(t, names, thrust, status=state.status), tick)
     return tracked
 
 

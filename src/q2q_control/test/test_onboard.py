@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_control.onboard.app_folder import CORE, write_app
 from q2q_control.onboard.model_header import STALE_S, AppRates, UnsupportedModelError, model_header
@@ -26,7 +27,7 @@ from q2q_model.downwash.predictor import InteractionPredictor
 from q2q_model.flights.tables.table_file import read_columns
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.model_files.model_file import ModelFile
-from q2q_model.signals.values import Array, Interference, SwarmState, TrackStatus
+from q2q_model.signals.values import Array, Interference, SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
 
 needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler: install one to test the app")
@@ -68,16 +69,7 @@ def motions(ticks: int, seed: int) -> tuple[Array, Array]:
 
 def state_at(tick: int, motion: Array, quat: Array) -> SwarmState:
     n = len(motion)
-    return SwarmState(
-        t=1e-6 * TICK_US * tick,
-        names=NAMES[:n],
-        pos=motion[:, :3],
-        vel=motion[:, 3:6],
-        quat=quat,
-        ang_vel_body=np.zeros((n, 3)),
-        age=np.zeros(n),
-        status=np.full(n, int(TrackStatus.TRACKED), dtype=np.uint8),
-    )
+    return resting_state(1e-6 * TICK_US * tick, NAMES[:n], motion[:, :3], vel=motion[:, 3:6], quat=quat)
 
 
 def at_rest(now_us: int, own: Array, **values: float) -> StepInput:

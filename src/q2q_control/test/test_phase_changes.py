@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from guarded_flights import CUT, DEGRADED, HOLD, LAND, LEVEL, NAMES, OK, SATURATED, TICK, fly, guarded
+from resting_signals import level_command
 
 from q2q_control.failsafe.phase_changes import LANDED, SETTLED_S, PhaseChanges, cut_reason
 from q2q_model.signals.values import Names, SwarmCommand
@@ -10,7 +11,7 @@ from q2q_model.signals.values import Names, SwarmCommand
 
 def command(t: float, *status: int, names: Names = NAMES) -> SwarmCommand:
     zero = np.zeros(len(names))
-    return SwarmCommand(t, names, zero, zero, zero, zero, np.array(status, dtype=np.uint8))
+    return level_command(t, names, zero, status=np.array(status, dtype=np.uint8))
 
 
 def reported(changes: PhaseChanges, one: SwarmCommand) -> list[str]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_control.flight_procedure.observation import PlanOutline, VehicleReport
 from q2q_control.flight_procedure.piloted_flight import PilotedFlight
@@ -79,8 +80,8 @@ def in_hover() -> tuple[PilotedFlight, Vehicles, Plan]:
 
 
 def state_at(height: float) -> SwarmState:
-    zero, pos, level = np.zeros((1, 3)), np.array([[0.0, 0.0, height]]), np.array([[0.0, 0.0, 0.0, 1.0]])
-    return SwarmState(0.0, ("cf1",), pos, zero, level, zero, np.zeros(1), np.zeros(1, dtype=np.uint8))
+    pos = np.array([[0.0, 0.0, height]])
+    return resting_state(0.0, ("cf1",), pos)
 
 
 @pytest.mark.parametrize("call", [Call.START, Call.TAKE_OFF, Call.FLY])

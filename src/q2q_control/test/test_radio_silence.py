@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from radio_pilot_bench import HOVER, LANDING_S, NAMES, WELL, Bench
+from resting_signals import level_command
 
 from q2q_control.flight_procedure.steps import Act, Order
 from q2q_control.radio.link import LinkHealth
@@ -17,7 +18,6 @@ from q2q_control.radio.setpoints import (
 )
 from q2q_model.signals.values import (
     CommandStatus,
-    SwarmCommand,
 )
 
 
@@ -114,7 +114,7 @@ def test_a_command_to_cut_stops_its_vehicle_for_good_and_no_other() -> None:
     bench.fly()
     zero = np.zeros(2)
     status = np.array([CommandStatus.CUT, CommandStatus.OK], dtype=np.uint8)
-    names = cut_vehicles(SwarmCommand(0.0, NAMES, zero, zero, zero, zero, status))
+    names = cut_vehicles(level_command(0.0, NAMES, zero, status=status))
     bench.pilot.cut((*names, "stranger"), bench.t)
     bench.rpyt_setpoints()
     assert bench.links["cf1"].sent[-1] == "cut"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.failsafe.evasion.rejoining import ACC_MAX, FAR, JERK_MAX, Rejoining
 from q2q_control.inputs.preview import SampledPreview, shifted_preview
@@ -19,19 +20,12 @@ speed = st.floats(-1.0, 1.0)
 
 
 def state_of(pos: Array, vel: Array) -> SwarmState:
-    return SwarmState(
-        t=0.0, names=("cf1",), pos=np.array([[*pos, 1.0]]), vel=np.array([[*vel, 0.0]]),
-        quat=np.array([[0.0, 0.0, 0.0, 1.0]]), ang_vel_body=np.zeros((1, 3)), age=np.zeros(1),
-        status=np.zeros(1, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_state(0.0, ("cf1",), np.array([[*pos, 1.0]]), vel=np.array([[*vel, 0.0]]))
 
 
 def plan_at(t: float) -> SwarmSetpoint:
     """Return a setpoint that moves on at 0.5 m/s."""
-    return SwarmSetpoint(
-        t=t, names=("cf1",), pos=np.array([[0.5 * t, 0.0, 1.0]]), vel=np.array([[0.5, 0.0, 0.0]]),
-        acc=np.zeros((1, 3)), yaw=np.zeros(1), yaw_rate=np.zeros(1), status=np.zeros(1, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_setpoint(t, ("cf1",), np.array([[0.5 * t, 0.0, 1.0]]), vel=np.array([[0.5, 0.0, 0.0]]))
 
 
 def led_back(pos: Array, vel: Array, ticks: int = 600) -> list[SwarmSetpoint]:

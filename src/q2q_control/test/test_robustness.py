@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.disturbance.tracker import TrackerParams
 from q2q_control.experiments.explicit.distillation import DistillationParams, distil
@@ -169,15 +170,11 @@ def height_errors(kind: str, case: Case, *, aware: bool) -> Array:
 
 
 def whole_state(t: float, pos: Array, vel: Array) -> SwarmState:
-    level = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
-    return SwarmState(
-        t, NAMES, pos.copy(), vel.copy(), level, np.zeros((2, 3)), np.zeros(2), np.zeros(2, np.uint8)
-    )
+    return resting_state(t, NAMES, pos.copy(), vel=vel.copy())
 
 
 def setpoint(t: float, ref: Array) -> SwarmSetpoint:
-    flag = np.zeros(2, np.uint8)
-    return SwarmSetpoint(t, NAMES, ref[:, :3], ref[:, 3:6], ref[:, 6:], np.zeros(2), np.zeros(2), flag)
+    return resting_setpoint(t, NAMES, ref[:, :3], vel=ref[:, 3:6], acc=ref[:, 6:])
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Setpoints are flown until they jump or stay away."""
 
 import numpy as np
+from resting_signals import resting_setpoint
 
 from q2q_control.flight_procedure.flight_view import FlightView
 from q2q_control.flight_procedure.progress.setpoint_stream import SetpointStream
@@ -19,8 +20,7 @@ def flies(stream: SetpointStream, pos: Array) -> bool:
 
 
 def setpoint(names: Names, pos: Array) -> SwarmSetpoint:
-    none = np.zeros(len(names))
-    return SwarmSetpoint(0.0, names, pos, 0.0 * pos, 0.0 * pos, none, none, none.astype(np.uint8))
+    return resting_setpoint(0.0, names, pos)
 
 
 def test_a_jump_over_an_absence_is_one() -> None:

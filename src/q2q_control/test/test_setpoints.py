@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from resting_signals import resting_setpoint
 
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import (
@@ -73,9 +74,7 @@ def test_full_states_carry_the_acceleration_less_the_downwash_of_the_same_vehicl
 
 def test_a_downwash_that_is_no_number_is_none_and_large_numbers_are_cut() -> None:
     rows = np.full((1, 3), 40.0)
-    setpoint = SwarmSetpoint(
-        0.0, ("cf1",), rows, -rows, rows, np.zeros(1), np.zeros(1), np.zeros(1, np.uint8)
-    )
+    setpoint = resting_setpoint(0.0, ("cf1",), rows, vel=-rows, acc=rows)
     nan = np.full((1, 3), np.nan)
     (one,) = full_states(setpoint, Interference(0.0, ("cf1",), nan, nan, np.zeros(1, np.uint8)))
     assert one is not None

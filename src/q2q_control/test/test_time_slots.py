@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_control.mpc.prediction.time_slots import BroadcastSchedule, slot_start
 from q2q_model.signals.recent_ticks import SAME_STAMP
@@ -13,8 +14,8 @@ NAMES = tuple(f"cf{k}" for k in range(1, 11))
 
 def state(t: float, names: Names = NAMES) -> SwarmState:
     n = len(names)
-    zero, level = np.zeros((n, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    return SwarmState(t, names, zero, zero, level, zero, np.zeros(n), np.zeros(n, np.uint8))
+    zero = np.zeros((n, 3))
+    return resting_state(t, names, zero)
 
 
 def sent(period: float, names: Names, times: list[float]) -> np.ndarray:

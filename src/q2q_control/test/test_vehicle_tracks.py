@@ -1,11 +1,12 @@
 """Past positions of the vehicles around a controller."""
 
 import numpy as np
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_control.inputs.alignment import align
 from q2q_control.mpc.prediction.constant_velocity import at_constant_velocity
 from q2q_control.mpc.prediction.vehicle_tracks import Future, VehicleTracks
-from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, Names
 
 TIMES = 0.05 * np.arange(4)
 
@@ -13,9 +14,8 @@ TIMES = 0.05 * np.arange(4)
 def add_tick(around: VehicleTracks, t: float, names: Names, pos: Array) -> Array:
     """Return the positions along the tracks of a tick, (K, n, 3), of vehicles at rest at pos [m], (n, 3)."""
     n = len(names)
-    zero, flag, level = np.zeros((n, 3)), np.zeros(n, np.uint8), np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    state = SwarmState(t, names, pos, zero, level, zero, np.zeros(n), flag)
-    setpoint = SwarmSetpoint(t, names, pos, zero, zero, np.zeros(n), np.zeros(n), flag)
+    state = resting_state(t, names, pos)
+    setpoint = resting_setpoint(t, names, pos)
     future = Future(t + TIMES, np.repeat(pos[:, None], TIMES.size, axis=1), np.zeros((n, TIMES.size - 1, 3)))
     others = at_constant_velocity(state, names, future.times)
     return around.tracks(align(state, setpoint, None), future, others).pos

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from made_flights import Pass, made_flight
+from resting_signals import level_command
 
 from q2q_model.flights.flight import Flight
 from q2q_model.identification.carried_weight import CarriedWeight
 from q2q_model.identification.push.recorded_push import check_weight
-from q2q_model.signals.values import SwarmCommand, SwarmState
+from q2q_model.signals.values import SwarmState
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, TEXTBOOK_065, Vehicle
 
 FLOWN = made_flight(Pass())
@@ -23,7 +24,7 @@ def carried(flight: Flight, vehicle: Vehicle) -> CarriedWeight:
         pose = flight.pos[k], unknown, flight.quat[k], unknown
         found.update(
             SwarmState(float(t), flight.names, *pose, zeros, status),
-            SwarmCommand(float(t), flight.names[::-1], flight.thrust[k][::-1], zeros, zeros, zeros, status),
+            level_command(float(t), flight.names[::-1], flight.thrust[k][::-1]),
         )
     return found
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from resting_signals import level_command, resting_state
 
 from q2q_model.diagnostics.diagnostic_values import diagnostic_values
 from q2q_model.diagnostics.smallest_separation import smallest_separation
@@ -10,7 +11,6 @@ from q2q_model.signals.values import (
     Interference,
     InterferenceStatus,
     MocapFrame,
-    SwarmCommand,
     SwarmState,
     TrackStatus,
 )
@@ -20,15 +20,8 @@ POS = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5], [0.0, 0.0, 1.6]])
 
 
 def state(status: tuple[TrackStatus, ...]) -> SwarmState:
-    return SwarmState(
-        t=0.0,
-        names=NAMES,
-        pos=POS,
-        vel=np.zeros((3, 3)),
-        quat=np.tile([0.0, 0.0, 0.0, 1.0], (3, 1)),
-        ang_vel_body=np.zeros((3, 3)),
-        age=np.array([0.0, 0.25, 0.125]),
-        status=np.array(status, dtype=np.uint8),
+    return resting_state(
+        0.0, NAMES, POS, age=np.array([0.0, 0.25, 0.125]), status=np.array(status, dtype=np.uint8)
     )
 
 
@@ -82,15 +75,7 @@ def test_a_command_reports_what_is_saturated_and_what_is_in_fallback(
     status: CommandStatus, saturated: str, in_fallback: str
 ):
     output = diagnostic_values(
-        SwarmCommand(
-            t=0.0,
-            names=NAMES,
-            thrust=np.ones(3),
-            roll=np.zeros(3),
-            pitch=np.zeros(3),
-            yaw_rate=np.zeros(3),
-            status=np.full(3, status, dtype=np.uint8),
-        )
+        level_command(0.0, NAMES, np.ones(3), status=np.full(3, status, dtype=np.uint8))
     )
     assert output == {"saturated": saturated, "in_fallback": in_fallback}
 

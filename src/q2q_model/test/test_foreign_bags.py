@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mcap_ros2.writer import Writer as ForeignWriter
 from message_definitions import HEADER, POSE
+from resting_signals import resting_state
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as SqliteWriter
@@ -31,7 +32,7 @@ from q2q_model.flights.joined_flight import flight_from_signals
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns
 from q2q_model.signals.cdr.cdr_reader import decode
-from q2q_model.signals.values import Array, MocapFrame, SwarmState
+from q2q_model.signals.values import Array, MocapFrame
 
 NAMED_POSES = (
     """std_msgs/Header header
@@ -469,10 +470,9 @@ def test_a_signal_of_another_type_than_its_topics_is_refused(tmp_path: Path, top
 
 
 def test_a_state_is_no_frame_under_any_map(tmp_path: Path):
-    one, none = np.zeros((1, 3)), np.zeros(1)
-    level, status = np.array([[0.0, 0, 0, 1]]), np.zeros(1, dtype=np.uint8)
+    one = np.zeros((1, 3))
     with BagWriter(tmp_path / "room") as bag:
-        bag.write_signal("/mocap", 0, SwarmState(0.0, ("a",), one, one, level, one, none, status))
+        bag.write_signal("/mocap", 0, resting_state(0.0, ("a",), one))
     with pytest.raises(BagError, match="mocap under signals needs q2q_msgs/msg/MocapFrame"):
         read_mapped_flight(tmp_path / "room", TopicMap(signals={"mocap": "/mocap"}))
     with pytest.raises(BagError, match="has no message on mocap"):

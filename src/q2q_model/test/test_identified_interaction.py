@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from identification_passes import FLOWN, eta_error, identification_data, records
 from made_flights import LOOP, Pass, made_flight
+from resting_signals import resting_state
 
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
 from q2q_model.downwash.level_set import peak_downwash
@@ -28,7 +29,7 @@ from q2q_model.identification.selection.model_choice import best_trial, score_ca
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.recordings.flight_recording import Recording
-from q2q_model.signals.values import Array, SwarmState
+from q2q_model.signals.values import SwarmState
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
@@ -46,12 +47,7 @@ def test_a_model_along_a_flight_is_the_online_predictors_answer():
 
 
 def _state(record: AltitudeRecord, k: int) -> SwarmState:
-    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
-    zeros: Array = np.zeros(2)
-    return SwarmState(
-        float(record.t[k]), record.names, record.pos[k], record.vel[k], quat, np.zeros((2, 3)), zeros,
-        np.zeros(2, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_state(float(record.t[k]), record.names, record.pos[k], vel=record.vel[k])
 
 
 def test_roles_are_read_from_who_flies_below():

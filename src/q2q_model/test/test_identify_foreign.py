@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from made_flights import Pass, made_flight
 from mcap_ros2.writer import Writer as ForeignWriter
+from resting_signals import resting_setpoint, resting_state
 from rosbags.typesys import Stores, get_typestore
 
 from q2q_model.bag import BagWriter, read_flight
 from q2q_model.commands import evaluate, identify
 from q2q_model.flights.flight import Flight
-from q2q_model.signals.values import Array, MocapFrame, SwarmSetpoint, SwarmState
+from q2q_model.signals.values import Array, MocapFrame
 
 BAGS = Path(__file__).resolve().parents[3] / "bags"
 NUMBERS = ("r2_exposed", "rmse_exposed_mps2", "mean_upper_mps2", "r2_ahead_20ms")
@@ -106,18 +107,10 @@ def write(path: Path, flight: Flight, ticks: int = 400) -> Path:
     with BagWriter(path) as bag:
         for tick in range(ticks):
             t, stamp_ns = float(flight.t[tick]), round(flight.t[tick] * 1e9)
-            nothing = np.zeros(2)
             frame = MocapFrame(t, flight.names, flight.mocap_pos[tick], flight.mocap_quat[tick])
             bag.write_signal("/mocap", stamp_ns, frame)
-            ref = SwarmSetpoint(
-                t=t,
-                names=flight.names,
-                pos=flight.ref_pos[tick],
-                vel=flight.ref_vel[tick],
-                acc=flight.ref_acc[tick],
-                yaw=nothing,
-                yaw_rate=nothing,
-                status=np.zeros(2, np.uint8),
+            ref = resting_setpoint(
+                t, flight.names, flight.ref_pos[tick], vel=flight.ref_vel[tick], acc=flight.ref_acc[tick]
             )
             bag.write_signal("/reference", stamp_ns, ref)
     return path
@@ -165,11 +158,11 @@ def test_wrong_input_is_named_in_one_line(tmp_path: Path, capsys: pytest.Capture
         for tick in range(300):
             for topic, one in (("/mocap", flight), ("/state", late)):
                 t = float(one.t[tick])
-                zeros, status = np.zeros((2, 3)), np.zeros(2, np.uint8)
+                zeros = np.zeros((2, 3))
                 signal = (
                     MocapFrame(t, one.names, one.mocap_pos[tick], one.mocap_quat[tick])
                     if topic == "/mocap"
-                    else SwarmState(t, one.names, zeros, zeros, np.zeros((2, 4)), zeros, np.zeros(2), status)
+                    else resting_state(t, one.names, zeros, quat=np.zeros((2, 4)))
                 )
                 bag.write_signal(topic, tick * 10_000_000, signal)
     assert "clocks are mixed" in said_by_identify(tmp_path / "mixed", capsys)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
@@ -18,16 +19,9 @@ LEVEL = pairs_at_rest(np.zeros(3))
 def state(t: float, pos: list[list[float]], vel: list[list[float]] | None = None) -> SwarmState:
     """Return a tracked state of level vehicles."""
     n = len(pos)
-    return SwarmState(
-        t=t,
-        names=tuple(f"cf{k}" for k in range(1, n + 1)),
-        pos=np.array(pos, dtype=float),
-        vel=np.zeros((n, 3)) if vel is None else np.array(vel, dtype=float),
-        quat=np.tile([0.0, 0.0, 0.0, 1.0], (n, 1)),
-        ang_vel_body=np.zeros((n, 3)),
-        age=np.zeros(n),
-        status=np.full(n, TrackStatus.TRACKED, dtype=np.uint8),
-    )
+    names = tuple(f"cf{k}" for k in range(1, n + 1))
+    speed = np.zeros((n, 3)) if vel is None else np.array(vel, dtype=float)
+    return resting_state(t, names, np.array(pos, dtype=float), vel=speed)
 
 
 STACK = [[0.0, 0.0, 1.0], [0.02, 0.0, 1.5], [0.0, 0.03, 2.1]]

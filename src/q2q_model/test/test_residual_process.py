@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import level_command, resting_state
 from scipy.signal import lfilter
 
 from q2q_model.downwash.correction.corrected_predictor import CorrectedPredictor, ResidualCorrector
@@ -22,9 +23,7 @@ from q2q_model.signals.values import (
     Interference,
     InterferenceStatus,
     Names,
-    SwarmCommand,
     SwarmImu,
-    SwarmState,
 )
 from q2q_model.vehicle.constants import CRAZYFLIE_2_1, GRAVITY
 
@@ -246,17 +245,17 @@ def test_a_prediction_under_a_wrong_stamp_unlearns_nothing(off: float) -> None:
 
 def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_push() -> None:
     """The lower of a hovering stack is pushed by 0.5 m/s^2 more than the law says; the next tick knows."""
-    vehicle, still, flag = CRAZYFLIE_2_1, np.zeros((2, 3)), np.zeros(2, np.uint8)
-    pos, level = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    vehicle, still = CRAZYFLIE_2_1, np.zeros((2, 3))
+    pos = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.5]])
     plain, block = InteractionPredictor(LAW), CorrectedPredictor(InteractionPredictor(LAW), PROCESS, vehicle)
-    law = plain.update(SwarmState(0.0, NAMES, pos, still, level, still, flag * 0.0, flag)).acc[0, 2]
+    law = plain.update(resting_state(0.0, NAMES, pos)).acc[0, 2]
     thrust = np.full(2, vehicle.hover_thrust)
     for k in range(10):
         t = STEP * k
-        state = SwarmState(t, NAMES, pos, still, level, still, flag * 0.0, flag)
+        state = resting_state(t, NAMES, pos)
         answer = block.update(state)
         force = np.array([[0.0, 0.0, GRAVITY + law - 0.5], [0.0, 0.0, GRAVITY]])
-        command = SwarmCommand(t, NAMES, thrust, flag * 0.0, flag * 0.0, flag * 0.0, flag)
+        command = level_command(t, NAMES, thrust)
         block.sense(state, command, SwarmImu(t, NAMES, force, still))
     assert answer.acc[0, 2] == pytest.approx(law - 0.5 * PROCESS.correlation(STEP), abs=0.05)
     assert answer.acc[1, 2] == pytest.approx(0.0, abs=1e-6)  # whose push is as predicted
@@ -265,15 +264,15 @@ def test_a_predictor_corrected_by_accelerometer_and_command_knows_an_unmodelled_
 
 @pytest.mark.parametrize("back", [0.02, 0.4, 100.0])
 def test_a_push_measured_after_time_went_back_is_that_of_settled_rotors(back: float) -> None:
-    vehicle, still, flag = CRAZYFLIE_2_1, np.zeros((2, 3)), np.zeros(2, np.uint8)
-    level, force = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.tile([0.0, 0.0, GRAVITY], (2, 1))
+    vehicle, still = CRAZYFLIE_2_1, np.zeros((2, 3))
+    force = np.tile([0.0, 0.0, GRAVITY], (2, 1))
 
     def pushes(times: tuple[float, ...]) -> Array:
         block, found = MeasuredPush(vehicle), np.zeros(2)
         for t, share in zip(times, (0.5, 1.0, 1.0), strict=True):
-            state = SwarmState(t, NAMES, still, still, level, still, flag * 0.0, flag)
+            state = resting_state(t, NAMES, still)
             thrust = np.full(2, share * vehicle.hover_thrust)
-            command = SwarmCommand(t, NAMES, thrust, flag * 0.0, flag * 0.0, flag * 0.0, flag)
+            command = level_command(t, NAMES, thrust)
             found = block.update(state, command, SwarmImu(t, NAMES, force, still))
         return found
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from mcap_ros2.writer import Writer
 from message_definitions import HEADER, POSE
+from resting_signals import resting_state
 
 from q2q_model.bag import BagError, TopicMap, read_mapped_flight
 from q2q_model.bag.foreign.pose_frames import Poses, clock_set_back, pose_frames
@@ -19,9 +20,7 @@ FLIGHT = np.arange(500) / 100.0
 
 
 def _state(t: float, x: float) -> SwarmState:
-    zero = np.zeros((1, 3))
-    status = np.zeros(1, dtype=np.uint8)
-    return SwarmState(t, ("cf1",), np.full((1, 3), x), zero, LEVEL[None], zero, np.zeros(1), status)
+    return resting_state(t, ("cf1",), np.full((1, 3), x))
 
 
 def test_the_last_of_equal_stamps_counts_for_poses_as_for_signals() -> None:

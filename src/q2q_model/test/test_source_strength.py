@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_model.downwash.interaction_model import pairs_at_rest
 from q2q_model.downwash.jet import MOVING_LAW, PAPER_LAW, Jet
@@ -19,7 +20,7 @@ from q2q_model.identification.push.along_flight import (
 from q2q_model.identification.push.jet_fit import fit_to_pushes
 from q2q_model.identification.push.jet_form import JetForm
 from q2q_model.identification.push.push_samples import PushRecord, push_samples
-from q2q_model.signals.values import Array, SwarmState, TrackStatus
+from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
 
 LOADED = replace(MOVING_LAW, velocity_share=0.6, loading=0.6, absorption=1.5)
@@ -89,14 +90,10 @@ def flight(seconds: float = 12.0) -> Motion:
 
 def test_the_predictor_online_gives_what_the_whole_record_gives():
     motion = flight(3.0)
-    whole, predictor, level = eta_along(LOADED, motion), InteractionPredictor(LOADED), [0.0, 0.0, 0.0, 1.0]
-    tracked = np.full(3, TrackStatus.TRACKED, dtype=np.uint8)
+    whole, predictor = eta_along(LOADED, motion), InteractionPredictor(LOADED)
     for k, t in enumerate(motion.t):
-        still, level_all = np.zeros((3, 3)), np.tile(level, (3, 1))
         names = ("low", "middle", "top")
-        state = SwarmState(
-            float(t), names, motion.pos[k], motion.vel[k], level_all, still, np.zeros(3), tracked
-        )
+        state = resting_state(float(t), names, motion.pos[k], vel=motion.vel[k])
         online = predictor.update(state).acc
         if t > 0.8:  # then the history is whole
             np.testing.assert_allclose(online, whole[k], rtol=1e-9, atol=1e-12)

@@ -1,6 +1,7 @@
 """Flights that the safe law leads, and what is measured of vehicles that follow exactly."""
 
 import numpy as np
+from resting_signals import resting_state
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint, SwarmState
@@ -35,8 +36,4 @@ def hover(seconds: float) -> SwarmPlan:
 def seen(setpoint: SwarmSetpoint, age: float = 0.0) -> SwarmState:
     """Return the state of vehicles that follow exactly, measured `age` ago."""
     n = len(setpoint.names)
-    quat = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    return SwarmState(
-        setpoint.t, setpoint.names, setpoint.pos, setpoint.vel, quat, np.zeros((n, 3)), np.full(n, age),
-        np.zeros(n, dtype=np.uint8),
-    )  # fmt: skip
+    return resting_state(setpoint.t, setpoint.names, setpoint.pos, vel=setpoint.vel, age=np.full(n, age))

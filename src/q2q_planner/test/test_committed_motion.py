@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint
 
 from q2q_model.signals.values import Names, SwarmSetpoint
 from q2q_planner.online.safe.committed_motion import CommittedMotion
@@ -18,8 +19,7 @@ def resting(t: float, names: Names) -> SwarmSetpoint:
     """Return a reference on which vehicles rest side by side, 1 m apart."""
     n = len(names)
     pos = np.column_stack([np.arange(float(n)), np.zeros(n), np.ones(n)])
-    still = np.zeros((n, 3))
-    return SwarmSetpoint(t, names, pos, still, still, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+    return resting_setpoint(t, names, pos)
 
 
 def moving() -> CommittedMotion:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.signals.some_vehicles import of_vehicles
@@ -25,17 +26,12 @@ BROKEN = SetpointStatus.PROMISE_BROKEN
 def reference(t: float, pos: Array, vel: Array, acc: Array) -> SwarmSetpoint:
     n = len(pos)
     names = tuple(f"cf{row}" for row in range(n))
-    return SwarmSetpoint(t, names, pos, vel, acc, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+    return resting_setpoint(t, names, pos, vel=vel, acc=acc)
 
 
 def seen(setpoint: SwarmSetpoint, off: Array) -> SwarmState:
     """Return the state of vehicles that are `off` their setpoints [m], (n, 3)."""
-    n = len(setpoint.names)
-    quat = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    return SwarmState(
-        setpoint.t, setpoint.names, setpoint.pos + off, setpoint.vel, quat, np.zeros((n, 3)), np.zeros(n),
-        np.zeros(n, np.uint8),
-    )  # fmt: skip
+    return resting_state(setpoint.t, setpoint.names, setpoint.pos + off, vel=setpoint.vel)
 
 
 def accelerations(flown: list[SwarmSetpoint]) -> Array:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_model.signals.some_vehicles import of_vehicles
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState, TrackStatus
@@ -22,17 +23,14 @@ ON = np.zeros(3)
 
 
 def setpoint_at(t: float) -> SwarmSetpoint:
-    still, level = np.zeros((2, 3)), np.zeros(2)
-    return SwarmSetpoint(t, ("cf1", "cf2"), SENT, still, still, level, level, np.zeros(2, dtype=np.uint8))
+    return resting_setpoint(t, ("cf1", "cf2"), SENT)
 
 
 def state_at(t: float, age: float, off: Array = ON, vel: Array = ON) -> SwarmState:
     """Return the state with the first vehicle off its setpoint, measured `age` ago."""
     pos, speed = SENT + np.array([off, ON]), np.array([vel, ON])
-    quat, ages = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.array([age, 0.0])
-    return SwarmState(
-        t, ("cf1", "cf2"), pos, speed, quat, np.zeros((2, 3)), ages, np.zeros(2, dtype=np.uint8)
-    )
+    ages = np.array([age, 0.0])
+    return resting_state(t, ("cf1", "cf2"), pos, vel=speed, age=ages)
 
 
 def flown(unseen_s: float, params: SafeReplannerParams, vel: Array = ON) -> list[SwarmSetpoint]:
@@ -131,8 +129,7 @@ def crossing_at(t: float) -> SwarmSetpoint:
     """Return references of which the second passes over the first, within its zone, in 6 s."""
     pos = np.array([[0.0, 0.0, 1.5], [0.0, 0.3 * t - 0.9, 2.0]])
     vel = np.array([[0.0, 0.0, 0.0], [0.0, 0.3, 0.0]])
-    still, level = np.zeros((2, 3)), np.zeros(2)
-    return SwarmSetpoint(t, ("cf1", "cf2"), pos, vel, still, level, level, np.zeros(2, dtype=np.uint8))
+    return resting_setpoint(t, ("cf1", "cf2"), pos, vel=vel)
 
 
 @pytest.mark.parametrize("jerk", [0.0, 20.0])

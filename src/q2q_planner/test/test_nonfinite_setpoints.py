@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_model.signals.values import Array, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe.motion_propagation import at_reference, propagate
@@ -26,9 +27,7 @@ def apart(k: int) -> SwarmSetpoint:
 def along(k: int, x: float) -> SwarmSetpoint:
     pos, vel = np.array([[0.0, 0.0, 1.0], [x, 0.0, 1.0]]), np.tile([0.0, SPEED, 0.0], (2, 1))
     yaw = np.array([0.3, -0.4])
-    return SwarmSetpoint(
-        k * TICK, NAMES, pos + vel * k * TICK, vel, np.zeros((2, 3)), yaw, np.zeros(2), np.zeros(2, np.uint8)
-    )
+    return resting_setpoint(k * TICK, NAMES, pos + vel * k * TICK, vel=vel, yaw=yaw)
 
 
 def without(setpoint: SwarmSetpoint, name: str, row: int = 0) -> SwarmSetpoint:
@@ -39,8 +38,7 @@ def without(setpoint: SwarmSetpoint, name: str, row: int = 0) -> SwarmSetpoint:
 
 
 def seen(setpoint: SwarmSetpoint, pos: Array) -> SwarmState:
-    quat, zero = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)), np.zeros((2, 3))
-    return SwarmState(setpoint.t, NAMES, pos, setpoint.vel, quat, zero, np.zeros(2), np.zeros(2, np.uint8))
+    return resting_state(setpoint.t, NAMES, pos, vel=setpoint.vel)
 
 
 def assert_continuous(flown: list[SwarmSetpoint]) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint, resting_state
 
 from q2q_model.signals.values import Array, Names, SetpointStatus, SwarmSetpoint, SwarmState
 from q2q_planner.online.safe import safe_replanner
@@ -27,7 +28,7 @@ BROKEN = SetpointStatus.PROMISE_BROKEN
 def setpoint(t: float, names: Names, pos: Array, vel: Array, acc: Array | None = None) -> SwarmSetpoint:
     n = len(names)
     acc = np.zeros((n, 3)) if acc is None else acc
-    return SwarmSetpoint(t, names, pos, vel, acc, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+    return resting_setpoint(t, names, pos, vel=vel, acc=acc)
 
 
 def closing(apart: float, speed: float, acc: Array | None = None) -> SwarmSetpoint:
@@ -81,9 +82,8 @@ def test_who_is_not_measured_for_forget_has_broken_the_promise_until_it_is(back:
     for k in range(300):
         t, still = k * TICK - (back if k >= 30 else 0.0), closing(3.0, 0.0)
         gone = k * TICK - 0.995 if 100 <= k < 200 else 0.0
-        rest, level = np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
         age = np.array([gone, np.inf if k < 250 else 0.0])
-        state = SwarmState(t, PAIR, still.pos, rest, level, rest, age, np.zeros(2, np.uint8))
+        state = resting_state(t, PAIR, still.pos, age=age)
         answer = replanner.update(replace(still, t=t), state)
         broken.append(answer.status == BROKEN)
     first, second = (np.flatnonzero(row).tolist() for row in np.transpose(broken))

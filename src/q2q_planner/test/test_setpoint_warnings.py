@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint
 
 from q2q_model.signals.values import SetpointStatus, SwarmSetpoint
 from q2q_planner.online.setpoint_warnings import SETTLED_S, SetpointWarnings
@@ -16,8 +17,7 @@ def setpoint(t: float, *, broken: bool = False, nan: bool = False) -> SwarmSetpo
         status[1] = SetpointStatus.PROMISE_BROKEN
     if nan:
         pos[0, 2] = np.nan
-    zero = np.zeros((2, 3))
-    return SwarmSetpoint(t, NAMES, pos, zero, zero, np.zeros(2), np.zeros(2), status)
+    return resting_setpoint(t, NAMES, pos, status=status)
 
 
 def test_a_warning_is_reported_once_until_it_has_been_over_for_a_while() -> None:

@@ -1,6 +1,7 @@
 """Vehicles and motions that the safe law is asked about."""
 
 import numpy as np
+from resting_signals import resting_setpoint
 
 from q2q_model.signals.values import Array, Names, SwarmSetpoint, SwarmState
 from q2q_planner.online.last_known_states import KnownStates
@@ -24,9 +25,9 @@ def state(t: float, names: Names, x: list[float], age: float = 0.0, speed: float
 
 
 def setpoint(t: float, names: Names, pos: Array, vel: Array | None = None) -> SwarmSetpoint:
-    n, zero = len(names), np.zeros((len(names), 3))
+    zero = np.zeros((len(names), 3))
     vel = zero if vel is None else vel
-    return SwarmSetpoint(t, names, pos, vel, zero, np.zeros(n), np.zeros(n), np.zeros(n, np.uint8))
+    return resting_setpoint(t, names, pos, vel=vel)
 
 
 def held(pos: Array, vel: Array, hold: float = 0.0, acc: Array | None = None) -> CommittedMotion:

@@ -6,11 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from resting_signals import level_command, resting_state
 
 from q2q_control.failsafe.blind_flight.braking_law import BRAKING_MAX, BRAKING_S
 from q2q_control.failsafe.blind_flight.dead_reckoning import OBSERVER
 from q2q_model.signals.stamps import TICK_S
-from q2q_model.signals.values import CommandStatus, Interference, SwarmCommand, SwarmState, TrackStatus
+from q2q_model.signals.values import CommandStatus, Interference, TrackStatus
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.experiments.campaign.random_run import Run, draw_run
 from q2q_sim.experiments.falsification.counterexample import with_faults
@@ -33,17 +34,16 @@ def two_vehicles() -> Run:
 def level_flight(speed: float, deceleration: float) -> RunTicks:
     """Return a flight of cf1 along x, which is lost, and decelerates by command only; cf2 hovers."""
     names, still = ("cf1", "cf2"), np.zeros((2, 3))
-    quat = np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
     vel = np.array([[speed, 0.0, 0.0], [0.0, 0.0, 0.0]])
     states, commands = [], []
     for k in range(END):
         age = np.array([max(k - LAST, 0) * TICK_S, 0.0])
         lost = np.array([TrackStatus.LOST if k >= BLIND else TrackStatus.TRACKED, TrackStatus.TRACKED])
-        states.append(SwarmState(k * TICK_S, names, still, vel, quat, still, age, lost.astype(np.uint8)))
+        states.append(resting_state(k * TICK_S, names, still, vel=vel, age=age, status=lost.astype(np.uint8)))
         level = np.array([CommandStatus.LEVEL if k >= BLIND else CommandStatus.OK, CommandStatus.OK])
         pitch = np.array([-math.atan(deceleration / GRAVITY), 0.0])
         flat = np.zeros(2)
-        commands.append(SwarmCommand(k * TICK_S, names, flat, flat, pitch, flat, level.astype(np.uint8)))
+        commands.append(level_command(k * TICK_S, names, flat, pitch=pitch, status=level.astype(np.uint8)))
     t = np.array([k * TICK_S for k in range(END)])
     calm = Interference(0.0, names, still, still, np.zeros(2, np.uint8))
     return RunTicks(t, t, names, tuple(states), tuple(states), (), tuple(commands), (calm,) * END)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_setpoint
 
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.failsafe.guard import Guard
@@ -34,7 +35,7 @@ def frame(t: float) -> MocapFrame:
 
 def setpoint(t: float) -> SwarmSetpoint:
     zero = np.zeros((1, 3))
-    return SwarmSetpoint(t, NAMES, zero + 1.0, zero, zero, np.zeros(1), np.zeros(1), np.zeros(1, np.uint8))
+    return resting_setpoint(t, NAMES, zero + 1.0)
 
 
 def followed(stamps: list[float]) -> set[str]:

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from resting_signals import level_command
 
 from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
-from q2q_model.signals.values import SwarmCommand
 from q2q_model.vehicle.constants import GRAVITY
 from q2q_sim.faults.faults import Fault
 from q2q_sim.loop.closed_loop import FlightOptions, answered_ticks, fly
@@ -173,7 +173,7 @@ def test_a_flight_that_is_not_recorded_is_the_same_flight(mode: Mode) -> None:
 
 def test_a_recording_has_each_signal_under_its_vehicles_name() -> None:
     recording = FlightRecording(("cf1", "cf2"), 1)
-    thrust, zeros, status = np.array([2.0, 1.0]), np.zeros(2), np.zeros(2, dtype=np.uint8)
-    turned = SwarmCommand(0.0, ("cf2", "cf1"), thrust, zeros, zeros, zeros, status)
+    thrust = np.array([2.0, 1.0])
+    turned = level_command(0.0, ("cf2", "cf1"), thrust)
     recording.command(0, turned)
     np.testing.assert_array_equal(recording.flight("made").thrust, [[1.0, 2.0]])

@@ -1,6 +1,7 @@
 """Vehicles that two controllers command are found, and those that share the vehicles are not."""
 
 import numpy as np
+from resting_signals import level_command
 
 from q2q_model.signals.values import Names, SwarmCommand
 from q2q_sim.link.conflicting_commands import RECENT, ConflictingCommands
@@ -11,9 +12,8 @@ TICK_NS = 10_000_000
 
 def command(thrust: float, names: Names = NAMES) -> SwarmCommand:
     """Return a command that differs in the thrust of its last vehicle."""
-    level = np.zeros(len(names))
     thrusts = np.array([0.3] * (len(names) - 1) + [thrust])
-    return SwarmCommand(0.0, names, thrusts, level, level, level, np.zeros(len(names), np.uint8))
+    return level_command(0.0, names, thrusts)
 
 
 def conflicts(*commands: tuple[int, SwarmCommand]) -> Names:

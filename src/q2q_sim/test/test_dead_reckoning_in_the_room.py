@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import level_command
 
 from q2q_control.failsafe.blind_flight.dead_reckoned_braking import DeadReckonedBraking
 from q2q_model.signals.values import CommandStatus, SwarmCommand
@@ -19,14 +20,8 @@ HOVER = CRAZYFLIE_2_0.hover_thrust
 def _asked(room: Room, thrust: float, roll: float) -> SwarmCommand:
     n = len(room.names)
     status = np.full(n, CommandStatus.DEGRADED, dtype=np.uint8)
-    return SwarmCommand(
-        room.capture().truth.t,
-        room.names,
-        np.full(n, thrust),
-        np.full(n, roll),
-        np.zeros(n),
-        np.zeros(n),
-        status,
+    return level_command(
+        room.capture().truth.t, room.names, np.full(n, thrust), roll=np.full(n, roll), status=status
     )
 
 

@@ -5,14 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from resting_signals import level_command, resting_setpoint, resting_state
 
 from q2q_model.signals.stamps import TICK_S
 from q2q_model.signals.values import (
-    CommandStatus,
-    SetpointStatus,
-    SwarmCommand,
-    SwarmSetpoint,
-    SwarmState,
     TrackStatus,
 )
 from q2q_model.vehicle.constants import GRAVITY
@@ -43,20 +39,18 @@ def encounter(distance: float, away: float, aside: float = 0.0, height: float = 
 
     The accelerations that cf1 is commanded from then on lead `away` along x and `aside` along y [m/s^2].
     """
-    names, still, flat = ("cf1", "cf2"), np.zeros((2, 3)), np.zeros(2)
-    pos, quat = np.array([[distance, 0.0, 1.0], [0.0, 0.0, height]]), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1))
+    names, flat = ("cf1", "cf2"), np.zeros(2)
+    pos = np.array([[distance, 0.0, 1.0], [0.0, 0.0, height]])
     states, setpoints, commands = [], [], []
     for k in range(END):
         gone = k >= LOST
         status = np.array([TrackStatus.TRACKED, TrackStatus.LOST if gone else TrackStatus.TRACKED], np.uint8)
         age = np.array([0.0, max(k - LOST + 35, 0) * TICK_S])
-        states.append(SwarmState(k * TICK_S, names, pos, still, quat, still, age, status))
-        kept = np.full(2, SetpointStatus.NOMINAL, np.uint8)
-        setpoints.append(SwarmSetpoint(k * TICK_S, names, pos, still, still, flat, flat, kept))
+        states.append(resting_state(k * TICK_S, names, pos, age=age, status=status))
+        setpoints.append(resting_setpoint(k * TICK_S, names, pos))
         roll = np.array([-math.atan(aside / GRAVITY) if gone else 0.0, 0.0])
         pitch = np.array([math.atan(away / GRAVITY) if gone else 0.0, 0.0])
-        computed = np.full(2, CommandStatus.OK, np.uint8)
-        commands.append(SwarmCommand(k * TICK_S, names, flat, roll, pitch, flat, computed))
+        commands.append(level_command(k * TICK_S, names, flat, roll=roll, pitch=pitch))
     t = np.array([k * TICK_S for k in range(END)])
     return RunTicks(t, t, names, tuple(states), tuple(states), tuple(setpoints), tuple(commands), ())
 

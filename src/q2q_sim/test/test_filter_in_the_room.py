@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_model.estimation.mocap_filter import MocapFilter
 from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.outliers import find_outliers
-from q2q_model.geometry.rotations import identity_quat
 from q2q_model.signals.values import Array, Names, SwarmState, TrackStatus
 from q2q_sim.sensors.vicon import Injected, Vicon
 from q2q_sim.sensors.vicon_params import ViconParams
@@ -33,8 +33,7 @@ def _truth(tick: int) -> SwarmState:
     phase = np.array([0.0, 2.0, 4.0])
     pos = np.stack([np.sin(0.7 * t + phase), np.cos(0.9 * t + phase), 1.0 + 0.5 * phase / 2.0], axis=-1)
     vel = np.stack([0.7 * np.cos(0.7 * t + phase), -0.9 * np.sin(0.9 * t + phase), 0.0 * phase], axis=-1)
-    zeros, status = np.zeros((3, 3)), np.zeros(3, dtype=np.uint8)
-    return SwarmState(t, NAMES, pos, vel, identity_quat((3,)), zeros, np.zeros(3), status)
+    return resting_state(t, NAMES, pos, vel=vel)
 
 
 @dataclass(frozen=True, slots=True)

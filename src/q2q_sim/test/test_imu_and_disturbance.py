@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.signals.values import SwarmState
@@ -10,15 +11,12 @@ from q2q_sim.sensors.imu import Imu, ImuParams
 
 
 def _tilted(roll: float, pitch: float) -> SwarmState:
-    return SwarmState(
-        t=0.0,
-        names=("cf1",),
-        pos=np.zeros((1, 3)),
-        vel=np.zeros((1, 3)),
+    return resting_state(
+        0.0,
+        ("cf1",),
+        np.zeros((1, 3)),
         quat=quat_from_euler(np.array([roll]), np.array([pitch]), np.array([0.4])),
         ang_vel_body=np.array([[0.1, 0.2, 0.3]]),
-        age=np.zeros(1),
-        status=np.zeros(1, dtype=np.uint8),
     )
 
 

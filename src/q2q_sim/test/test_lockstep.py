@@ -4,6 +4,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from resting_signals import level_command
 
 from q2q_model.signals.values import SwarmCommand
 from q2q_sim.loop.command_gate import CommandGate
@@ -13,9 +14,7 @@ from q2q_sim.loop.resend_timer import ResendTimer
 
 def command(names: tuple[str, ...], thrust: float) -> SwarmCommand:
     n = len(names)
-    return SwarmCommand(
-        0.0, names, np.full(n, thrust), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n, np.uint8)
-    )
+    return level_command(0.0, names, np.full(n, thrust))
 
 
 def test_one_controller_for_all_completes_a_tick_at_once() -> None:

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from resting_signals import level_command, resting_state
 
 from q2q_model.bag import BagReader, BagWriter, read_flight
-from q2q_model.signals.values import CommandStatus, MocapFrame, SwarmCommand, SwarmState
+from q2q_model.signals.values import CommandStatus, MocapFrame
 from q2q_sim.commands import report
 from q2q_sim.report.figures import KINDS, PlotCurve, plot_quantity
 from q2q_sim.report.panels import picture_file
@@ -18,14 +19,14 @@ ODD = ("../../up", "a/b", "c" * 300, r"cf$\foo$")
 
 def recorded_bag(path: Path, names: tuple[str, ...]) -> Path:
     """Return a bag in which vehicles rise by 1 cm a tick, a metre apart."""
-    zero, pos = np.zeros((len(names), 3)), np.zeros((len(names), 3))
-    quat, none = np.tile([0.0, 0.0, 0.0, 1.0], (len(names), 1)), np.zeros(len(names))
+    pos = np.zeros((len(names), 3))
+    quat = np.tile([0.0, 0.0, 0.0, 1.0], (len(names), 1))
     pos[:, 0] = np.arange(len(names))
     with BagWriter(path) as bag:
         for k in range(20):
             t, pos[:, 2] = 0.01 * k, 0.01 * k
             bag.write_signal("/mocap", round(1e9 * t), MocapFrame(t, names, pos, quat))
-            state = SwarmState(t, names, pos, zero, quat, zero, none, none.astype(np.uint8))
+            state = resting_state(t, names, pos)
             bag.write_signal("/state", round(1e9 * t), state)
     return path
 
@@ -78,7 +79,7 @@ def test_the_json_has_the_numbers_of_commands_and_separation(
             copied.write_signal(one.topic, one.stamp_ns, one.signal)
         for k in range(20):
             none, status = np.zeros(2), np.array([CommandStatus.OK, CommandStatus.HOLD * (k < 5)], np.uint8)
-            command = SwarmCommand(0.01 * k, ("cf1", "cf2"), none, none, none, none, status)
+            command = level_command(0.01 * k, ("cf1", "cf2"), none, status=status)
             copied.write_signal("/command", 10_000_000 * k, command)
     monkeypatch.chdir(tmp_path)
     assert report.main(["commanded", "--vehicle", "crazyflie_2_0", "--json", "it.json"]) == 0

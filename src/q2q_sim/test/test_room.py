@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import level_command
 
 from q2q_model.signals.values import Array, SwarmCommand
 from q2q_sim.faults.faults import Fault
@@ -14,16 +15,7 @@ from q2q_sim.scenarios.room_profiles import ROUGH
 
 def _command(names: tuple[str, ...], thrust: float, t: float = 0.0) -> SwarmCommand:
     n = len(names)
-    zero = np.zeros(n)
-    return SwarmCommand(
-        t=t,
-        names=names,
-        thrust=np.full(n, thrust),
-        roll=zero,
-        pitch=zero,
-        yaw_rate=zero,
-        status=np.zeros(n, dtype=np.uint8),
-    )
+    return level_command(t, names, np.full(n, thrust))
 
 
 def _rough() -> library.Scenario:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import level_command
 
 from q2q_model.signals.cdr.cdr_writer import encode
 from q2q_model.signals.stamps import TICK_NS
@@ -33,8 +34,7 @@ def flight(wall: Wall, params: SimulatorParams = PARAMS, duration: float = 1.0) 
 
 def command(thrust: float) -> SwarmCommand:
     n = len(SCENARIO.names)
-    level = np.zeros(n)
-    return SwarmCommand(0.0, SCENARIO.names, np.full(n, thrust), level, level, level, np.zeros(n, np.uint8))
+    return level_command(0.0, SCENARIO.names, np.full(n, thrust))
 
 
 def topics(output: Output) -> list[str]:

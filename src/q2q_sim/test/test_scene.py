@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from resting_signals import resting_state
 
 from q2q_model.geometry.rotations import quat_from_euler, rotate
 from q2q_model.node.warm_up import synthetic_signal
@@ -34,9 +35,8 @@ ROUNDING = 1e-12
 def state(t: float, pos: Array, quat: Array | None = None, status: int = TrackStatus.TRACKED) -> SwarmState:
     n = len(pos)
     level = np.tile([0.0, 0.0, 0.0, 1.0], (n, 1))
-    zeros = np.zeros((n, 3))
     flags = np.full(n, status, dtype=np.uint8)
-    return SwarmState(t, NAMES[:n], pos, zeros, level if quat is None else quat, zeros, np.zeros(n), flags)
+    return resting_state(t, NAMES[:n], pos, quat=level if quat is None else quat, status=flags)
 
 
 def apart() -> Array:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from resting_signals import resting_state
 
 from q2q_model.geometry.rotations import quat_conjugate, quat_from_euler, quat_multiply, vector_from_quat
 from q2q_model.signals.values import MocapFrame, SwarmState
@@ -18,15 +19,11 @@ PERFECT = ViconParams()
 
 def _truth(k: int, n: int = 4) -> SwarmState:
     pos = np.array([[0.5 * i, 0.01 * k, 1.0 + 0.1 * i] for i in range(n)])
-    return SwarmState(
-        t=k * TICK,
-        names=tuple(f"cf{i + 1}" for i in range(n)),
-        pos=pos,
-        vel=np.zeros((n, 3)),
+    return resting_state(
+        k * TICK,
+        tuple(f"cf{i + 1}" for i in range(n)),
+        pos,
         quat=quat_from_euler(np.full(n, 0.1), np.full(n, -0.05), np.full(n, 0.3)),
-        ang_vel_body=np.zeros((n, 3)),
-        age=np.zeros(n),
-        status=np.zeros(n, dtype=np.uint8),
     )
 
 
