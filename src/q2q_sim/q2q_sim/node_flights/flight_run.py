@@ -1,4 +1,4 @@
-"""Finished flight through nodes, and its JSON as `fly` and `demo` write it: a contract with other programs."""
+"""Finished flight through nodes, and its JSON as `fly` and `demo` write it, which other programs read."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
