@@ -69,7 +69,7 @@ def tolerance_checks(verdict: FirmwareVerdict) -> tuple[ToleranceCheck, ...]:
         ToleranceCheck("planner: position [m]", planner.max_pos_m, 1e-4),
         ToleranceCheck("planner: velocity [m/s]", planner.max_vel_mps, 1e-3),
         ToleranceCheck("planner: acceleration [m/s^2]", planner.max_acc_mps2, 1e-2),
-        ToleranceCheck("planner: answers that differ", planner.answers_differ, 0),
+        ToleranceCheck("planner: outputs that differ", planner.answers_differ, 0),
         ToleranceCheck("supervisor: states that differ", supervisor.states_differ, 0),
         ToleranceCheck("supervisor: info that differs", supervisor.info_differ, 0),
         ToleranceCheck("mixer: motors [PWM]", mixer.max_motor_pwm, 6.0),
