@@ -31,7 +31,7 @@ READING = """\
 All vehicles are Crazyflies in the room `real` (26 ms of delay, noise, losses, outliers; accelerometers with
 0.2 m/s² of noise) with K_p 10 and K_d 5, as `table6_room` is flown with `--air`. What each controller knows:
 `q2q_sim.experiments.ablation.variants`. *Under* is the rms height error of vehicles under another and for
-1 s after, *clear* that of the same flight's vehicles under nobody for 3 s, *worst* the largest height error
+1 s after, *clear* that of the same flight's vehicles under no other for 3 s, *worst* the largest height error
 under another (`q2q_sim.monitors.metrics.exposure`); *gain* is ignoring's worst error over the own. Values are
 medians over draws, each with its own noise, losses, gusts, turbulence and vehicles. A dash: not flown.
 
