@@ -28,11 +28,13 @@ class RadioParams:
     """Quality of the link; the defaults are transparent."""
 
     rate: float = tunable(100.0, "largest packet rate of each vehicle", unit="Hz", low=1.0, high=100.0)
-    latency: float = tunable(0.0, "from sending a command to executing it", unit="s", low=0.0, high=0.5)
+    latency: float = tunable(0.0, "delay from sending a command to executing it", unit="s", low=0.0, high=0.5)
     jitter: float = tunable(0.0, "largest additional random latency", unit="s", low=0.0, high=0.009)
     loss: float = tunable(0.0, "fraction of packets lost", low=0.0, high=1.0)
-    quantised: bool = tunable(default=False, description="integer PWM and 32-bit degrees")
-    unlocked: bool = tunable(default=True, description="a zero-thrust packet arrived before the flight")
+    quantised: bool = tunable(default=False, description="round commands to integer PWM and 32-bit degrees")
+    unlocked: bool = tunable(
+        default=True, description="start with thrust unlocked, as by a packet of zero thrust"
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""

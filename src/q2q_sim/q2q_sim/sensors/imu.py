@@ -22,10 +22,18 @@ from q2q_sim.random_streams import stream
 class ImuParams:
     """Noise of the sensors; the defaults are perfect."""
 
-    acc_noise: float = tunable(0.0, "standard deviation of a reading", unit="m/s^2", low=0.0, high=50.0)
-    acc_bias: float = tunable(0.0, "standard deviation of the bias", unit="m/s^2", low=0.0, high=10.0)
-    gyro_noise: float = tunable(0.0, "standard deviation of a reading", unit="rad/s", low=0.0, high=10.0)
-    gyro_bias: float = tunable(0.0, "standard deviation of the bias", unit="rad/s", low=0.0, high=10.0)
+    acc_noise: float = tunable(
+        0.0, "standard deviation of an accelerometer reading", unit="m/s^2", low=0.0, high=50.0
+    )
+    acc_bias: float = tunable(
+        0.0, "standard deviation of the accelerometer bias", unit="m/s^2", low=0.0, high=10.0
+    )
+    gyro_noise: float = tunable(
+        0.0, "standard deviation of a gyroscope reading", unit="rad/s", low=0.0, high=10.0
+    )
+    gyro_bias: float = tunable(
+        0.0, "standard deviation of the gyroscope bias", unit="rad/s", low=0.0, high=10.0
+    )
 
     def __post_init__(self) -> None:
         """Check the bounds."""

@@ -14,23 +14,27 @@ from q2q_sim.sensors.episodes import Frequency
 class ViconParams:
     """Noise, dropout and outliers of motion capture; the defaults are perfect."""
 
-    latency: float = tunable(0.0, "exposure to frame at the computer", unit="s", low=0.0, high=0.5)
-    pos_noise: float = tunable(0.0, "standard deviation of position", unit="m", low=0.0, high=0.1)
-    angle_noise: float = tunable(0.0, "standard deviation of attitude", unit="rad", low=0.0, high=0.5)
-    outlier_rate: float = tunable(0.0, "outliers per vehicle", unit="1/s", low=0.0, high=100.0)
+    latency: float = tunable(
+        0.0, "delay from exposure to the frame at the computer", unit="s", low=0.0, high=0.5
+    )
+    pos_noise: float = tunable(0.0, "standard deviation of measured positions", unit="m", low=0.0, high=0.1)
+    angle_noise: float = tunable(
+        0.0, "standard deviation of measured attitudes", unit="rad", low=0.0, high=0.5
+    )
+    outlier_rate: float = tunable(0.0, "rate of outliers per vehicle", unit="1/s", low=0.0, high=100.0)
     outlier_min: float = tunable(0.2, "smallest outlier", unit="m", low=0.0, high=100.0)
     outlier_max: float = tunable(2.0, "largest outlier", unit="m", low=0.0, high=100.0)
-    dropout_rate: float = tunable(0.0, "dropouts a vehicle", unit="1/s", low=0.0, high=10.0)
+    dropout_rate: float = tunable(0.0, "rate of dropouts per vehicle", unit="1/s", low=0.0, high=10.0)
     dropout_min: float = tunable(0.1, "shortest dropout", unit="s", low=0.0, high=10.0)
     dropout_max: float = tunable(0.3, "longest dropout", unit="s", low=0.0, high=10.0)
-    missing_rate: float = tunable(0.0, "long absences a vehicle", unit="1/s", low=0.0, high=10.0)
+    missing_rate: float = tunable(0.0, "rate of long absences per vehicle", unit="1/s", low=0.0, high=10.0)
     missing_min: float = tunable(1.0, "shortest long absence", unit="s", low=0.0, high=100.0)
     missing_max: float = tunable(3.0, "longest long absence", unit="s", low=0.0, high=100.0)
-    flip_rate: float = tunable(0.0, "axis flips a vehicle", unit="1/s", low=0.0, high=10.0)
+    flip_rate: float = tunable(0.0, "rate of axis flips per vehicle", unit="1/s", low=0.0, high=10.0)
     flip_max: float = tunable(0.05, "longest axis flip", unit="s", low=0.0, high=10.0)
-    swap_rate: float = tunable(0.0, "marker swaps a vehicle", unit="1/s", low=0.0, high=10.0)
+    swap_rate: float = tunable(0.0, "rate of marker swaps per vehicle", unit="1/s", low=0.0, high=10.0)
     swap_max: float = tunable(0.1, "longest marker swap", unit="s", low=0.0, high=10.0)
-    stale_rate: float = tunable(0.0, "bursts of stale frames", unit="1/s", low=0.0, high=10.0)
+    stale_rate: float = tunable(0.0, "rate of bursts of stale frames", unit="1/s", low=0.0, high=10.0)
     stale_max: float = tunable(0.1, "longest stale burst", unit="s", low=0.0, high=10.0)
 
     def __post_init__(self) -> None:
