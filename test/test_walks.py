@@ -55,6 +55,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/json_file.py",
     "q2q_model/documents/plain_values.py",
     "q2q_model/documents/checksummed_json.py",
+    "q2q_model/documents/written_file.py",
     "q2q_model/model_files/model_bounds.py",
     "q2q_model/flights/output_ticks.py",
     "q2q_model/flights/first_order_lag.py",

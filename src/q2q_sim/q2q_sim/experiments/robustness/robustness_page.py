@@ -11,14 +11,14 @@ from q2q_sim.report.significant_digits import MM
 MORE = 1.05
 """Largest error over that of ignoring that counts as not worse [-]."""
 READING = """\
-Rms height error under another vehicle [mm], and how many times it is that of the same controller ignoring the
-downwash, in the same room with the same noise; **bold** where it is more than 1.05 times. Model:
-`measured_law` (in air `paper`: `paper_law`), changed as in the row; other changes are unknown to the controller.
-Thrust is that of the stock firmware, 1.32 times the weight for a command from the ground. Paths are flown in
-half the time of the scenario. *left* is the largest rms height error over the air models in the
+Rms height error under another vehicle [mm], and how many times it is that of the same controller ignoring
+the downwash, in the same room with the same noise; **bold** where it is more than 1.05 times. Model:
+`measured_law` (in air `paper`: `paper_law`), changed as in the row; other changes are unknown to the
+controller. Thrust is that of the stock firmware, 1.32 times the weight for a command from the ground. Paths
+are flown in half the time of the scenario. *left* is the largest rms height error over the air models in the
 last 2 s, 2 s or more after the last passage [mm], and that of ignoring: there, wind-up or a limit cycle
-would show. *Floor*: no vehicle is left under another, as thrust does not carry them; in bold if it does where
-the downwash is ignored."""
+would show. *Floor*: no vehicle is left under another, as thrust does not carry them; in bold if it does
+where the downwash is ignored."""
 
 ErrorTable = Mapping[PerturbedFlight, Errors]
 
