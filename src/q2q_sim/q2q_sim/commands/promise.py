@@ -45,11 +45,7 @@ def parser() -> CommandLine:
         "--count", type=whole_number(1), default=100, metavar="N", help="number of flights (default 100)"
     )
     made.add_argument(
-        "--first",
-        type=whole_number(0),
-        default=0,
-        metavar="SEED",
-        help="seed of the first flight (default 0)",
+        "--first", type=whole_number(0), default=0, metavar="SEED", help="seed of the first one (default 0)"
     )
     made.add_argument(
         "--jobs", type=whole_number(1), default=1, metavar="N", help="processes at once (default 1)"
