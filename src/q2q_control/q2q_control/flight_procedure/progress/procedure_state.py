@@ -1,8 +1,7 @@
 """State of the flight procedure: its step, pending call and order, and what it has to send."""
 
-import numpy as np
+from math import inf
 
-from q2q_control.flight_procedure.progress.settle_timer import SettleTimer
 from q2q_control.flight_procedure.steps import Call, Order, Step
 from q2q_model.node.reply import Reply
 
@@ -13,16 +12,16 @@ class ProcedureState:
     def __init__(self, settle_s: float, step_timeout_s: float) -> None:
         self._step_timeout_s = step_timeout_s
         self.step = Step.OFFLINE
-        self.since = -np.inf
+        self.since = -inf
         """Time at which the step began [s]."""
-        self._moving_at = -np.inf
+        self._moving_at = -inf
         self.settled = SettleTimer(settle_s)
         """Whether vehicles have long been where the step sends them."""
         self.pending: Call | None = None
         """Call that is not answered yet."""
         self.waiting: Order | None = None
         """Order whose outcome is unknown."""
-        self._ordered = -np.inf
+        self._ordered = -inf
         self._orders: list[Order] = []
         self._replies: list[tuple[Call, Reply]] = []
         self.log: list[str] = []
@@ -74,3 +73,21 @@ class ProcedureState:
         """Return and clear the log lines."""
         lines, self.log = self.log, []
         return lines
+
+
+class SettleTimer:
+    """Time since which a condition holds."""
+
+    def __init__(self, settle_s: float) -> None:
+        """Call a condition settled once it has held for settle_s [s]."""
+        self._settle_s = settle_s
+        self._since = inf
+
+    def update(self, holds: bool, t: float) -> bool:
+        """Return whether the condition, which holds at t [s] or not, is settled."""
+        self._since = min(self._since, t) if holds else inf
+        return t - self._since >= self._settle_s
+
+    def reset(self) -> None:
+        """Start again."""
+        self._since = inf
