@@ -2,7 +2,7 @@
 
 import pytest
 
-from q2q_model.node.conflicting_nodes import conflicting_nodes
+from q2q_model.node.connections import conflicting_nodes
 
 
 @pytest.mark.parametrize(

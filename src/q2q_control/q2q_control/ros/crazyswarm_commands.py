@@ -9,7 +9,7 @@ from q2q_control.crazyswarm.message_conversion import legacy_twists
 from q2q_control.radio.rpyt_scale import RpytScale
 from q2q_control.radio.setpoints import FullState, full_states
 from q2q_control.ros.crazyswarm_types import CRAZYFLIE_PACKAGE, find_types
-from q2q_model.node.conflicting_nodes import conflicting_nodes
+from q2q_model.node.connections import conflicting_nodes
 from q2q_model.ros.node.publisher_conflicts import publishers_of
 from q2q_model.ros.topics.messages import header_at
 from q2q_model.signals.values import Interference, Names, SwarmCommand, SwarmSetpoint

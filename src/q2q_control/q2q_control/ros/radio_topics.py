@@ -12,7 +12,7 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Float32, Header
 
 from q2q_control.radio.link import LinkHealth, OnboardPose
-from q2q_model.node.conflicting_nodes import conflicting_nodes
+from q2q_model.node.connections import conflicting_nodes
 from q2q_model.node.decimation import Decimation
 from q2q_model.signals.values import Names
 

@@ -1,6 +1,7 @@
 """Connections of a flight's nodes: whether every publisher has matched every subscriber of its topic.
 
-A latched value published before the flight (a plan) must also have arrived.
+A latched value published before the flight (a plan) must also have arrived, and no other node may publish the
+signals of these.
 """
 
 import re
@@ -91,6 +92,18 @@ def conflicting_topics(
         f"{topic} is written by {len(writers)} nodes ({', '.join(writers)})"
         for topic, writers in found.items()
     )
+
+
+def conflicting_nodes(node: str, publishers: Sequence[Sequence[str]]) -> str:
+    """Return the names of other nodes that publish the same topics; empty if there are none.
+
+    Args:
+        node: name of this node, which publishes each topic once.
+        publishers: the publishing nodes of each topic.
+    """
+    found = {name for names in publishers for name in names}
+    same_name = {node} if max(map(len, publishers), default=0) > 1 and found <= {node} else set()
+    return ", ".join(sorted((found - {node}) | same_name))
 
 
 def missing_connections(names: Iterable[str], nodes: Mapping[str, Connections]) -> list[str]:
