@@ -5,9 +5,8 @@ from argparse import Namespace
 from rich.console import Console
 from rich.progress import Progress
 
-from q2q_model.documents.json_file import write_json
-from q2q_sim.experiments.explanation.explanation import ExplanationParams, explain
-from q2q_sim.experiments.explanation.explanation_json import explanation_json
+from q2q_model.documents.json_file import Json, write_json
+from q2q_sim.experiments.explanation.explanation import Explanation, ExplanationParams, explain
 from q2q_sim.experiments.explanation.explanation_sentence import explanation_sentence
 from q2q_sim.experiments.explanation.recorded_case import recorded_case
 from q2q_sim.experiments.explanation.score import answer_accidents, score_json, score_text
@@ -28,6 +27,25 @@ def explain_bag(args: Namespace) -> int:
         print(f"page: {write_page(found, recorded, args.bag.name, args.out)}")
     print(explanation_sentence(found))
     return 0
+
+
+def explanation_json(found: Explanation, difference: float) -> Json:
+    """Return what `explain --json` writes, a contract; `difference` is that of the flight flown again [m]."""
+    return {
+        "sentence": explanation_sentence(found),
+        "vehicle": found.loss.vehicle,
+        "t_s": found.loss.t,
+        "loss_m": found.loss.size,
+        "loss_of": found.loss.kind,
+        "first": found.shares[0].cause if found.shares else None,
+        "causes": [
+            {"cause": one.cause, "share_m": one.share, "low_m": one.low, "high_m": one.high}
+            for one in found.shares
+        ],
+        "rest_m": found.rest,
+        "without_first_m": found.without_first,
+        "difference_from_bag_m": difference,
+    }
 
 
 def score_explanations(args: Namespace) -> int:
