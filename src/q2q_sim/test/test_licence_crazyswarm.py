@@ -17,7 +17,7 @@ from q2q_sim.experiments.licence.crazyflie_py.served_vehicles import (
 )
 from q2q_sim.experiments.licence.flight_order import FlightOrder, Program
 from q2q_sim.experiments.licence.licence_flights import FlownTrial, LicenceOptions, fly_trials
-from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
+from q2q_sim.experiments.licence.program.link_host import scanned_uris
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog
 from q2q_sim.experiments.licence.room.licence_room import LicenceParams
 from q2q_sim.experiments.licence.room.trials import GAP_S, LicenceTrial, TrialKind

@@ -17,7 +17,7 @@ from q2q_sim.experiments.licence.licence_reports import (
     write_licence_page,
 )
 from q2q_sim.experiments.licence.licence_score import licence_score_json, score_program, scored_programs
-from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
+from q2q_sim.experiments.licence.program.link_host import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 from q2q_sim.experiments.licence.rules.starting_places import check_starts
 

@@ -17,7 +17,7 @@ from q2q_model.nearest_name import name_hint
 from q2q_sim.experiments.licence.flight_order import Program
 from q2q_sim.experiments.licence.licence_flights import LicenceOptions, licence
 from q2q_sim.experiments.licence.licence_reports import verdict_text
-from q2q_sim.experiments.licence.program.scanned_uris import scanned_uris
+from q2q_sim.experiments.licence.program.link_host import scanned_uris
 from q2q_sim.experiments.licence.rules.licence_limits import LicenceLimits
 
 SOUND, BUGGY = "sound", "buggy"

@@ -32,7 +32,6 @@ from q2q_sim.experiments.licence.program.last_lines import LastLines
 from q2q_sim.experiments.licence.program.link_host import LinkHost
 from q2q_sim.experiments.licence.program.patched_threading import patch_threading, watch_main_thread
 from q2q_sim.experiments.licence.program.program_lines import error_in, waiting_lines
-from q2q_sim.experiments.licence.program.refused_processes import refuse_processes
 from q2q_sim.experiments.licence.program.simulator_errors import SimulatorFailure, end_by, is_of_room
 from q2q_sim.experiments.licence.room.licence_log import LicenceLog, ProgramEnd, escaped
 from q2q_sim.experiments.licence.room.licence_room import LicenceRoom
@@ -67,7 +66,6 @@ class _Flight:
         sys.argv = [str(program.file), *program.arguments]
         sys.path.insert(0, str(program.file.parent))
         os.chdir(program.folder)
-        refuse_processes()
         patch_threading(self._scheduler)
         self._connect()
         signal.signal(signal.SIGALRM, self._end_if_outside)

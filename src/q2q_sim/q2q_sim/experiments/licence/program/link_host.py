@@ -1,4 +1,7 @@
-"""Where the links of a program end: at the vehicles of a LicenceRoom, with the program's place that calls."""
+"""Where the links of a program end: at the vehicles of a LicenceRoom, with the program's place that calls.
+
+A scan for vehicles answers the URIs of `scanned_uris`.
+"""
 
 import sys
 import traceback
@@ -8,6 +11,9 @@ from typing import NamedTuple
 
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler, never
 from q2q_sim.experiments.licence.room.licence_room import PACKET_S, LicenceRoom, OpenLink
+
+SCANNED = "radio://0/80/2M/E7E7E7E7"
+"""Before the last byte of the address."""
 
 
 class Sender(NamedTuple):
@@ -53,3 +59,8 @@ class LinkHost:
             self.scheduler.wait(never, passes)
         self.room.deliver(link, datagram, self.scheduler.now, self.sender)
         self.scheduler.sleep(PACKET_S)
+
+
+def scanned_uris(count: int) -> tuple[str, ...]:
+    """Return the URIs of `count` vehicles that a scan answers: the factory's address, then 01, 02, ..."""
+    return (f"{SCANNED}E7",) if count == 1 else tuple(f"{SCANNED}{k + 1:02X}" for k in range(count))

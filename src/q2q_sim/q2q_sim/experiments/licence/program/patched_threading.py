@@ -4,7 +4,8 @@ Replaced are the names through which Python's own modules and programs reach the
 (patched_time), the locks of `threading` (with them events, conditions, timers, queues and executors,
 which are made of locks), the start and end of threads, and the waiting of `selectors` (and so of asyncio).
 Not replaced: other waiting for sockets, processes, and waiting inside C code, during which the clock of the
-program stands still.
+program stands still. Processes of `multiprocessing` are refused: in them cflib would look for real radios on
+the real clock.
 
 A main thread that computes for BUSY_S of processor time without waiting, such as a loop that waits for a
 variable, spends that time on the clock and lets the other threads go on.
@@ -17,7 +18,9 @@ import selectors
 import signal
 import threading
 from collections.abc import Callable
+from multiprocessing.process import BaseProcess
 from types import FrameType, TracebackType
+from typing import NoReturn
 
 from q2q_sim.experiments.licence.program.cooperative_scheduler import CooperativeScheduler
 from q2q_sim.experiments.licence.program.patched_time import replace_clocks
@@ -30,10 +33,16 @@ _start_thread = _thread.start_new_thread
 
 def patch_threading(scheduler: CooperativeScheduler) -> None:
     """Replace the calls for the rest of this process; the calling thread is the program's main thread."""
+    BaseProcess.start = _refuse_process  # type: ignore[assignment, method-assign]
     replace_clocks(scheduler)
     _replace_locks(scheduler)
     _replace_threads(scheduler)
     _replace_selectors(scheduler)
+
+
+def _refuse_process(_: BaseProcess) -> NoReturn:
+    where = "the emulated vehicles are in this one; use threads"
+    raise RuntimeError(f"a licence cannot start processes (multiprocessing): {where}")
 
 
 class PatchedLock:
