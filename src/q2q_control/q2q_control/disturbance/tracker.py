@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from q2q_control.attitude.command_limits import LATENCY_S
+from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_control.disturbance.accelerometer_residual import AccelerometerResidual, ExplainedTick
 from q2q_control.disturbance.actuation import Actuation, Pending
 from q2q_control.disturbance.observer import DisturbanceObserver, Estimate, MeasuredRows, Measurement

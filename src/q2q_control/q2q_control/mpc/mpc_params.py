@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from q2q_control.attitude.command_limits import LATENCY_S
+from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_control.failsafe.fallback_params import LONGEST_HOLD_S
 from q2q_model.tunable import check_bounds, tunable
 from q2q_model.vehicle.attitude_limits import TILT_MAX, YAW_RATE_MAX

@@ -45,7 +45,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_control.attitude.attitude_law import AttitudeParams
-from q2q_control.attitude.command_limits import LATENCY_S
+from q2q_control.attitude.command_delay import LATENCY_S
 from q2q_model.compiled import compiled
 from q2q_model.geometry.yaw import yaw_of
 from q2q_model.signals.values import Array, Status, TrackStatus
