@@ -13,8 +13,9 @@ from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.flights.flight import Flight
 from q2q_model.flights.outliers import find_outliers
 from q2q_model.model_files.find_model import find_model
+from q2q_model.recordings.filtered_states import mocap_frame
 from q2q_model.signals.stamps import TICK_S
-from q2q_model.signals.values import MocapFrame, TrackStatus
+from q2q_model.signals.values import TrackStatus
 from q2q_sim.loop.closed_loop import FlightOptions, fly
 from q2q_sim.loop.room import Room
 from q2q_sim.node_flights.flight_request import FlightRequest, facts_of
@@ -93,11 +94,9 @@ def refused_online(flight: Flight) -> Mask:
     """
     online = MocapFilter(MocapFilterParams(), flight.names)
     refused = np.zeros(flight.mocap_pos.shape[:2], dtype=np.bool_)
-    for tick, t in enumerate(flight.t):
+    for tick in range(flight.t.size):
         rows = np.flatnonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))
-        names = tuple(flight.names[row] for row in rows)
-        frame = MocapFrame(float(t), names, flight.mocap_pos[tick, rows], flight.mocap_quat[tick, rows])
-        signal = online.update(frame)
+        signal = online.update(mocap_frame(flight, tick))
         left = (signal.status[rows] != TrackStatus.TRACKED) & (signal.age[rows] > 0.0)
         refused[tick, rows] = left
     return refused

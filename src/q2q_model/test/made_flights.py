@@ -8,6 +8,8 @@ import numpy as np
 from q2q_model.downwash.interaction_model import InteractionModel, pairs_at_rest
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.flights.flight import FLIGHT_FIELDS, Flight
+from q2q_model.identification.gains.altitude_from_flight import altitude_record
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0, GRAVITY
@@ -34,6 +36,11 @@ class Pass:
     """Of measured positions [m] and, fifty times this, of velocities and accelerations."""
     gust: float = 0.0
     """Standard deviation of vertical gusts, correlated over a quarter of a second [m/s^2]."""
+
+
+def record_of(made: Pass) -> AltitudeRecord:
+    """Return the record of a made flight."""
+    return altitude_record(made_flight(made), CRAZYFLIE_2_0)
 
 
 @cache

@@ -5,13 +5,13 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from made_flights import LOOP, Pass, made_flight
+from made_flights import LOOP, Pass, made_flight, record_of
 from scipy.integrate import solve_ivp
 
 from q2q_model.downwash.jet import PAPER_LAW
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.flights.first_order_lag import first_order_lag
-from q2q_model.flights.flight import Flight, of_vehicle
+from q2q_model.flights.flight import Flight, of_rows, of_vehicle
 from q2q_model.identification.deviation import DeviationParams, fit_decay, overlap_of
 from q2q_model.identification.gain_notes import gain_notes
 from q2q_model.identification.gains.altitude_from_flight import altitude_record, altitude_records
@@ -31,11 +31,6 @@ PLAIN = AltitudeLoop(k_p=0.81, k_d=0.43)
 RICH = AltitudeLoop(k_p=0.81, k_d=0.43, k_i=0.1, offset=0.2, lag=0.1)
 CALM = Pass(law=NoInteraction(), start=0.3, noise=1e-4)
 PASSES = [Pass(name=f"gap {gap}", gap=gap, noise=1e-4) for gap in (0.4, 0.6, 0.9)]
-
-
-def record_of(made: Pass) -> AltitudeRecord:
-    """Return the record of a made flight."""
-    return altitude_record(made_flight(made), CRAZYFLIE_2_0)
 
 
 @pytest.mark.parametrize("loop", [PLAIN, RICH])
@@ -391,8 +386,7 @@ def without(flight: Flight, *holes: slice) -> Flight:
     kept = np.ones(flight.t.size, dtype=bool)
     for hole in holes:
         kept[hole] = False
-    arrays = {field.name: getattr(flight, field.name) for field in fields(Flight)}
-    return replace(flight, **{k: v[kept] for k, v in arrays.items() if isinstance(v, np.ndarray)})
+    return of_rows(flight, kept)
 
 
 def test_nothing_is_inferred_across_a_hole():

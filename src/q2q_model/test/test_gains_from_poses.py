@@ -4,21 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_flights import Pass, made_flight
+from made_flights import Pass, record_of
 
 from q2q_model.downwash.no_interaction import NoInteraction
-from q2q_model.identification.gains.altitude_from_flight import altitude_record
-from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.gains_from_poses import gains_from_poses
 from q2q_model.identification.gains.impulse_response import free_response
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
 from q2q_model.vehicle.constants import CRAZYFLIE_2_0
 
 SETTLES = Pass(law=NoInteraction(), start=0.3, noise=1e-4, seconds=12.0)
-
-
-def record_of(made: Pass) -> AltitudeRecord:
-    return altitude_record(made_flight(made), CRAZYFLIE_2_0)
 
 
 @pytest.mark.parametrize("lag", [0.0, CRAZYFLIE_2_0.thrust_lag])

@@ -1,14 +1,14 @@
 """Tests of the figures of a flight on flights made by hand."""
 
 import json
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from q2q_model.documents.json_file import write_json
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.flight import Flight, of_rows
 from q2q_model.geometry.zone import Cylinder
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.loop.recording import FlightRecording
@@ -63,10 +63,7 @@ def test_control_effort_counts_the_ticks_whose_rows_are_lost() -> None:
     """A tick without a row holds the last command, as one without a command does."""
     weight, kept = SCENARIO.vehicle.hover_thrust, (T < 2.0) | (T >= 5.0)
     whole = _flight(_still(1), _still(1), np.full((1000, 1), 1.1 * weight))
-    arrays = {one.name: getattr(whole, one.name) for one in fields(Flight)}
-    rows = {name: values[kept] for name, values in arrays.items() if isinstance(values, np.ndarray)}
-    lacking = replace(whole, **rows)
-    found = measure(lacking, SCENARIO.vehicle).vehicles["cf1"]
+    found = measure(of_rows(whole, kept), SCENARIO.vehicle).vehicles["cf1"]
     assert found.u1_energy == pytest.approx(1.21 * weight**2 * 10.0, rel=1e-12)
     assert found.u1_energy_above_hover == pytest.approx(0.21 * weight**2 * 10.0, rel=1e-9)
 

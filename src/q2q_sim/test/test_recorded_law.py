@@ -1,12 +1,13 @@
 """The law of recorded vehicles is read from thrust commands, which are the size of the whole force."""
 
 import os
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from q2q_model.flights.flight import of_rows
 from q2q_model.geometry.rotations import quat_from_euler
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.recordings.recording_reader import recording_of_bag, recording_of_table
@@ -117,9 +118,7 @@ def test_times_without_a_recorded_row_are_not_compared(recorded: Recording, jitt
     begin = grid[np.flatnonzero(whole.exposed[:, 0])[0]]
     t = recording.flight.t
     there = (t < begin - 0.3) | (t > begin + 0.2)
-    columns = {one.name: getattr(recording.flight, one.name) for one in fields(recording.flight)}
-    left = {name: values[there] for name, values in columns.items() if isinstance(values, np.ndarray)}
-    left = replace(recording.flight, **left)
+    left = of_rows(recording.flight, there)
     thin, thin_grid = tracked_flight(replace(recording, flight=left), CRAZYFLIE_2_0), flying_grid(left)
     last, first = left.t[left.t < begin][-1], left.t[left.t > begin][0]
     hole = (thin_grid > last + 0.95 * DT) & (thin_grid < first - 0.95 * DT)

@@ -6,7 +6,7 @@ T ticks, n vehicles; NaN where nothing was recorded. Frames and units are those 
 from dataclasses import dataclass, replace
 
 from q2q_model.signals.layout import LAYOUTS
-from q2q_model.signals.values import Array, Names
+from q2q_model.signals.values import Array, Mask, Names
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +108,7 @@ def of_vehicles(flight: Flight, names: Names) -> Flight:
     return replace(flight, names=names, **made)
 
 
-def of_rows(flight: Flight, rows: slice) -> Flight:
-    """Return some ticks of a flight, in views of the arrays."""
+def of_rows(flight: Flight, rows: slice | Mask) -> Flight:
+    """Return some ticks of a flight: of a slice in views of the arrays, of a mask (T,) in copies."""
     made = {field: getattr(flight, field)[rows] for field in FIELD_WIDTHS}
     return replace(flight, t=flight.t[rows], **made)

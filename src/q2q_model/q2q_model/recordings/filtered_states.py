@@ -22,7 +22,7 @@ def with_filtered_states(flight: Flight) -> Flight:
     if np.isfinite(flight.pos).any():
         return flight
     mocap_filter = MocapFilter(MocapFilterParams(), flight.names)
-    states = [mocap_filter.update(_frame(flight, tick)) for tick in range(flight.t.size)]
+    states = [mocap_filter.update(mocap_frame(flight, tick)) for tick in range(flight.t.size)]
     tracked = np.stack([_known(state) for state in states])[..., None]  # (T, n, 1)
     pos, vel, quat = (
         np.where(tracked, np.stack(values), np.nan)
@@ -31,7 +31,8 @@ def with_filtered_states(flight: Flight) -> Flight:
     return replace(flight, pos=pos, vel=vel, quat=quat)
 
 
-def _frame(flight: Flight, tick: int) -> MocapFrame:
+def mocap_frame(flight: Flight, tick: int) -> MocapFrame:
+    """Return the recorded frame of a tick, with the vehicles that it holds."""
     visible = np.nonzero(np.isfinite(flight.mocap_pos[tick]).all(axis=1))[0]
     return MocapFrame(
         t=float(flight.t[tick]),
