@@ -54,6 +54,11 @@ class GlideParams:
         """Check the bounds."""
         check_bounds(self)
 
+    @property
+    def zone(self) -> Cylinder:
+        """Return what a glide keeps free of other vehicles."""
+        return Cylinder(self.glide_eps, self.glide_d)
+
 
 def glide(names: Names, here: Array, there: Array, params: GlideParams) -> SwarmPlan:
     """Return the certified plan from points `here` to points `there`, (n, 4): x, y, z [m], yaw [rad].
@@ -63,16 +68,15 @@ def glide(names: Names, here: Array, there: Array, params: GlideParams) -> Swarm
     """
     here = here.copy()
     here[:, 3] = there[:, 3] + wrap_angles(here[:, 3] - there[:, 3])  # the short way round
-    zone = Cylinder(params.glide_eps, params.glide_d)
     together = _together(names, here, there, params)
-    proof = certify(together, zone)
+    proof = certify(together, params.zone)
     if proof.holds:
         return replace(together, certified=True)
     for order in islice(permutations(np.argsort(-here[:, 2], kind="stable").tolist()), ORDERS):
-        legs = _one_by_one(names, here, there, (params, zone), order)
+        legs = _one_by_one(names, here, there, params, order)
         if legs is not None:
             return replace(_joined(names, legs), certified=True)
-    raise ValueError(_refusal(proof, zone))
+    raise ValueError(_refusal(proof, params.zone))
 
 
 def wrap_angles(angle: Array) -> Array:
@@ -87,13 +91,14 @@ def _together(names: Names, here: Array, there: Array, params: GlideParams) -> S
 
 
 def _one_by_one(
-    names: Names, here: Array, there: Array, terms: tuple[GlideParams, Cylinder], order: tuple[int, ...]
+    names: Names, here: Array, there: Array, params: GlideParams, order: tuple[int, ...]
 ) -> list[SwarmPlan] | None:
     """Return a certified plan for each vehicle's turn, the others at rest; None if one has no path."""
     now, legs = here.copy(), []
     for row in order:
-        candidates = (_turn(names, now, (row, there[row]), terms[0], aside) for aside in ASIDE)
-        leg = next((plan for plan in candidates if certify(plan, terms[1], enough=0.0).holds), None)
+        paths = (_path(now[row], there[row], aside) for aside in ASIDE)
+        candidates = (_turn(names, now, row, path, params) for path in paths)
+        leg = next((plan for plan in candidates if certify(plan, params.zone, enough=0.0).holds), None)
         if leg is None:
             return None
         legs.append(leg)
@@ -101,15 +106,17 @@ def _one_by_one(
     return legs
 
 
-def _turn(names: Names, now: Array, goal: tuple[int, Array], params: GlideParams, aside: float) -> SwarmPlan:
-    """Return the plan that moves one vehicle to its goal, offset by `aside` [m] at the middle of its line."""
-    mover, end = goal
-    start = now[mover]
+def _path(start: Array, end: Array, aside: float) -> list[Array]:
+    """Return the points of a path, (4,) each, whose middle is offset by `aside` [m] unless it is vertical."""
     across = np.array([start[1] - end[1], end[0] - start[0], 0.0, 0.0])
     length = float(np.hypot(across[0], across[1]))
-    points = [start, end]
-    if aside != 0.0 and length > 0.0:
-        points.insert(1, 0.5 * (start + end) + aside * across / length)
+    if aside == 0.0 or length == 0.0:
+        return [start, end]
+    return [start, 0.5 * (start + end) + aside * across / length, end]
+
+
+def _turn(names: Names, now: Array, mover: int, points: list[Array], params: GlideParams) -> SwarmPlan:
+    """Return the plan that moves one vehicle along points, the others at rest."""
     times = np.cumsum([0.0, *(_duration(one, other, params) for one, other in pairwise(points))])
     candidates = [
         _way(name, points, times.tolist()) if row == mover else _way(name, [now[row]] * 2, [0.0, times[-1]])
