@@ -13,7 +13,7 @@ from q2q_model.signals.values import Array
 from q2q_sim.crtp.cflib_fleet import CflibFleet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise
-from q2q_sim.firmware.commander.planner import Planner, PlannerResult, PlanState, Target, Vertical
+from q2q_sim.firmware.commander.planner import Begin, Planner, PlannerResult, PlanState, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Goal, Piece, goal_at, goal_at_rest, piece_between
 from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 
@@ -154,7 +154,7 @@ def test_trajectories_are_shifted_turned_slowed_and_reversed() -> None:
     np.testing.assert_allclose(back.goal(99.0).pos[0], 0.0)
     planner = Planner()
     planner.set_state(np.array([1.0, 1.0, 1.0]), np.zeros(3), math.pi / 2)
-    planner.follow(Piecewise(pieces, 0.0), from_here=True, turned=True)
+    planner.follow(Piecewise(pieces, 0.0), Begin.HERE_TURNED)
     np.testing.assert_allclose(planner.goal(2.0).pos, [1.0, 3.0, 1.0], atol=2 * YAW_32)  # along the nose: y
     np.testing.assert_allclose(planner.goal(2.0).vel, [0.0, 1.0, 0.0], atol=YAW_32)
 
@@ -166,7 +166,7 @@ def test_a_turned_trajectory_is_shifted_by_its_unturned_start_and_backwards_not_
     for backwards in (False, True):
         planner = Planner()
         planner.set_state(here, np.zeros(3), 0.3 + math.pi / 2)
-        planner.follow(Piecewise((Piece(2.0, line),), 0.0, backwards=backwards), from_here=True, turned=True)
+        planner.follow(Piecewise((Piece(2.0, line),), 0.0, backwards=backwards), Begin.HERE_TURNED)
         start, later = planner.goal(0.0), planner.goal(1.0)
         if backwards:  # starts at its end, here, and keeps its direction and its yaw
             np.testing.assert_allclose(start.pos, here)

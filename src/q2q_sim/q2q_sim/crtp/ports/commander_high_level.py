@@ -30,7 +30,7 @@ from q2q_sim.crtp.packets.fields import byte, read_fields
 from q2q_sim.crtp.packets.packet import Packet
 from q2q_sim.firmware.commander.compressed_pieces import compressed_bytes, compressed_pieces
 from q2q_sim.firmware.commander.piecewise import Piecewise, StoredBytes
-from q2q_sim.firmware.commander.planner import PlannerResult, Target, Vertical
+from q2q_sim.firmware.commander.planner import Begin, PlannerResult, Target, Vertical
 from q2q_sim.firmware.commander.polynomial import Piece
 from q2q_sim.firmware.commander.spiral import Spiral, spiral_piece
 from q2q_sim.firmware.firmware import Firmware
@@ -126,27 +126,31 @@ def _define(firmware: Firmware, data: bytes) -> PlannerResult:
 
 def _start(firmware: Firmware, data: bytes) -> PlannerResult:
     _, relative, backwards, number, scale = read_fields(_START, data)
-    return _follow(firmware, int(number), scale, (bool(relative), False, bool(backwards)))
+    begin = Begin.HERE if relative else Begin.AS_WRITTEN
+    return _follow(firmware, int(number), scale, begin, backwards=bool(backwards))
 
 
 def _start_2(firmware: Firmware, data: bytes) -> PlannerResult:
     _, relative, turned, backwards, number, scale = read_fields(_START_2, data)
-    return _follow(firmware, int(number), scale, (bool(relative), bool(turned), bool(backwards)))
+    here = Begin.HERE_TURNED if turned else Begin.HERE
+    begin = here if relative else Begin.AS_WRITTEN
+    return _follow(firmware, int(number), scale, begin, backwards=bool(backwards))
 
 
-def _follow(firmware: Firmware, number: int, scale: float, how: tuple[bool, bool, bool]) -> PlannerResult:
-    """Fly an uploaded trajectory; `how`: from here, rotated, reversed."""
+def _follow(firmware: Firmware, number: int, scale: float, begin: Begin, *, backwards: bool) -> PlannerResult:
+    """Fly an uploaded trajectory; a compressed one is never rotated."""
     one = firmware.uploads.defined.get(number)
     if one is None or one.location != IN_MEMORY or one.kind not in {POLY4D, COMPRESSED}:
         return PlannerResult.OK
     compressed = one.kind == COMPRESSED
-    pieces = () if compressed and (scale != 1.0 or how[2]) else _uploaded(firmware.uploads.memory, one)
+    pieces = () if compressed and (scale != 1.0 or backwards) else _uploaded(firmware.uploads.memory, one)
     if not pieces:
         return PlannerResult.UNKNOWN
     place = _stored(firmware.uploads.memory, one)
     stored = StoredBytes(place, bytes(firmware.uploads.memory[place.start : place.stop]))
-    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=how[2], stored=stored)
-    return firmware.planner.follow(trajectory, from_here=how[0], turned=how[1] and not compressed)
+    trajectory = Piecewise(pieces, firmware.seconds, scale, backwards=backwards, stored=stored)
+    begin = Begin.HERE if compressed and begin is Begin.HERE_TURNED else begin
+    return firmware.planner.follow(trajectory, begin)
 
 
 def _uploaded(memory: bytearray, one: Uploaded) -> tuple[Piece, ...]:

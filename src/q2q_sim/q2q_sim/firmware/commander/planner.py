@@ -11,7 +11,7 @@ at constant speed in 0 s, or a trajectory with invalid numbers, has a NaN goal.
 """
 
 from dataclasses import dataclass, replace
-from enum import IntEnum
+from enum import Enum, IntEnum, auto
 
 import numpy as np
 
@@ -32,6 +32,16 @@ class PlanState(IntEnum):
 
 MOVING = (PlanState.FLYING, PlanState.LANDING)
 """A trajectory is being flown."""
+
+
+class Begin(Enum):
+    """Where a trajectory begins."""
+
+    AS_WRITTEN = auto()
+    HERE = auto()
+    """At the present position."""
+    HERE_TURNED = auto()
+    """At the present position, rotated to the present yaw."""
 
 
 class PlannerResult(IntEnum):
@@ -139,16 +149,17 @@ class Planner:
         return self._fly(piece_between(begin, end, target.duration), t, PlanState.FLYING)
 
     @np.errstate(all="ignore")
-    def follow(self, trajectory: Piecewise, *, from_here: bool, turned: bool) -> PlannerResult:
-        """Fly a trajectory, shifted to start at the present position and rotated to the present yaw.
+    def follow(self, trajectory: Piecewise, begin: Begin) -> PlannerResult:
+        """Fly a trajectory.
 
-        As in the firmware, the rotation is about the world's origin and does not apply to the shift: the
-        trajectory starts here only if its first point is the origin.
+        As in the firmware, the rotation is about the world's origin and does not apply to the shift: a
+        rotated trajectory starts here only if its first point is the origin.
         """
         self._trajectory = trajectory
-        if from_here:
+        if begin is not Begin.AS_WRITTEN:
             first = trajectory.goal(trajectory.begin)
             x, y, z = (self._here.pos - first.pos).tolist()
+            turned = begin is Begin.HERE_TURNED
             turn = shortest_turn(wrap_yaw(first.yaw), wrap_yaw(self._here.yaw)) if turned else 0.0
             self._trajectory = replace(trajectory, shift=(x, y, z), turn=turn)
         self.state = PlanState.FLYING
