@@ -17,6 +17,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import savgol_filter
 
+from q2q_model.flights.flight import Flight
 from q2q_model.flights.interpolated_gaps import nearest_samples, resample
 from q2q_model.geometry.rotations import (
     ang_vel_between,
@@ -69,50 +70,80 @@ class RecordedMotion:
     """The vehicle's own estimate as recorded [m], (T, 3)."""
 
 
+@dataclass(frozen=True, slots=True)
+class _DensePoses:
+    """Poses of the markers, one row per tick."""
+
+    sampled: Array
+    """Times of the samples of motion capture [s], (S,)."""
+    at: Array
+    """Times of the ticks [s], (T,)."""
+    pos: Array
+    """[m], world, (T, 3)."""
+    quat: Array
+    """(T, 4)"""
+
+
 def recorded_motion(recording: Recording) -> RecordedMotion:
     """Return the motion in a recording of one vehicle.
 
     Raises:
         ValueError: several vehicles, no attitudes, a rate below SLOWEST_HZ, or too short above FLOOR.
     """
-    flight = recording.flight
+    poses = _dense_poses(recording.flight)
+    return _body_motion(recording, poses, in_flight(poses.pos[:, 2]))
+
+
+def _dense_poses(flight: Flight) -> _DensePoses:
+    """Return the poses of a flight; raise as `recorded_motion`."""
     if len(flight.names) != 1:
         raise ValueError(
             f"flight {flight.name} has {len(flight.names)} vehicles; give flights of one vehicle"
         )
     there = np.isfinite(flight.mocap_pos[:, 0]).all(axis=1) & np.isfinite(flight.mocap_quat[:, 0]).all(axis=1)
     t = flight.t[there]
-    rate_hz = 1.0 / float(np.median(np.diff(t))) if len(t) > 1 else 0.0
-    if 0.0 < rate_hz < SLOWEST_HZ:
-        raise ValueError(
-            f"flight {flight.name} has motion capture at {rate_hz:.0f} Hz; what estimators are given are "
-            f"degradations of 100 Hz, and {SLOWEST_HZ:g} Hz is the minimum"
-        )
-    if len(t) < SHORTEST / DT:
-        raise ValueError(f"flight {flight.name} has {len(t)} poses; {SHORTEST:g} s of them are needed")
+    _check_samples(flight.name, t)
     at = np.arange(t[0], t[-1] + ROUNDING, DT)
     pos = np.asarray(CubicSpline(t, flight.mocap_pos[there, 0])(at))
     quat = normalised(resample(t, continuous_quats(flight.mocap_quat[there, 0]), at))
-    flying, high = in_flight(pos[:, 2]), pos[:, 2] > pos[0, 2] + FLOOR
+    high = pos[:, 2] > pos[0, 2] + FLOOR
     if high.sum() < SHORTEST / DT:
         raise ValueError(
             f"flight {flight.name} is {high.sum() * DT:.1f} s more than {FLOOR:g} m above its start; "
             f"{SHORTEST:g} s are needed"
         )
+    return _DensePoses(t, at, pos, quat)
+
+
+def _check_samples(name: str, t: Array) -> None:
+    """Raise ValueError if samples at times (S,) [s] are too rare or too few."""
+    rate_hz = 1.0 / float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    if 0.0 < rate_hz < SLOWEST_HZ:
+        raise ValueError(
+            f"flight {name} has motion capture at {rate_hz:.0f} Hz; what estimators are given are "
+            f"degradations of 100 Hz, and {SLOWEST_HZ:g} Hz is the minimum"
+        )
+    if len(t) < SHORTEST / DT:
+        raise ValueError(f"flight {name} has {len(t)} poses; {SHORTEST:g} s of them are needed")
+
+
+def _body_motion(recording: Recording, poses: _DensePoses, flying: Mask) -> RecordedMotion:
+    """Return the motion of the vehicle whose markers have these poses."""
+    pos, quat = poses.pos, poses.quat
     vel = savgol_filter(pos, SMOOTHED, 3, deriv=1, delta=DT, axis=0)
     felt = np.diff(vel, axis=0, prepend=vel[:1]) / DT + GRAVITY * UP
     body = quat_multiply(quat, tilt_of(rotate_inverse(quat, felt)[flying].mean(axis=0)))
     before = np.vstack([body[:1], body[:-1]])
     return RecordedMotion(
-        name=flight.name,
+        name=recording.flight.name,
         pos=pos,
         quat=quat,
-        seen=seen_ticks(t, at),
+        seen=seen_ticks(poses.sampled, poses.at),
         flying=flying,
         body_quat=body,
         specific_force_body=rotate_inverse(normalised(before + body), felt),
         ang_vel_body=ang_vel_between(before, body, DT),
-        own_pos=_own(recording, at),
+        own_pos=_own(recording, poses.at),
     )
 
 
