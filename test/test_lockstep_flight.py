@@ -17,8 +17,8 @@ from q2q_model.downwash.correction.residual_process import REAL_FLIGHTS
 from q2q_model.flights.flight import Flight
 from q2q_model.model_files.find_model import find_model
 from q2q_model.model_files.model_names import ModelFileError
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.ready import offer_ready
-from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_TICK
 from q2q_model.signals.cdr.cdr_reader import decode

@@ -16,8 +16,8 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from q2q_model.bag import BagReader, read_flight
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.ready import offer_ready
-from q2q_model.ros.node.run import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import TICK
 from q2q_model.signals.cdr.cdr_format import header_stamp_ns

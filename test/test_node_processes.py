@@ -56,6 +56,25 @@ before = []
 run("node", build, lambda calls: print("down after 5 calls:", len(calls) >= before[0] + 5), land)
 """
 """Node that is interrupted at each call of its timer, and lands for five calls."""
+OVERDUE = """
+import os, signal
+from time import monotonic
+from q2q_model.ros.node.run import run
+
+def build(node):
+    calls = []
+    def take_longer_than_the_period():
+        calls.append(monotonic())
+        while monotonic() - calls[-1] < 0.003:
+            pass
+        if len(calls) == 5:
+            os.kill(os.getpid(), signal.{name})
+    node.create_timer(0.001, take_longer_than_the_period)
+    return calls
+
+run("node", build, lambda calls: print("ended within 1 s:", calls[-1] - calls[4] < 1.0))
+"""
+"""Node with a timer whose callback takes longer than its period, ended at the fifth call."""
 FOR_EVER = """<?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns="http://www.eprosima.com"><profiles>
   <participant profile_name="for_ever" is_default_profile="true"><rtps><builtin><discovery_config>
@@ -125,6 +144,13 @@ def test_an_interrupt_while_a_node_is_built_ends_it_once_built_and_a_second_one_
 def test_callbacks_run_on_while_a_node_lands() -> None:
     done = subprocess.run([sys.executable, "-c", LANDING], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, "down after 5 calls: True\n", "")
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_node_with_a_timer_that_is_always_overdue_ends_on_a_signal(name: str) -> None:
+    process = [sys.executable, "-c", OVERDUE.replace("{name}", name)]
+    done = subprocess.run(process, capture_output=True, text=True, check=False, timeout=TIMEOUT_S)
+    assert (done.returncode, done.stdout, without_log(done.stderr)) == (0, "ended within 1 s: True\n", "")
 
 
 def test_a_node_that_ends_by_itself_reports_the_others(

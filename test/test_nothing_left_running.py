@@ -6,10 +6,13 @@ import select
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from q2q_model.bag import BagReader, read_flight
 from q2q_sim.processes.fork_server import say_in_a_line
 
 NODES = 7
@@ -63,13 +66,17 @@ def act(): os.kill(os.getpid(), signal.SIGINT) if {acting} else print("acts")
 
 if os.environ.get("PARENT") != str(os.getppid()) and {importing}: os.kill(os.getpid(), signal.SIGINT)
 """
+LONG_S = 3000.0
+LONG = f"vehicles: {{a: [{{t: 0, pos: [0, 0, 1]}}, {{t: {LONG_S}, pos: [1, 0, 1]}}]}}"
+"""Scenario that takes minutes even in lockstep."""
 TIMEOUT_S = 90.0
 
 
-def start_flight() -> subprocess.Popen[str]:
+def start_flight(*words: str) -> subprocess.Popen[str]:
+    """Start a flight with the words that follow `fly`."""
     environment = {key: value for key, value in os.environ.items() if key != "ROS_DOMAIN_ID"}
     return subprocess.Popen(
-        [sys.executable, "-m", "q2q_sim.commands.fly", "table6", "--live"],
+        [sys.executable, "-m", "q2q_sim.commands.fly", *words],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -85,11 +92,11 @@ def children(parent: int) -> list[int]:
         return []
 
 
-def nodes_of(flight: subprocess.Popen[str]) -> list[int]:
+def nodes_of(flight: subprocess.Popen[str], number: int = NODES) -> list[int]:
     """Return the process ids of a flight's nodes, children of its fork server, once all are started."""
     while flight.poll() is None:
         families = [children(child) for child in children(flight.pid)]
-        found = next((family for family in families if len(family) >= NODES), None)
+        found = next((family for family in families if len(family) >= number), None)
         if found is not None:
             return found
         try:
@@ -97,6 +104,14 @@ def nodes_of(flight: subprocess.Popen[str]) -> list[int]:
         except subprocess.TimeoutExpired:
             continue
     raise AssertionError(flight.communicate()[1])
+
+
+def wait_for_bytes(flight: subprocess.Popen[str], file: Path, size: int) -> None:
+    """Return once a file of a flight has a size [bytes]."""
+    while not file.exists() or file.stat().st_size < size:
+        assert flight.poll() is None
+        with suppress(subprocess.TimeoutExpired):
+            flight.wait(0.02)
 
 
 def ends(node: int) -> bool:
@@ -113,7 +128,7 @@ def ends(node: int) -> bool:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_a_flight_that_is_ended_leaves_no_node_behind(number: signal.Signals) -> None:
-    flight = start_flight()
+    flight = start_flight("table6", "--live")
     nodes = nodes_of(flight)
     flight.send_signal(number)
     _, lines = flight.communicate(timeout=TIMEOUT_S)
@@ -122,8 +137,24 @@ def test_a_flight_that_is_ended_leaves_no_node_behind(number: signal.Signals) ->
     assert flight.returncode == (-signal.SIGKILL if number == signal.SIGKILL else 130)
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_lockstep_flight_that_is_ended_closes_its_bag(number: signal.Signals, tmp_path: Path) -> None:
+    """The simulator's timer for the next ticks is always overdue there."""
+    (tmp_path / "long.yaml").write_text(LONG)
+    flight = start_flight(str(tmp_path / "long.yaml"), "--bag", str(tmp_path / "bag"))
+    wait_for_bytes(flight, tmp_path / "bag" / "bag_0.mcap", 300_000)
+    (stack,) = nodes_of(flight, 1)
+    flight.send_signal(number)
+    _, lines = flight.communicate(timeout=TIMEOUT_S)
+    assert ends(stack)
+    assert flight.returncode == (-signal.SIGKILL if number == signal.SIGKILL else 130)
+    assert ("fly: interrupted" in lines) == (number != signal.SIGKILL)
+    assert BagReader(tmp_path / "bag").repairs == ()
+    assert np.ptp(read_flight(tmp_path / "bag").t) < 0.5 * LONG_S
+
+
 def test_a_node_that_is_killed_in_flight_is_named_and_the_others_end() -> None:
-    flight = start_flight()
+    flight = start_flight("table6", "--live")
     nodes = nodes_of(flight)
     os.kill(nodes[1], signal.SIGKILL)
     _, lines = flight.communicate(timeout=TIMEOUT_S)

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from q2q_control.commands import call
 from q2q_control.ros.procedure_call import await_answer
-from q2q_model.ros.node.run import WAKE_S, make_executor
+from q2q_model.ros.node.bounded_spin import WAKE_S, make_executor
 from q2q_sim.processes.domain import own_domain
 
 TIMEOUT_S = 120.0

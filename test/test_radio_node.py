@@ -20,7 +20,7 @@ from std_srvs.srv import Empty, Trigger
 from q2q_control.radio import cflib_link
 from q2q_control.radio.firmware_params import POSE_STD, firmware_params, first_difference
 from q2q_control.radio.radio_params import RadioNodeParams
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.ros.topics.qos import EVERY_TICK
 from q2q_model.signals.cdr.cdr_reader import decode

@@ -18,7 +18,7 @@ from std_srvs.srv import Empty
 
 from q2q_control.failsafe.fallback_params import FallbackParams
 from q2q_control.ros import guarded_commands, mpc_node, pid_node
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.tick_wiring import TickWiring
 from q2q_model.ros.topics.messages import MESSAGES
 from q2q_model.signals.cdr.cdr_reader import decode

@@ -19,7 +19,7 @@ from rosbags.rosbag2 import Reader
 
 from q2q_model.bag import BagError, BagReader
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.qos import LATCHED, OUTSIDE, TICK_WRITER
 from q2q_model.signals import values
 from q2q_model.signals.cdr.cdr_writer import encode

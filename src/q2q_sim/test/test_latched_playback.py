@@ -15,7 +15,7 @@ from std_msgs.msg import String
 
 from q2q_model.bag import BagReader, BagWriter, OfferedQos
 from q2q_model.node.warm_up import synthetic_signal
-from q2q_model.ros.node.run import make_executor
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.topics.qos import LATCHED
 from q2q_model.signals.values import MocapFrame
 from q2q_sim.bag_topics.topics import LATCHED_TYPES

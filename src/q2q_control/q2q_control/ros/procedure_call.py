@@ -14,7 +14,8 @@ from std_srvs.srv import Trigger
 
 from q2q_control.flight_procedure.steps import Call
 from q2q_model.node.reply import Reply
-from q2q_model.ros.node.run import make_executor, start_ros
+from q2q_model.ros.node.bounded_spin import make_executor
+from q2q_model.ros.node.run import start_ros
 
 SERVED_S = 10.0
 """Longest wait for the service [s]."""

@@ -24,8 +24,9 @@ from q2q_model.node.connections import (
     connections_from_text,
     missing_connections,
 )
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.ready import DRAINED, SERVICE
-from q2q_model.ros.node.run import make_executor, start_ros
+from q2q_model.ros.node.run import start_ros
 from q2q_model.ros.topics.qos import LATCHED, TICK
 from q2q_model.signals.stamps import TICK_NS, BadStampError, stamp_from_parts
 from q2q_model.signals.topic_names import FLIGHT_SUMMARY, PLAYBACK_OVER

@@ -13,8 +13,9 @@ import rclpy
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from q2q_model.ros.node.bounded_spin import make_executor
 from q2q_model.ros.node.ready import offer_drained, offer_ready
-from q2q_model.ros.node.run import make_executor, start_ros
+from q2q_model.ros.node.run import start_ros
 from q2q_sim.loop.flight_clock import FlightTiming
 from q2q_sim.ros import stack
 from q2q_sim.ros.flight_director import START_S, FlightDirector

@@ -18,25 +18,19 @@ from weakref import WeakSet
 import rclpy
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException
-from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.task import Future
 
 from q2q_model.compilation.compilation_notice import give_notice_of_compilation
 from q2q_model.node.loopback import restrict
 from q2q_model.node.ros_refusal import refusal_of_ros
+from q2q_model.ros.node.bounded_spin import BoundedSpin
 from q2q_model.ros.node.node_parameters import refuse_undeclared
 from q2q_model.ros.node.ready import offer_drained, offer_ready
 
 LEAVE_S = 20
 """Timeout of the ROS shutdown [s]: Fast DDS 2.14 can deadlock when others leave at the same moment."""
-WAKE_S = 0.1
-"""Period at which the spin loop checks for the end [s].
-
-EventsExecutor.spin() does not return on our signals, and spin_once per message costs more than the message.
-"""
-
 HAND_OVER = Duration(seconds=2.0)
 """Longest wait of a finished node for the subscribers of one topic."""
 ENDING = (signal.SIGINT, signal.SIGTERM)
@@ -155,38 +149,30 @@ class _Ending:
 
 def _spin_and_land(kept: Mapping[Node, Kept], ending: _Ending, land: Callable[[Kept], float] | None) -> None:
     """Run callbacks until the end, and on until nothing lands any more."""
-    executor = make_executor()
+    spin = BoundedSpin(kept)
     try:
-        _spin(executor, kept, ending)
+        _spin(spin, kept, ending)
     finally:
         if land is not None:
             latest = monotonic() + max(map(land, kept.values()), default=0.0)
             while rclpy.ok() and monotonic() < latest and any(land(one) > 0.0 for one in kept.values()):
-                _spin_for(executor, WAKE_S)
+                spin()
 
 
-def _spin(executor: Executor, nodes: Iterable[Node], ending: _Ending) -> None:
+def _spin(spin: BoundedSpin, nodes: Iterable[Node], ending: _Ending) -> None:
     """Run the callbacks of the nodes until a signal arrives or ROS shuts down."""
-    for node in nodes:
-        executor.add_node(node)
     ending.building = False
     gc.freeze()  # exclude the objects created so far from collection in flight
     gc.enable()
     while rclpy.ok() and not ending.requested:
-        _spin_for(executor, WAKE_S)
+        spin()
         if any(node in _FINISHED for node in nodes):
             _hand_over(nodes)
             _bound_leaving()
             for node in nodes:
-                executor.remove_node(node)
+                spin.executor.remove_node(node)
                 node.destroy_node()  # informs the others, who would wait 20 s for its acknowledgements
             return
-
-
-def _spin_for(executor: Executor, seconds: float) -> None:
-    """Run callbacks for a time [s]."""
-    never: Future[None] = Future()  # a new one: the executor adds a callback to it each time
-    executor.spin_until_future_complete(never, seconds)
 
 
 def finish(node: Node) -> None:
@@ -199,12 +185,3 @@ def _hand_over(nodes: Iterable[Node]) -> None:
     for node in nodes:
         for writer in node.publishers:
             writer.wait_for_all_acked(HAND_OVER)
-
-
-def make_executor() -> Executor:
-    """Return the events executor if available (a third of the CPU time), else the single-threaded one."""
-    try:
-        from rclpy.experimental import EventsExecutor
-    except ImportError:
-        return SingleThreadedExecutor()
-    return EventsExecutor()
