@@ -17,9 +17,9 @@ from q2q_sim.monitors.metrics.exposure import exposed, exposure
 from q2q_sim.monitors.metrics.metrics import held_thrust, measure
 from q2q_sim.node_flights.flight_request import FlightRequest
 from q2q_sim.node_flights.flight_run import FlightRun, runs_json
+from q2q_sim.report.bag_tables import TRACKING
 from q2q_sim.report.run_table import HEAD as TERMINAL_HEAD
 from q2q_sim.scenarios import library
-from q2q_sim.tools.report_bags import TRACKING
 
 T = np.arange(1000) * 0.01
 SCENARIO = library.load("table6")

@@ -10,7 +10,8 @@ from q2q_model.documents.json_file import with_nulls
 from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_model.signals.topic_names import TICK_TOPICS
 from q2q_sim.commands import report
-from q2q_sim.tools.report_bags import as_json, report_bag
+from q2q_sim.report.bag_tables import as_json
+from q2q_sim.tools.report_bags import report_bag
 
 BAG = Path(__file__).resolve().parents[3] / "bags" / "table2_1"
 

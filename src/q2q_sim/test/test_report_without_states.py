@@ -9,7 +9,8 @@ import pytest
 from q2q_model.bag import BagReader, BagWriter
 from q2q_model.recordings.bag_vehicle import flown_vehicle
 from q2q_sim.monitors.mocap_quality import mocap_quality
-from q2q_sim.tools.report_bags import Reported, limit_rows, report_bag
+from q2q_sim.report.bag_tables import Reported, limit_rows
+from q2q_sim.tools.report_bags import report_bag
 
 BAG = Path(__file__).resolve().parents[3] / "bags" / "table2_1"
 SECONDS = 6.0
