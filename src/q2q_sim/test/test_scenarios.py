@@ -171,6 +171,17 @@ def test_unknown_names_are_refused_with_the_nearest_right_one(name: str, word: s
             "cf1, waypoint 1: z = -1.0 m: z is up, and the ground is at 0",
         ),
         (
+            {"vehicles": {"cf1": [{"t": 0, "pos": [0, 0, 1]}, {"t": 5, "pos": [200, -1500, 1000]}]}},
+            r"cf1, waypoint 1: y = -1500 m: mocap_filter accepts up to 50 m: give metres, or set",
+        ),
+        (
+            {
+                "vehicles": {"cf1": [{"t": 0, "pos": [0, 0, 1]}, {"t": 5, "pos": [9, 0, 1]}]},
+                "overrides": {"mocap_filter": {"pos_max": 8.0}},
+            },
+            "cf1, waypoint 1: x = 9 m: mocap_filter accepts up to 8 m",
+        ),
+        (
             {"faults": [{"kind": "radio_loss", "start": 1, "duration": 1}]},
             "radio_loss: size = 0 has no effect",
         ),

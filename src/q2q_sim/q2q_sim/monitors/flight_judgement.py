@@ -4,6 +4,7 @@
 |---|---|
 | a vehicle hit the floor | policy `floor` |
 | a vehicle landed without feedback, or its motors were cut | its commands: LAND on the floor, CUT |
+| a vehicle was flown blind to the end | its last command LAND, or none but LEVEL and LAND |
 | two vehicles collided | policy `separation` |
 | a vehicle left its path | policy `setpoint_error` |
 | commands ended before the flight | a vehicle's last command older than the firmware's watchdog, 0.5 s |
@@ -93,7 +94,7 @@ def _words(broken: Violation, begin: float) -> str:
 
 
 def _sent_down(trace: FlightTrace, circumstances: Circumstances, begin: float) -> Iterator[Finding]:
-    """Yield the vehicles that their controller brought to the floor, away from their plan."""
+    """Yield the vehicles that their controller brought down, away from their plan."""
     status = trace.command_status
     landed = touches_floor(trace, circumstances.limits)
     for row, name in enumerate(trace.names):
@@ -102,9 +103,21 @@ def _sent_down(trace: FlightTrace, circumstances: Circumstances, begin: float) -
             "landed blind": (status[:, row] == CommandStatus.LAND) & landed[:, row],
         }
         first = {words: trace.t[mask][0] for words, mask in ends.items() if mask.any()}
+        if not first and (blind := _blind_to_the_end(trace, row)) is not None:
+            yield Finding(blind, f"{name} was flown blind from {blind - begin:.1f} s to the end")
         for words, t in sorted(first.items(), key=lambda one: one[1])[:1]:
             owner = f"{name}'s" if words.startswith("motors") else name
             yield Finding(float(t), f"{owner} {words} at {t - begin:.1f} s")
+
+
+def _blind_to_the_end(trace: FlightTrace, row: int) -> float | None:
+    """Return since when a vehicle had no feedback [s], if it was landing at the end or never had any."""
+    given = np.isfinite(trace.command_status[:, row])
+    t, status = trace.t[given], trace.command_status[given, row]
+    seen = np.flatnonzero(~np.isin(status, (CommandStatus.LEVEL, CommandStatus.LAND)))
+    if not len(t) or (len(seen) and status[-1] != CommandStatus.LAND):
+        return None
+    return float(t[seen[-1] + 1 if len(seen) else 0])
 
 
 def _commands_ended(trace: FlightTrace, begin: float) -> Iterator[Finding]:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Literal
 
+from q2q_model.estimation.mocap_filter_params import MocapFilterParams
 from q2q_model.signals.values import Names
 from q2q_model.trajectory.polynomials import SwarmPlan
 from q2q_model.vehicle.constants import Vehicle
@@ -14,7 +15,7 @@ from q2q_sim.air.wake_laws import wake_by_name
 from q2q_sim.faults.faults import Fault, check_vehicles
 from q2q_sim.link.radio import RadioParams
 from q2q_sim.plant.disturbance import DisturbanceParams
-from q2q_sim.scenarios.block_overrides import check_overrides
+from q2q_sim.scenarios.block_overrides import block_params, check_overrides
 from q2q_sim.scenarios.room_profiles import Overrides
 from q2q_sim.sensors.imu import ImuParams
 from q2q_sim.sensors.vicon_params import ViconParams
@@ -73,19 +74,31 @@ class Scenario:
             check_air(self.air)
         elif self.air_without:
             raise ValueError(f"air_without = {', '.join(self.air_without)}: name an air too")
-        for vehicle in self.waypoints:
-            for k, waypoint in enumerate(vehicle.waypoints):
-                if waypoint.pos[2] < -GROUND_ROUNDING:
-                    where = f"{vehicle.name}, waypoint {k}: z = {waypoint.pos[2]} m"
-                    raise ValueError(f"{where}: z is up, and the ground is at 0")
         _check_latency(self)
         check_vehicles(self.faults, self.names)
         check_overrides(self.overrides)
+        _check_waypoints(self)
 
     @property
     def names(self) -> Names:
         """Return the vehicles' names."""
         return tuple(vehicle.name for vehicle in self.waypoints)
+
+
+def _check_waypoints(scenario: Scenario) -> None:
+    """Raise ValueError for a waypoint below the ground, or where the mocap filter accepts no position."""
+    pos_max = block_params("mocap_filter", MocapFilterParams(), scenario.overrides).pos_max
+    for vehicle in scenario.waypoints:
+        for k, waypoint in enumerate(vehicle.waypoints):
+            where = f"{vehicle.name}, waypoint {k}"
+            if waypoint.pos[2] < -GROUND_ROUNDING:
+                raise ValueError(f"{where}: z = {waypoint.pos[2]} m: z is up, and the ground is at 0")
+            axis, value = max(zip("xyz", waypoint.pos, strict=True), key=lambda one: abs(one[1]))
+            if abs(value) > pos_max:
+                raise ValueError(
+                    f"{where}: {axis} = {value:g} m: mocap_filter accepts up to {pos_max:g} m: give metres, "
+                    "or set overrides.mocap_filter.pos_max"
+                )
 
 
 def _check_latency(scenario: Scenario) -> None:
