@@ -112,15 +112,19 @@ def _fit(
     residuals: Residuals, form: JetForm, solved: Jet | None, loss: str = "linear", *, stacked: bool = False
 ) -> JetFit:
     names = free_names(form, stacked=stacked)
-    start, low, high, scale = np.array([FREE_PARAMETERS[name] for name in names]).T
+    start, low, high, scale, steps = np.array([FREE_PARAMETERS[name] for name in names]).T
     if solved is not None:
         start = np.clip(values_of_jet(solved, names), low, high)
+
+    def missed(x: Array) -> Array:
+        return np.concatenate([one.residual for one in residuals(jet_of_values(form, names, x))])
+
     found = least_squares(
-        lambda x: np.concatenate([one.residual for one in residuals(jet_of_values(form, names, x))]),
+        missed,
         start,
+        jac=lambda x: _jacobian(missed, x, steps, (low, high)),
         bounds=(low, high),
         x_scale=scale,
-        diff_step=1e-4,  # the residual is not smooth where a pair enters the reach
         xtol=1e-5,
         ftol=1e-7,
         max_nfev=25 if solved is None else 1,  # one evaluation, and its Jacobian
@@ -132,6 +136,18 @@ def _fit(
     rows = (_soft_l1_rows if loss == "soft_l1" else least_squares_rows)(found.jac, found.fun, cluster)
     spread = tuple(zip(names, intervals(found.x, rows, (low, high)), strict=True))
     return JetFit(jet=jet, intervals=spread, mse=float(np.mean(found.fun**2)))
+
+
+def _jacobian(
+    residual: Callable[[Array], Array], x: Array, steps: Array, bounds: tuple[Array, Array]
+) -> Array:
+    """Return the derivative of `residual` (m,) by central differences between bounds, (m, p)."""
+    low, high = bounds
+    columns = []
+    for k, step in enumerate(np.diag(steps)):
+        ahead, behind = np.minimum(x + step, high), np.maximum(x - step, low)
+        columns.append((residual(ahead) - residual(behind)) / (ahead[k] - behind[k]))
+    return np.stack(columns, axis=1)
 
 
 def _soft_l1_rows(jacobian: Array, residual: Array, cluster: Array) -> EstimatingRows:

@@ -31,25 +31,33 @@ class JetForm:
 
 
 class FreeParameter(NamedTuple):
-    """First value of a parameter, its bounds, and the change of it that counts as one."""
+    """First value of a parameter, its bounds, the change that counts as one, and the derivative's step."""
 
     start: float
     low: float
     high: float
     scale: float
+    step: float
 
+
+STEP = 1e-4
+"""Step of the derivative by a parameter on which the downwash depends smoothly, in units of the parameter."""
+SLOWNESS_STEP = 0.1
+"""Step of the derivative by slowness [s/m], 40 ms of delay over 0.4 m. The noise of recorded positions over
+this time has to be small beside the speeds of vehicles: over a tick, 1 mm is 0.14 m/s, and the fit stops
+where it starts."""
 
 FREE_PARAMETERS = {
-    "strength": FreeParameter(1.5, -5.0, 15.0, 1.0),
-    "decay_rate": FreeParameter(1.0, -2.0, 10.0, 1.0),
-    "virtual_origin": FreeParameter(0.5, 0.02, 5.0, 0.3),
-    "width": FreeParameter(0.07, 0.015, 0.4, 0.05),
-    "spread": FreeParameter(0.05, 0.0, 0.4, 0.1),
-    "upper_ratio": FreeParameter(0.02, -0.8, 0.8, 0.2),
-    "slowness": FreeParameter(0.15, 0.0, 0.8, 0.2),
-    "velocity_share": FreeParameter(0.8, 0.0, 1.0, 0.3),
-    "loading": FreeParameter(0.3, 0.0, 2.0, 0.5),
-    "absorption": FreeParameter(0.5, 0.0, 4.0, 1.0),
+    "strength": FreeParameter(1.5, -5.0, 15.0, 1.0, STEP),
+    "decay_rate": FreeParameter(1.0, -2.0, 10.0, 1.0, STEP),
+    "virtual_origin": FreeParameter(0.5, 0.02, 5.0, 0.3, STEP),
+    "width": FreeParameter(0.07, 0.015, 0.4, 0.05, STEP),
+    "spread": FreeParameter(0.05, 0.0, 0.4, 0.1, STEP),
+    "upper_ratio": FreeParameter(0.02, -0.8, 0.8, 0.2, STEP),
+    "slowness": FreeParameter(0.15, 0.0, 0.8, 0.2, SLOWNESS_STEP),
+    "velocity_share": FreeParameter(0.8, 0.0, 1.0, 0.3, STEP),
+    "loading": FreeParameter(0.3, 0.0, 2.0, 0.5, STEP),
+    "absorption": FreeParameter(0.5, 0.0, 4.0, 1.0, STEP),
 }
 """In the units of a Jet; slowness in s/m."""
 
