@@ -58,7 +58,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/documents/written_file.py",
     "q2q_model/model_files/model_bounds.py",
     "q2q_model/flights/output_ticks.py",
-    "q2q_model/estimation/outlier_thresholds.py",
+    "q2q_model/estimation/association/outlier_thresholds.py",
     "q2q_model/flights/first_order_lag.py",
     "q2q_model/flights/flight.py",
     "q2q_model/flights/flight_ticks.py",

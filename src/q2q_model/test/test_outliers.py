@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.flights.outliers import find_outliers, repair
 from q2q_model.signals.values import Array
 

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP
 from q2q_model.estimation.association.reacquisition import SAME_INSTANT
-from q2q_model.estimation.outlier_thresholds import REPEAT_STEP
 from q2q_model.estimation.position import kalman_filter
 from q2q_model.estimation.position.kalman_filter import MotionEstimate
 from q2q_model.estimation.position.position_gates import PositionGates, screen

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from steady_tracks import COAST, DT, FROZEN, NEAR, NOBODY, NONE, PLACES, flown, offered, tracks
 
-from q2q_model.estimation.outlier_thresholds import REPEAT_STEP
+from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP
 from q2q_model.estimation.position.position_gates import VARIED
 from q2q_model.estimation.position.position_prediction import THAW_STEP
 from q2q_model.estimation.position.position_tracks import PositionTracks

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from q2q_model.estimation.association.label_swaps import swapped_sources
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.association.reacquisition import CONFIRM_SAMPLES, Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
 from q2q_model.estimation.attitude.attitude_steps import UNIT_TOLERANCE, AttitudeGateParams
 from q2q_model.estimation.attitude.attitude_tracks import AttitudeTracks
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
 from q2q_model.signals.values import Array, Mask
 
 LIMITS = OutlierThresholds(speed_max=2.0, jump_max=0.25)

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.attitude.attitude_steps import AttitudeGateParams
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.position.track_columns import TrackParams
 from q2q_model.signals.clock_resets import SET_BACK_S
 from q2q_model.tunable import check_bounds, tunable

@@ -26,7 +26,7 @@ accepted, a marker swap of a few tenths of a second is not.
 
 import numpy as np
 
-from q2q_model.estimation.outlier_thresholds import REPEAT_STEP, OutlierThresholds
+from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP, OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
 
 MEDIAN_REACH = 5

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.flights.flight import Flight
 from q2q_model.signals.values import Array, Names
 

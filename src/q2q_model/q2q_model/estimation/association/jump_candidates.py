@@ -7,7 +7,7 @@ A sample joins a candidate if the vehicle could have moved there, |r - r_last| <
 import numpy as np
 from numpy.typing import NDArray
 
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.signals.values import Array, Mask
 
 Table = NDArray[np.void]

@@ -14,8 +14,8 @@ from q2q_model.estimation.association.jump_candidates import (
     joins_candidates,
     mean_velocity,
 )
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.association.suspected_swaps import LastSample, Suspicion, Unmatched, suspected_swaps
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
 from q2q_model.signals.values import Array, Mask
 
 CONFIRM_SAMPLES = 3

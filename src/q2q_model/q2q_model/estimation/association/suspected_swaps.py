@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.estimation.association.jump_candidates import Table, joins_candidates, mean_velocity
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.signals.values import Array, Mask, Rows
 
 FLIES_ON_S = 1.0

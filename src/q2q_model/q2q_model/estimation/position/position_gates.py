@@ -1,4 +1,4 @@
-"""Gates of a position sample, with the thresholds of q2q_model.estimation.outlier_thresholds.
+"""Gates of a position sample, with the thresholds of q2q_model.estimation.association.outlier_thresholds.
 
 A sample r of a vehicle last measured at p, tau ago, and predicted at p- with variance S is accepted if it
 passes every gate:
@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 
 from q2q_model.compiled import compiled
-from q2q_model.estimation.outlier_thresholds import REPEAT_STEP
+from q2q_model.estimation.association.outlier_thresholds import REPEAT_STEP
 from q2q_model.estimation.position.track_columns import TrackColumns
 from q2q_model.signals.values import Array, Mask
 

@@ -24,9 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.estimation.association.label_swaps import swapped_sources
+from q2q_model.estimation.association.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.association.reacquisition import Reacquisition
 from q2q_model.estimation.association.suspected_swaps import LastSample, Unmatched
-from q2q_model.estimation.outlier_thresholds import OutlierThresholds
 from q2q_model.estimation.position.kalman_filter import start
 from q2q_model.estimation.position.position_prediction import Prediction, look_ahead
 from q2q_model.estimation.position.position_steps import (
