@@ -1,6 +1,6 @@
 """Measured vertical push of a recorded flight, from its log or from sensors and commands.
 
-push = faz_est / m_log                           logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021)
+push = faz_est / m                               faz_est [N] = m (a_z + g) - thrust_est, in a log
 push = (R f_body)_z - lagged(U1) b_z / m         f_body: accelerometer, U1: commanded thrust
 
 The thrust lag is the vehicle's. It is not fitted to the push: commands answer gusts, and the lag of least
@@ -34,7 +34,10 @@ from q2q_model.signals.values import Array, CommandStatus, Mask, Names
 from q2q_model.vehicle.constants import Vehicle
 
 LOG_MASS = 0.032
-"""Mass used to compute faz_est in the logs [kg]."""
+"""Mass m in the logs of two and three Crazyflies (Neural-Swarm2, T-RO 2021) [kg]."""
+MOST_FORCE = 2.0
+"""Bound of what 95 % of the forces in a log differ from their median by, over the weight [-]: 0.03 to 0.3 in
+recorded flights of 34 g, 3.5 to 30 if those are in gram-force."""
 FULL_DUTY = 0.93
 """Duty above which a motor counts as saturated."""
 LIGHTEST, HEAVIEST = 0.5, 2.0
@@ -45,14 +48,15 @@ def push_record(one: Recording, vehicle: Vehicle, lag: float) -> PushRecord | No
     """Return a flight's measured push, from its log or its sensors; None if it has neither.
 
     Raises:
-        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, or is not
-            upright.
+        ValueError: the vehicle cannot be the one that flew, by the thrust commanded in the air, is not
+            upright, or the force in the log cannot be in newtons.
     """
     check_upright(one.flight)
     check_weight(one.flight, vehicle)
     log = _push_log(one)
     if log is not None:
-        return push_of_log(one.flight.name, log, motion_of(one.flight))
+        check_force(one.flight.name, log, vehicle)
+        return push_of_log(one.flight.name, log, motion_of(one.flight), log_mass(log, one.flight, vehicle))
     return push_of_sensors(one.flight, vehicle, lag)
 
 
@@ -105,15 +109,46 @@ def has_push_columns(log: FlightLog) -> bool:
     return {"faz_est", "gap", *MOTORS} <= set(log.columns)
 
 
-def push_of_log(name: str, log: FlightLog, motion: Motion) -> PushRecord:
-    """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion."""
+def check_force(name: str, log: FlightLog, vehicle: Vehicle) -> None:
+    """Raise ValueError if the force of a vehicle in the log of flight `name` cannot be in newtons."""
+    for of, force in zip(log.names, log.column("faz_est").T, strict=True):
+        known = force[np.isfinite(force)]
+        most = float(np.quantile(np.abs(known - np.median(known)), 0.95)) if known.size else 0.0
+        if most > MOST_FORCE * vehicle.hover_thrust:
+            raise ValueError(
+                f"flight {name}: faz_est of {of} varies by {most:.3g} N, "
+                f"{most / vehicle.hover_thrust:.3g} times the weight of {vehicle.name}; "
+                f"allowed is up to {MOST_FORCE:g} times: log it in newtons"
+            )
+
+
+def log_mass(log: FlightLog, flight: Flight, vehicle: Vehicle) -> float:
+    """Return the mass m by which the force in a log was computed [kg].
+
+    With thrust_est that is (faz_est + thrust_est) / (a_z + g), to a gram: 0.0320 to 0.0323 in recorded
+    flights of 0.032. Without, or if the vehicle cannot have that mass, it is the vehicle's.
+    """
+    if "thrust_est" not in log.columns:
+        return vehicle.mass
+    felt = rotate(flight.quat, flight.specific_force_body)[..., 2]
+    ratio = (log.column("faz_est") + log.column("thrust_est")) / felt
+    known = ratio[np.isfinite(ratio)]
+    mass = round(float(np.median(known)), 3) if known.size else vehicle.mass
+    return mass if LIGHTEST <= mass / vehicle.mass <= HEAVIEST else vehicle.mass
+
+
+def push_of_log(name: str, log: FlightLog, motion: Motion, mass: float = LOG_MASS) -> PushRecord:
+    """Return the vertical push in a flight's log, at the ticks and vehicles of the log and the motion.
+
+    `mass` is m of its force [kg].
+    """
     force = log.column("faz_est")
     known = np.isfinite(force)
     return PushRecord(
         name=name,
         names=log.names,
         motion=motion,
-        push=np.where(known, force / LOG_MASS, 0.0),
+        push=np.where(known, force / mass, 0.0),
         measured=np.asarray((log.column("gap") == 0.0) & known),
         saturated=np.asarray(motor_duty(log).max(axis=-1) > FULL_DUTY),
     )

@@ -1,0 +1,58 @@
+"""The force in a log is read by its mass, and one of another unit is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_flights import GRAVITY, Pass, made_flight
+
+from q2q_model.downwash.jet import MEASURED_LAW
+from q2q_model.flights.flight_log import FlightLog
+from q2q_model.identification.push.recorded_push import push_record
+from q2q_model.recordings.flight_recording import Recording
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0, CRAZYFLIE_BRUSHLESS, Vehicle
+
+PASS = Pass(law=MEASURED_LAW, loop=AltitudeLoop(10.0, 5.0, lag=CRAZYFLIE_2_0.thrust_lag), speed=0.1)
+COLUMNS = ("faz_est", "thrust_est", "gap", "pwm1", "pwm2", "pwm3", "pwm4")
+
+
+def logged(mass: float, scale: float = 1.0, vehicle: Vehicle = CRAZYFLIE_2_0) -> Recording:
+    """Return a flight of `vehicle` whose log has its downwash as a force of a `mass` [kg], times `scale`."""
+    flight = made_flight(PASS)
+    eta, felt = flight.true_eta[..., 2], flight.specific_force_body[..., 2]
+    zero, half = np.zeros_like(eta), np.full_like(eta, 0.5)
+    values = np.stack([scale * mass * eta, mass * (felt - eta), zero, half, half, half, half], axis=-1)
+    flight = replace(flight, thrust=flight.thrust * vehicle.mass / CRAZYFLIE_2_0.mass)
+    return Recording(flight, FlightLog(flight.t, flight.names, COLUMNS, ("",) * len(COLUMNS), values))
+
+
+def without_thrust(one: Recording) -> Recording:
+    """Return a recording without thrust_est in its log."""
+    assert one.log is not None
+    kept = [k for k, name in enumerate(COLUMNS) if name != "thrust_est"]
+    names = tuple(COLUMNS[k] for k in kept)
+    log = replace(one.log, columns=names, units=("",) * len(names), values=one.log.values[..., kept])
+    return replace(one, log=log)
+
+
+@pytest.mark.parametrize("mass", [0.032, 0.045])
+def test_a_logs_thrust_shows_the_mass_of_its_force(mass: float) -> None:
+    record = push_record(logged(mass), CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+    assert record is not None
+    np.testing.assert_allclose(record.push, made_flight(PASS).true_eta[..., 2], atol=1e-12)
+
+
+def test_without_it_the_mass_is_that_of_the_vehicle() -> None:
+    vehicle = CRAZYFLIE_BRUSHLESS
+    record = push_record(without_thrust(logged(vehicle.mass, vehicle=vehicle)), vehicle, vehicle.thrust_lag)
+    assert record is not None
+    np.testing.assert_allclose(record.push, made_flight(PASS).true_eta[..., 2], atol=1e-12)
+
+
+def test_a_force_in_grams_is_refused_with_its_flight_vehicle_and_unit() -> None:
+    """The vehicle is under the other in more than 5 % of the time."""
+    gram = 1e-3 * GRAVITY
+    says = r"flight pass: faz_est of cf1 varies by .* N, .* weight of crazyflie_2_0; allowed is .* newtons"
+    with pytest.raises(ValueError, match=says):
+        push_record(logged(0.032, 1.0 / gram), CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
