@@ -63,6 +63,7 @@ BESIDE_IDENTIFICATION = {
     "q2q_model/flights/flight.py",
     "q2q_model/flights/flight_ticks.py",
     "q2q_model/flights/interpolated_gaps.py",
+    "q2q_model/flights/motion_windows.py",
     "q2q_model/flights/reference_remarks.py",
     "q2q_model/flights/same_flight.py",
     "q2q_model/flights/sampled_reference.py",

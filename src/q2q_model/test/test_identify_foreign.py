@@ -206,7 +206,7 @@ def test_single_samples_that_are_no_number_are_mended(tmp_path: Path):
 
 @needs_bags
 def test_a_flight_without_pushes_keeps_its_place_in_the_scores(tmp_path: Path):
-    bag = write(tmp_path / "silent", read_flight(BAGS / "table2_1"))
+    bag = write(tmp_path / "silent", read_flight(BAGS / "table2_2"))
     out = tmp_path / "scores.json"
     words = ["--model", "paper_law", str(bag), str(BAGS / "table2_1"), "--json", str(out)]
     assert evaluate.main(words) == 0

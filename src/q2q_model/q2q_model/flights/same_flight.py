@@ -6,6 +6,7 @@ from hashlib import sha256
 import numpy as np
 
 from q2q_model.flights.flight import Flight
+from q2q_model.flights.motion_windows import as_text, from_text, hold_same_motion, motion_windows
 
 COPY_IN_FIT = "this flight is in the fit: not held out"
 IN_FIT = "a flight of this name is in the fit: not held out if it is this one"
@@ -13,12 +14,25 @@ IN_FIT = "a flight of this name is in the fit: not held out if it is this one"
 
 
 def flight_digest(flight: Flight) -> str:
-    """Return the SHA-256 of a flight's vehicles, stamps and recorded positions, whatever its name is."""
+    """Return "SHA-256:windows" of a flight, whatever its name is.
+
+    The SHA-256 is that of vehicles, stamps and recorded positions, the windows are those of motion_windows.
+    Files of models and airs that are older than these have the first alone.
+    """
     pos = flight.mocap_pos if np.isfinite(flight.mocap_pos).any() else flight.pos
     found = sha256("\0".join(flight.names).encode())
     for values in (flight.t, np.where(np.isnan(pos), np.nan, pos)):
         found.update((values + 0.0).astype("<f8").tobytes())
-    return found.hexdigest()
+    return f"{found.hexdigest()}:{as_text(motion_windows(pos))}"
+
+
+def is_same_flight(one: str, other: str) -> bool:
+    """Return whether two digests are those of one flight, or of a flight and a part of it.
+
+    It may be cut, moved in time or place, saved in single precision, and its vehicles may be renamed.
+    """
+    (whole, _, windows), (other_whole, _, other_windows) = one.partition(":"), other.partition(":")
+    return whole == other_whole or hold_same_motion(from_text(windows), from_text(other_windows))
 
 
 def fit_remarks(flights: Iterable[Flight], names: Sequence[str], digests: Collection[str]) -> dict[str, str]:
@@ -27,11 +41,16 @@ def fit_remarks(flights: Iterable[Flight], names: Sequence[str], digests: Collec
     Args:
         flights: flights that are not to be in the fit.
         names: names of the fitted flights.
-        digests: their digests; none in files of models and air that are older than these.
+        digests: their digests; none in files of models and airs that are older than these.
     """
     flights = list(flights)
     named = {one.name: IN_FIT for one in flights if is_among(one.name, names)}
-    return named | {one.name: COPY_IN_FIT for one in flights if digests and flight_digest(one) in digests}
+    return named | {one.name: COPY_IN_FIT for one in flights if digests and _is_any(one, digests)}
+
+
+def _is_any(flight: Flight, digests: Collection[str]) -> bool:
+    own = flight_digest(flight)
+    return any(is_same_flight(own, one) for one in digests)
 
 
 def is_among(name: str, fitted: Iterable[str]) -> bool:

@@ -1,16 +1,14 @@
 """Flights of bags and tables, each given once and under a name of its own.
 
-A flight is given twice if it is a copy of another in every array, whatever the two are called.
+A flight is given twice if it holds the motion of another (flights.same_flight), whatever the two are called.
 """
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from q2q_model.bag import BagError
-from q2q_model.flights.flight import Flight
+from q2q_model.flights.same_flight import flight_digest, is_same_flight
 from q2q_model.flights.tables.table_file import TABLES
 from q2q_model.recordings.flight_recording import Recording
 
@@ -27,7 +25,7 @@ def distinct_flights(paths: Sequence[Path], recordings: Sequence[Recording]) -> 
     """Return the flights read from paths, named by parent folders too where names collide.
 
     Raises:
-        BagError: a flight is a copy of another: held out, it would be in the fit.
+        BagError: a flight is a copy of another, or of a part of it: held out, it would be in the fit.
     """
     _reject_copies(paths, recordings)
     named = list(recordings)
@@ -56,15 +54,10 @@ def _parts(path: Path) -> tuple[str, ...]:
 
 
 def _reject_copies(paths: Sequence[Path], recordings: Sequence[Recording]) -> None:
-    for k, one in enumerate(recordings):
-        for j, earlier in enumerate(recordings[:k]):
-            if _is_copy(one.flight, earlier.flight):
-                raise BagError(f"{paths[j]} and {paths[k]} hold the same flight; give each flight once")
-
-
-def _is_copy(one: Flight, other: Flight) -> bool:
-    """Return whether two flights are equal in every array."""
-    if one.names != other.names or one.t.shape != other.t.shape:
-        return False
-    arrays = [field.name for field in fields(Flight) if field.name not in {"name", "names"}]
-    return all(np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True) for name in arrays)
+    digests = [flight_digest(one.flight) for one in recordings]
+    for k, own in enumerate(digests):
+        for j, earlier in enumerate(digests[:k]):
+            if is_same_flight(own, earlier):
+                raise BagError(
+                    f"{paths[j]} and {paths[k]} hold the same flight, or parts of it; give each flight once"
+                )
