@@ -52,7 +52,8 @@ def commands_by_numpy(acc: Array, quat: Array, limits: ThrustLimits) -> tuple[Ar
     vertical = GRAVITY + acc[:, 2]
     upright = 1.0 - 2.0 * (quat[:, 0] ** 2 + quat[:, 1] ** 2)
     desired = limits.mass * vertical / np.maximum(upright, UPRIGHT_MIN)
-    thrust = np.clip(desired, 0.05 * limits.mass * GRAVITY, limits.thrust_max)
+    least = 0.05 * limits.mass * GRAVITY
+    thrust = np.clip(desired, least, np.where(upright > 0.0, limits.thrust_max, least))
     yaw = yaw_from_quat(quat)
     forward = acc[:, 0] * np.cos(yaw) + acc[:, 1] * np.sin(yaw)
     left = acc[:, 1] * np.cos(yaw) - acc[:, 0] * np.sin(yaw)
@@ -175,6 +176,16 @@ def test_thrust_keeps_the_papers_limit_and_the_rotors_limits_and_stops_no_motors
     least = Pid(PidParams(), TEXTBOOK_065).update(state, setpoint, push)
     assert least.thrust[0] == pytest.approx(0.05 * 0.65 * GRAVITY, rel=1e-12)
     assert least.status[0] == CommandStatus.SATURATED
+
+
+@pytest.mark.parametrize(("roll_deg", "share"), [(89.9, None), (90.1, 0.05), (122.7, 0.05), (180.0, 0.05)])
+def test_a_vehicle_whose_thrust_would_push_it_down_has_the_least(roll_deg: float, share: float | None):
+    state, setpoint, eta = swarm(("cf1",))
+    tilted = replace(state, quat=quat_from_euler(np.deg2rad(roll_deg), 0.0, 0.0)[None])
+    command = Pid(PidParams(), TEXTBOOK_065).update(tilted, setpoint, eta)
+    expected = TEXTBOOK_065.thrust_max if share is None else share * TEXTBOOK_065.hover_thrust
+    assert command.thrust[0] == pytest.approx(expected, rel=1e-12)
+    assert command.status[0] == CommandStatus.SATURATED
 
 
 def test_a_bound_that_does_not_carry_the_vehicle_is_refused_and_changes_nothing():

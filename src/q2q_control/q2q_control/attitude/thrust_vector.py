@@ -14,8 +14,9 @@ instead of small angles: the body's z axis along (a_x, a_y, g + a_z), in the fra
     theta_d = atan2(a_1, g + a_z),  phi_d = atan2(-a_2, hypot(a_1, g + a_z))
     a_1 = a_x cos psi + a_y sin psi,  a_2 = a_y cos psi - a_x sin psi
 
-Limits: f m g <= U1 <= thrust_max (rotors do not pull down, and motors that stop hold no attitude); the angle
-between thrust and vertical at most tilt_max, the direction of the tilt kept.
+Limits: f m g <= U1 <= thrust_max (rotors do not pull down, and motors that stop hold no attitude); f m g
+where body z does not point up, since more would push down; the angle between thrust and vertical at most
+tilt_max, the direction of the tilt kept.
 
 | symbol | name | meaning [unit] |
 |---|---|---|
@@ -115,7 +116,8 @@ def write_command(acc: Array, row: Array, limits: ThrustLimits, values: Array) -
     """Write thrust, roll, pitch, yaw rate (4,) of one row of a table; return the excess beyond the limits."""
     upright = 1.0 - 2.0 * (row[QUAT_AT] * row[QUAT_AT] + row[QUAT_AT + 1] * row[QUAT_AT + 1])
     desired = limits.mass * (GRAVITY + acc[2]) / max(upright, UPRIGHT_MIN)
-    thrust = min(max(desired, THRUST_LEAST * limits.mass * GRAVITY), limits.thrust_max)
+    least = THRUST_LEAST * limits.mass * GRAVITY
+    thrust = min(max(desired, least), limits.thrust_max if upright > 0.0 else least)
     yaw = yaw_of(row[QUAT_AT], row[QUAT_AT + 1], row[QUAT_AT + 2], row[QUAT_AT + 3])
     tilt = _tilt(acc, yaw, thrust, limits)
     wrapped = (row[YAW] - yaw + math.pi) % (2.0 * math.pi) - math.pi
