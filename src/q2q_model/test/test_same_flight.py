@@ -94,6 +94,6 @@ def test_a_part_of_a_flight_of_an_hour_is_known_by_the_windows_that_are_kept() -
 
 def test_windows_are_read_as_they_were_written() -> None:
     windows = motion_windows(hover(0).mocap_pos)
-    assert len(windows) > 50
+    assert len(windows) > 20
     assert from_text(as_text(windows)) == windows
     assert from_text("no base64") == frozenset()

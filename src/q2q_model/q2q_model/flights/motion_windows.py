@@ -21,8 +21,8 @@ STEP = 1e-4
 """Unit of a step [m]: the noise of motion capture, a thousand times the rounding of single precision."""
 DISTINCT = 16
 """Fewest different steps of a window: one of rest or of constant velocity is the same in many flights."""
-SPARSE = 64
-"""One window of so many is kept: about three in 2 s of a vehicle at 100 Hz."""
+SPARSE = 128
+"""One window of so many is kept: about three in 4 s of a vehicle at 100 Hz."""
 MOST = 512
 """Most windows kept for a flight, those of the smallest hashes: 2 kB as text."""
 SHARED = 0.25
