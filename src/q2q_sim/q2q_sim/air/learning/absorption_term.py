@@ -19,7 +19,7 @@ from q2q_sim.air.learning.jet.learned_downwash import absorption_factor, travel_
 from q2q_sim.air.learning.jet.wake_rows import WakeRows, rows_under_two
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
-from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.fitted import Fitted, LearnedTerm, fitted_value, within_search
 
 FEWEST = 200
 """Fewest rows under two vehicles: 2 s at 100 Hz."""
@@ -51,8 +51,8 @@ def absorption_term(records: Sequence[AirRecord], jet: JetTerm) -> LearnedTerm[A
     sums = block_sums(squared_residuals, wake_rows.row_blocks(parts))
     found = estimate_spread(lambda weight: np.array(grid[int(np.argmin(weight @ sums))]), len(sums))
     values = tuple(
-        fitted_value(found, k, path, y.size, SOURCE)
-        for k, path in enumerate(("absorption.share", "absorption.width_m"))
+        within_search(fitted_value(found, k, path, y.size, SOURCE), (choices[0], choices[-1]))
+        for k, (path, choices) in enumerate((("absorption.share", SHARES), ("absorption.width_m", WIDTHS)))
     )
     return LearnedTerm(AbsorptionTerm(*map(float, found.value)), values)
 

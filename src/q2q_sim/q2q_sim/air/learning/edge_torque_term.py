@@ -24,7 +24,7 @@ from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.records.motor_curve import motor_curves, usual_power
 from q2q_sim.air.learning.records.outer_torque import has_trim, outer_torque
 from q2q_sim.air.learning.statistics.block_bootstrap import block_sums, estimate_spread
-from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, within_search
 
 LEAST_GAP = 0.15
 """Minimum gap of rows [m]: closer, vehicles swap heights and turn hard."""
@@ -62,7 +62,8 @@ def edge_torque_term(
         return np.array([along[best] / square[best], RADII[best]])
 
     found = estimate_spread(estimate, len(sums))
-    values = tuple(fitted_value(found, k, path, rows, SOURCE) for k, path in enumerate(PATHS))
+    peak, radius = (fitted_value(found, k, path, rows, SOURCE) for k, path in enumerate(PATHS))
+    values = (peak, within_search(radius, (RADII[0], RADII[-1])))
     return LearnedTerm(EdgeTorqueTerm(*map(float, found.value)), values)
 
 

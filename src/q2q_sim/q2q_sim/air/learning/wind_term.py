@@ -19,7 +19,7 @@ from q2q_sim.air.air_terms import WindTerm
 from q2q_sim.air.learning.records.air_record import AirRecord
 from q2q_sim.air.learning.statistics.autocovariance import Lags, flight_lags, lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import estimate_spread
-from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, within_search
 
 LAGS = np.array([0.05, 0.08, 0.12, 0.16, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0])
 """Lags of the autocovariance [s], or those of a flight nearest to them; noise is correlated for 0.03 s."""
@@ -42,7 +42,10 @@ def wind_term(records: Sequence[AirRecord]) -> LearnedTerm[WindTerm] | None:
     )
     std, time = map(float, found.value)
     source = "flights of vehicles with rows in clear air"
-    values = tuple(fitted_value(found, k, path, len(each), source) for k, path in enumerate(PATHS))
+    values = tuple(
+        within_search(fitted_value(found, k, path, len(each), source), (LOWEST[k], LARGEST[k]))
+        for k, path in enumerate(PATHS)
+    )
     return LearnedTerm(WindTerm((0.0, 0.0, 0.0), std, time), values)
 
 

@@ -86,7 +86,7 @@ def _reported_value(one: Fitted, item: float, bounds: tuple[float, float], shown
     if not shown:
         return replace(one, low=None, high=None, rows=0, source="not shown by these flights: the default")
     if min(abs(item - end) for end in bounds) < TOLERANCE:
-        return replace(one, low=None, high=None, source=f"{one.source}; at the bound of the search")
+        return replace(one, low=None, high=None, source=f"{one.source}; at the bound of its search")
     return one
 
 

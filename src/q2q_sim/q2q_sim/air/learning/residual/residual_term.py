@@ -21,7 +21,7 @@ from q2q_sim.air.learning.residual.gain_spread import gain_spread
 from q2q_sim.air.learning.residual.wake_residuals import WakeResiduals, wake_residuals, with_vehicle_gain
 from q2q_sim.air.learning.statistics.autocovariance import lagged_pairs
 from q2q_sim.air.learning.statistics.block_bootstrap import Row, block_of_rows, cell_sums, estimate_spread
-from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value
+from q2q_sim.air.learning.statistics.fitted import LearnedTerm, fitted_value, within_search
 
 LEVELS = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, np.inf])
 """Bounds of the levels of |eta| [m/s^2]."""
@@ -44,7 +44,10 @@ def residual_term(
     lags = np.unique(np.concatenate([wake.lags.times for wake in wakes]))
     sums = _sums([with_vehicle_gain(wake) for wake in wakes], lags)
     found = estimate_spread(lambda weight: _fit(np.tensordot(weight, sums, 1), lags), len(sums))
-    values = tuple(fitted_value(found, k, path, rows, "exposed rows") for k, path in enumerate(PATHS))
+    values = tuple(
+        within_search(fitted_value(found, k, path, rows, "exposed rows"), (LOWEST[k], LARGEST[k]))
+        for k, path in enumerate(PATHS)
+    )
     gain = gain_spread(wakes)
     floor, slope, time = map(float, found.value)
     return LearnedTerm(ResidualTerm(floor, slope, time, gain.value), (*values, gain))
