@@ -13,7 +13,7 @@ from q2q_sim.air.air_file import decode, encode, load, save
 from q2q_sim.air.air_names import LAWS, SYNTHETIC, AirError, check_air
 from q2q_sim.air.find_air import find_air
 from q2q_sim.air.room_air import TERMS, RoomAir, without_terms
-from q2q_sim.air.term_bounds import ABOVE_ZERO, NOT_NEGATIVE
+from q2q_sim.air.term_bounds import ABOVE_ZERO, LARGEST, NOT_NEGATIVE
 from q2q_sim.air.wake_laws import WakeLaw
 
 
@@ -115,6 +115,14 @@ def test_unknown_airs_and_terms_are_refused_with_the_known_ones() -> None:
         ("wind", {"gust_time_s": 0.0}, "wind.gust_time_s has 0.0: a finite number above 0 is allowed"),
         ("wind", {"gust_std_mps2": -0.1}, "wind.gust_std_mps2 has -0.1: a finite number, 0 or more, is"),
         ("residual", {"time_s": 0.0}, "residual.time_s has 0.0: a finite number above 0 is allowed"),
+        (
+            "jet",
+            {"push_mps2": 1e3 * WHOLE.jet.push_mps2},
+            "jet.push_mps2 has .*, of at most 9.81 in magnitude",
+        ),
+        ("jet", {"upper_ratio": -1.1}, "jet.upper_ratio has -1.1: .*, of at most 1 in magnitude"),
+        ("absorption", {"share": 1.2}, "absorption.share has 1.2: .*, of at most 1 in magnitude"),
+        ("wind", {"gust_std_mps2": 10.0}, "wind.gust_std_mps2 has 10.0: .*, of at most 9.81 in magnitude"),
         ("jet", {"push_mps2": np.nan * WHOLE.jet.push_mps2}, "jet.push_mps2 has nan: finite numbers are"),
         ("vehicle", {"thrust_lag_s": np.nan}, "vehicle.thrust_lag_s has nan: a finite number, 0 or more, is"),
     ],
@@ -126,4 +134,4 @@ def test_a_number_that_no_air_has_is_refused(term: str, change: dict[str, object
 
 def test_every_bound_is_of_a_field_of_a_term() -> None:
     known = {one.name for name in TERMS for one in fields(getattr(WHOLE, name))}
-    assert {*ABOVE_ZERO, *NOT_NEGATIVE} <= known
+    assert {*ABOVE_ZERO, *NOT_NEGATIVE, *LARGEST} <= known

@@ -40,9 +40,11 @@ def _print_step(step: str) -> None:
 
 
 def table(found: LearnedAir) -> str:
-    """Return the learned values, their intervals, rows and sources as a table."""
+    """Return learned values, intervals, rows and sources as a table, with a verdict on the checks."""
     head = f"{'term':32}{'value':>9}  {'95 % interval':^19}{'rows':>8}  from"
-    return "\n".join([head, *map(_line, found.values), "checks:", *map(_line, found.checks)])
+    verdict = found.doubts or (("all are as expected",) if found.checks else ())
+    checks = [*map(_line, found.checks), *(f"verdict: {one}" for one in verdict)]
+    return "\n".join([head, *map(_line, found.values), *(["checks:", *checks] if checks else [])])
 
 
 def _line(one: Fitted) -> str:
@@ -57,5 +59,6 @@ def _as_json(found: LearnedAir, seconds: float) -> dict[str, object]:
         "values": {one.path: asdict(one) for one in found.values},
         "checks": {one.path: asdict(one) for one in found.checks},
         "notes": list(found.notes),
+        "doubts": list(found.doubts),
         "cpu_s": seconds,
     }

@@ -18,6 +18,7 @@ from q2q_sim.air.learning.jet.jet_table import momentum_share
 from q2q_sim.air.learning.jet.jet_term import REFERENCE, jet_term
 from q2q_sim.air.learning.jet.leave_one_group_out import held_out_groups
 from q2q_sim.air.learning.lateral_push import lateral_push
+from q2q_sim.air.learning.plausibility import doubts, reject_excess, reject_lift
 from q2q_sim.air.learning.rate_load_term import rate_load_term
 from q2q_sim.air.learning.records.air_record import AirRecord, air_records
 from q2q_sim.air.learning.residual.residual_term import residual_term
@@ -41,6 +42,8 @@ class LearnedAir:
     """Measured values that no term has."""
     notes: tuple[str, ...]
     """One sentence on each flight left out and each absent term."""
+    doubts: tuple[str, ...]
+    """One sentence on each check that is not as expected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +61,7 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
     """Return the air of recorded flights; `on_step` is called with the name of each step at its start.
 
     Raises:
-        ValueError: no flight has a usable row.
+        ValueError: no flight has a usable row, or the push is that of another sign or unit.
     """
     on_step("records")
     records, notes = air_records(recordings, vehicle, vehicle.thrust_lag)
@@ -86,16 +89,19 @@ def learn_air(recordings: Sequence[Recording], vehicle: Vehicle, on_step: OnStep
         digests=tuple(flight_digest(one.flight) for one in recordings if one.flight.name in used),
         intervals={one.path: ends for one in values if (ends := one.ends)},
     )
-    return LearnedAir(air, values, wakes.checks, (*notes, *_absent(records, air, vehicle)))
+    absent = _absent(records, air, vehicle)
+    return LearnedAir(air, values, wakes.checks, (*notes, *absent), doubts(values, wakes.checks))
 
 
 def _wakes(
     records: Sequence[AirRecord], vehicle: Vehicle, load: RateLoadTerm | None, on_step: OnStep
 ) -> _Wakes:
     on_step("jet")
+    reject_lift(records)
     jet = jet_term(records)
     if jet is None:
         return _Wakes()
+    reject_excess(jet.term)
     on_step("absorption and residual")
     absorption = absorption_term(records, jet.term)
     residual = residual_term(held_out_groups(records, jet.term), _term(absorption))
