@@ -18,7 +18,7 @@ from q2q_model.identification.push.along_flight import (
     eta_on_vehicle,
 )
 from q2q_model.identification.push.jet_fit import fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.push.jet_form import JetForm, free_names
 from q2q_model.identification.push.push_samples import PushRecord, push_samples
 from q2q_model.signals.values import Array
 from q2q_model.vehicle.constants import GRAVITY
@@ -130,3 +130,10 @@ def test_the_fit_finds_the_terms_that_pushes_were_made_with():
     jet = fit_to_pushes(samples, JetForm(loaded=True)).jet
     found = [jet.velocity_share, jet.loading, jet.absorption]
     assert found == pytest.approx([0.6, 0.6, 1.5], rel=0.05)  # to the tolerance of the search
+
+
+def test_pairs_alone_fit_no_loading_which_without_absorption_is_wrong_between_two():
+    pair, stack = (free_names(JetForm(loaded=True), stacked=stacked) for stacked in (False, True))
+    assert "velocity_share" in pair
+    assert not {"loading", "absorption"} & set(pair)
+    assert {"loading", "absorption"} <= set(stack)

@@ -79,10 +79,14 @@ def fit_to_pushes(samples: Sequence[PushSamples], form: JetForm, solved: Jet | N
         missed = np.split(y - rows.eta(jet)[:, 2], ends)
         return [Stretch(*run, part) for run, part in zip(runs, missed, strict=True)]
 
-    stacked = any(one.motion.pos.shape[1] > 2 for one in samples)  # one vehicle may be between two
-    fit = _fit(residuals, form, solved, "soft_l1", stacked=stacked)
+    fit = _fit(residuals, form, solved, "soft_l1", stacked=may_be_stacked(samples))
     floor, share = affine_deviation(*pushes_and_errors(fit.jet, samples))
     return replace(fit, jet=replace(fit.jet, std_floor=floor, relative_std=share))
+
+
+def may_be_stacked(samples: Sequence[PushSamples]) -> bool:
+    """Return whether some vehicle may be between two others: whether three or more flew together."""
+    return any(one.motion.pos.shape[1] > 2 for one in samples)
 
 
 def fit_to_altitudes(

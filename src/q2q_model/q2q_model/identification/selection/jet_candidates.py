@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from q2q_model.downwash.interaction_model import InteractionModel
 from q2q_model.downwash.jet import Jet
 from q2q_model.identification.push.held_out_deviation import with_held_out_deviation
-from q2q_model.identification.push.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes
-from q2q_model.identification.push.jet_form import JetForm
+from q2q_model.identification.push.jet_fit import JetFit, fit_to_altitudes, fit_to_pushes, may_be_stacked
+from q2q_model.identification.push.jet_form import JetForm, free_names
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.cross_validation import Fitter
 from q2q_model.identification.selection.identification_data import IdentificationData, every_record
@@ -30,12 +30,10 @@ def jet_candidates(flights: Sequence[IdentificationData], loop: AltitudeLoop) ->
     measured = any(one.exposed.any() for flight in flights for one in flight.pushes)
     nothing = [NOTHING] if measured and len(flights) > 1 else []  # of one flight nothing can be held out
     forms = {name: form for name, form in FORMS.items() if measured or not form.loaded}
-    made = [Candidate(name, "jet", _freedom(form), _jet_fitter(loop, form)) for name, form in forms.items()]
+    stacked = may_be_stacked([one for flight in flights for one in flight.pushes])
+    free = {name: len(free_names(form, stacked=stacked)) for name, form in forms.items()}
+    made = [Candidate(name, "jet", free[name], _jet_fitter(loop, form)) for name, form in forms.items()]
     return nothing + made
-
-
-def _freedom(form: JetForm) -> int:
-    return 4 + form.delayed + form.spreading + 3 * form.loaded
 
 
 def _jet_fitter(loop: AltitudeLoop, form: JetForm) -> Fitter:
