@@ -8,7 +8,7 @@ from identification_passes import FLOWN, eta_error, identification_data, records
 from made_flights import LOOP, Pass, made_flight
 from resting_signals import resting_state
 
-from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW
+from q2q_model.downwash.jet import MEASURED_LAW, PAPER_LAW, Jet
 from q2q_model.downwash.level_set import peak_downwash
 from q2q_model.downwash.no_interaction import NoInteraction
 from q2q_model.downwash.predictor import InteractionPredictor
@@ -18,7 +18,7 @@ from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.identification import ProcedureParams, identify
 from q2q_model.identification.push.along_flight import Motion, eta_along
 from q2q_model.identification.selection.candidates_of_kind import candidates
-from q2q_model.identification.selection.cross_validation import model_doubts, score_held_out, score_on
+from q2q_model.identification.selection.cross_validation import score_held_out, score_on
 from q2q_model.identification.selection.identification_data import (
     IdentificationData,
     has_exposure,
@@ -26,6 +26,7 @@ from q2q_model.identification.selection.identification_data import (
     largest_gap,
 )
 from q2q_model.identification.selection.model_choice import best_trial, score_candidates
+from q2q_model.identification.selection.model_doubts import model_doubts
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import RoleScores
 from q2q_model.recordings.flight_recording import Recording
@@ -163,14 +164,27 @@ def test_a_model_that_its_flights_do_not_show_is_doubted():
     """Gains without intervals above 0, or held-out errors as large as those of no model, are said."""
     recordings = [Recording(made_flight(one)) for one in FLOWN]
     found = identify(recordings, ProcedureParams(model_type="jet"), lambda _: None)
-    assert model_doubts(found.gains, found.held_out, found.data) == []
+    law, spread = found.file.interaction, dict(found.spread)
+    assert model_doubts(found.gains, found.held_out, found.data, law, spread) == []
     unknown = replace(found.gains, k_d=Interval(0.4, 0.0, 0.9))
     inferred = [replace(one, pushes=()) for one in found.data]
-    (first,) = model_doubts(unknown, found.held_out, inferred)
+    (first,) = model_doubts(unknown, found.held_out, inferred, law, spread)
     assert first.startswith("the downwash is inferred by gains that these flights do not determine")
     useless = replace(found.held_out, r2=RoleScores(lower=-0.01))
-    (second,) = model_doubts(found.gains, useless, found.data)
+    (second,) = model_doubts(found.gains, useless, found.data, law, spread)
     assert "no better than none (R2 -0.010)" in second
+    assert isinstance(law, Jet)
+    lifting = replace(law, strength=-law.strength)
+    (third,) = model_doubts(found.gains, found.held_out, found.data, lifting, spread)
+    assert third.startswith("the model lifts vehicles that are under others")
+    either = spread | {"strength": Interval(1.0, -5.0, 15.0)}
+    (fourth,) = model_doubts(found.gains, found.held_out, found.data, law, either)
+    assert "do not show downwash (strength 1 m/s^2 [-5, 15]): do not compensate" in fourth
+    wide = spread | {"width": Interval(0.1, 0.015, 0.4)}
+    (fifth,) = model_doubts(found.gains, found.held_out, found.data, law, wide)
+    assert fifth == "these flights do not determine width: the interval is the range of the search"
+    (sixth,) = model_doubts(found.gains, found.held_out, found.data[:1], law, spread)
+    assert sixth.startswith("no flight was left out")
 
 
 @pytest.mark.parametrize("apart", [0.0, 2.0])

@@ -1,4 +1,4 @@
-"""The force in a log is read by its mass, and one of another unit is refused."""
+"""The force in a log is read by its mass, and one of another unit or sign is refused or reported."""
 
 from dataclasses import replace
 
@@ -8,6 +8,7 @@ from made_flights import GRAVITY, Pass, made_flight
 
 from q2q_model.downwash.jet import MEASURED_LAW
 from q2q_model.flights.flight_log import FlightLog
+from q2q_model.identification.push.log_check import log_notes
 from q2q_model.identification.push.recorded_push import push_record
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.altitude_loop import AltitudeLoop
@@ -56,3 +57,12 @@ def test_a_force_in_grams_is_refused_with_its_flight_vehicle_and_unit() -> None:
     says = r"flight pass: faz_est of cf1 varies by .* N, .* weight of crazyflie_2_0; allowed is .* newtons"
     with pytest.raises(ValueError, match=says):
         push_record(logged(0.032, 1.0 / gram), CRAZYFLIE_2_0, CRAZYFLIE_2_0.thrust_lag)
+
+
+def test_a_logged_force_is_compared_with_accelerometer_and_command() -> None:
+    assert log_notes([logged(0.032)], CRAZYFLIE_2_0) == []
+    (upside_down,) = log_notes([logged(0.032, -1.0)], CRAZYFLIE_2_0)
+    assert "is -1.0" in upside_down
+    assert "positive upwards?" in upside_down
+    (small,) = log_notes([logged(0.032, 0.1)], CRAZYFLIE_2_0)
+    assert "is 0.10 times what accelerometer and command show, 0.25 to 2 is expected" in small

@@ -16,6 +16,7 @@ from q2q_model.identification.deviation import DecayFit, fit_decay
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.push.loading import loading_of
+from q2q_model.identification.push.log_check import log_notes
 from q2q_model.identification.push.push_samples import PushSamples, push_samples
 from q2q_model.identification.push.recorded_push import lag_note, push_record
 from q2q_model.identification.push.residual_fit import ResidualFit, fit_residual
@@ -24,10 +25,11 @@ from q2q_model.identification.recorded_altitudes import recorded_altitudes
 from q2q_model.identification.recorded_gains import predicting_loop, recorded_gains
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.candidates_of_kind import candidates
-from q2q_model.identification.selection.cross_validation import Score, model_doubts, score_on
+from q2q_model.identification.selection.cross_validation import Score, score_on
 from q2q_model.identification.selection.identification_data import IdentificationData, largest_gap
 from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
+from q2q_model.identification.selection.model_doubts import model_doubts
 from q2q_model.identification.selection.network_candidates import network_notes
 from q2q_model.identification.statistics.intervals import Interval
 from q2q_model.model_files.model_file import Fit, ModelFile
@@ -97,9 +99,10 @@ def identify(
     best, model, unfit = fit_best(trials, data, failed)
     model = with_deviation(best.candidate, model, data)
     zone, on_zone = _learned_zone(model, params.threshold, records)
-    doubted = model_doubts(gains, best.held_out, data) if best.candidate.kind != NOTHING.kind else []
     train = score_on(model, data, loop)
     spread = parameter_intervals(best.candidate, model, data, loop)
+    claims = best.candidate.kind != NOTHING.kind
+    doubted = model_doubts(gains, best.held_out, data, model, dict(spread)) if claims else []
     return Identification(
         data=tuple(data),
         gains=gains,
@@ -147,6 +150,7 @@ def _pushes(
     pushes = [tuple(push_samples(record)) if record is not None else () for record in records]
     sampled = [one for one, samples in zip(recordings, pushes, strict=True) if samples]
     notes = sensor_notes([one.flight for one in recordings], vehicle)
+    notes += log_notes(recordings, vehicle)
     return pushes, [*notes, *lag_note(sampled, vehicle.thrust_lag)]
 
 

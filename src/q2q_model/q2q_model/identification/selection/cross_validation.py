@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from q2q_model.downwash.interaction_model import InteractionModel
-from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.gains.impulse_response import downwash_response, undisturbed
 from q2q_model.identification.push.along_flight import eta_along, eta_on_vehicle
 from q2q_model.identification.push.push_samples import PushSamples
@@ -49,23 +48,6 @@ class _Sums:
     """(2 roles, missed total count)."""
     push: Array
     """(2, missed total)."""
-
-
-def model_doubts(gains: GainFit, held_out: Score, data: Sequence[IdentificationData]) -> list[str]:
-    """Return why a model with this score is not to be flown with, as far as its flights show it."""
-    found = []
-    known = gains.k_p.is_positive and gains.k_d.is_positive
-    if not known and not any(one.pushes for one in data):
-        found.append(
-            "the downwash is inferred by gains that these flights do not determine, and is no better known: "
-            "record the topics command and state, or command and imu, which measure it"
-        )
-    share = held_out.r2.lower
-    if share is not None and share <= 0.0:
-        found.append(
-            f"on flights left out the model is no better than none (R2 {share:.3f}): do not compensate by it"
-        )
-    return found
 
 
 def score_held_out(fit: Fitter, flights: Sequence[IdentificationData], loop: AltitudeLoop) -> Score:

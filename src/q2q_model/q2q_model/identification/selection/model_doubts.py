@@ -1,0 +1,93 @@
+"""Doubts of an identified model: why it is not to be flown with, as far as its flights show it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from q2q_model.downwash.interaction_model import InteractionModel
+from q2q_model.identification.gains.command_gains import GainFit
+from q2q_model.identification.push.along_flight import eta_along
+from q2q_model.identification.push.jet_form import FREE_PARAMETERS
+from q2q_model.identification.selection.cross_validation import Score
+from q2q_model.identification.selection.identification_data import (
+    IdentificationData,
+    every_record,
+    motion_along,
+)
+from q2q_model.identification.statistics.intervals import Interval
+
+MEASURED = "record the topics command and state, or command and imu, which measure it"
+
+
+def model_doubts(
+    gains: GainFit,
+    held_out: Score,
+    data: Sequence[IdentificationData],
+    model: InteractionModel,
+    spread: Mapping[str, Interval],
+) -> list[str]:
+    """Return the doubts of a model with this score and these intervals of its parameters."""
+    return [
+        *_doubts_of_gains(gains, data),
+        *_doubts_of_score(held_out, len(data)),
+        *(_doubts_of_sign(model, data) or _doubts_of_intervals(spread)),
+    ]
+
+
+def _doubts_of_gains(gains: GainFit, data: Sequence[IdentificationData]) -> list[str]:
+    known = gains.k_p.is_positive and gains.k_d.is_positive
+    if known or any(one.pushes for one in data):
+        return []
+    return [
+        "the downwash is inferred by gains that these flights do not determine, and is no better known: "
+        + MEASURED
+    ]
+
+
+def _doubts_of_score(held_out: Score, flights: int) -> list[str]:
+    share = held_out.r2.lower
+    if flights < 2:
+        return ["no flight was left out: how well the model predicts others is not known; give two or more"]
+    if share is not None and share <= 0.0:
+        return [
+            f"on flights left out the model is no better than none (R2 {share:.3f}): do not compensate by it"
+        ]
+    return []
+
+
+def _doubts_of_sign(model: InteractionModel, data: Sequence[IdentificationData]) -> list[str]:
+    """Return a doubt if the model lifts the vehicles of these flights: downwash pushes them down."""
+    eta = [eta_along(model, motion_along(record))[..., 2].ravel() for record in every_record(data)]
+    lift = float(np.concatenate(eta).mean())
+    if lift <= 0.0:
+        return []
+    return [
+        (
+            "the model lifts vehicles that are under others, which downwash does not (on average of these "
+            f"flights {lift:.3g} m/s^2): do not compensate by it. Is z up, is the force in a log (faz_est) "
+            "positive upwards, and is the accelerometer 9.81 m/s^2 upwards at rest?"
+        )
+    ]
+
+
+def _doubts_of_intervals(spread: Mapping[str, Interval]) -> list[str]:
+    """Return a doubt if the downwash may be none, else one on what the flights do not determine."""
+    strength = spread.get("strength")
+    if strength is not None and strength.low <= 0.0:
+        return [
+            (
+                f"these flights do not show downwash (strength {strength.value:.3g} m/s^2 "
+                f"[{strength.low:.3g}, {strength.high:.3g}]): do not compensate by the model; fly more "
+                "passes of one vehicle under another"
+            )
+        ]
+    unknown = [name for name, one in spread.items() if _is_anything(name, one)]
+    if not unknown:
+        return []
+    return [f"these flights do not determine {', '.join(unknown)}: the interval is the range of the search"]
+
+
+def _is_anything(name: str, one: Interval) -> bool:
+    """Return whether an interval is the whole range of the search."""
+    allowed = FREE_PARAMETERS[name]
+    return one.low <= allowed.low and one.high >= allowed.high
