@@ -17,7 +17,6 @@ def write_json(document: object, file: Path) -> None:
     Raises:
         OSError: naming the file.
     """
-    file.parent.mkdir(parents=True, exist_ok=True)
     write_text(json.dumps(with_nulls(document), indent=1, allow_nan=False) + "\n", file)
 
 

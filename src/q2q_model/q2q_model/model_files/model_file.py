@@ -92,7 +92,6 @@ def save(path: Path, content: ModelFile) -> None:
         check_model(content.interaction)
     except ValueError as error:
         raise ModelFileError(f"model file {path}: {error}") from error
-    path.parent.mkdir(parents=True, exist_ok=True)
     write_text(text, path)
 
 

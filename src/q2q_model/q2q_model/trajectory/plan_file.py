@@ -125,9 +125,7 @@ def _facts(document: Mapping[str, object]) -> PlanFacts:
 
 def save(path: Path, plan: SwarmPlan, facts: PlanFacts | None = None) -> None:
     """Write the plan to a file."""
-    text = encode(plan, facts) + "\n"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(text, path)
+    write_text(encode(plan, facts) + "\n", path)
 
 
 def load(path: Path) -> SwarmPlan:

@@ -28,9 +28,7 @@ FORMAT = FileFormat(name="q2q-air", noun="q2q air", version=2, maker="learn_air"
 
 def save(path: Path, air: RoomAir) -> None:
     """Write an air file; raise AirError if a number is not finite."""
-    text = encode(air)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text(text, path)
+    write_text(encode(air), path)
 
 
 def load(path: Path) -> RoomAir:

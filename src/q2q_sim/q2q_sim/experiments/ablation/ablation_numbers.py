@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from q2q_model.documents.json_file import with_nulls
+from q2q_model.documents.written_file import write_text
 from q2q_model.downwash.jet import Jet
 from q2q_model.model_files.model_file import ModelFile, decode, encode
 from q2q_model.signals.values import Array
@@ -60,11 +61,8 @@ class Numbers:
             f"  {json.dumps(name)}: {json.dumps(with_nulls(_rounded(rows)))}"
             for name, rows in sorted(self.flights.items())
         )
-        file.parent.mkdir(parents=True, exist_ok=True)
-        fresh = file.with_suffix(".part")
         text = f'{known[:-2]},\n "flights": {{\n{flights}\n }}\n}}\n'  # a line for each cell
-        fresh.write_text(text, encoding="utf-8")
-        fresh.replace(file)
+        write_text(text, file)
 
 
 def cell_name(case: Case, variant: str) -> str:

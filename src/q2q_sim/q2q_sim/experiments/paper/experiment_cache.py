@@ -6,6 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from q2q_model.documents.shipped_folder import shipped_folder
+from q2q_model.documents.written_file import write_text
 from q2q_sim.experiments.paper.experiment_outcome import ExperimentOutcome, FigurePicture
 
 PACKAGES = ("q2q_model", "q2q_planner", "q2q_control", "q2q_sim")
@@ -43,11 +44,7 @@ class PaperCache:
         """Save an outcome atomically."""
         pictures = [[one.group, one.file, one.caption] for one in outcome.pictures]
         kept = {"code": self._code, "values": dict(outcome.values), "pictures": pictures}
-        file = self._file(name)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        half = file.with_suffix(".half")
-        half.write_text(json.dumps(kept, indent=1), encoding="utf-8")
-        half.replace(file)
+        write_text(json.dumps(kept, indent=1), self._file(name))
 
     def _file(self, name: str) -> Path:
         return self._out / "cache" / f"{name}.json"

@@ -120,6 +120,4 @@ def save(numbers: KeptNumbers, file: Path) -> None:
         f" {json.dumps(name)}: {json.dumps(with_nulls([float(f'{x:.5g}') for x in errors]))}"
         for name, errors in numbers.errors.items()
     ]
-    fresh = file.with_suffix(".part")
-    fresh.write_text("{\n" + ",\n".join(rows) + "\n}\n", encoding="utf-8")
-    fresh.replace(file)
+    write_text("{\n" + ",\n".join(rows) + "\n}\n", file)
