@@ -23,6 +23,7 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from q2q_model.compilation.compilation_notice import give_notice_of_compilation
+from q2q_model.node.log_folder import provide_log_folder
 from q2q_model.node.loopback import restrict
 from q2q_model.node.ros_refusal import refusal_of_ros
 from q2q_model.ros.node.bounded_spin import BoundedSpin
@@ -114,6 +115,7 @@ def start_ros(arguments: Sequence[str] | None = None) -> None:
         ValueError: ROS does not understand them.
     """
     restrict(os.environ)
+    provide_log_folder(os.environ)
     words = None if arguments is None else list(arguments)
     try:
         rclpy.init(args=words, signal_handler_options=SignalHandlerOptions.NO)
