@@ -56,6 +56,16 @@ def test_gravity_counted_twice_or_not_at_all_is_reported(offset: float):
     assert "9.81 m/s^2 upwards at rest" in note
 
 
+@pytest.mark.filterwarnings("error")
+def test_positions_whose_z_is_down_are_refused_in_a_sentence() -> None:
+    """Positions, velocities and references as north, east, down: the commands seem to lead away."""
+    flight, turned = made_flight(MADE), np.array([1.0, -1.0, -1.0])
+    down = {name: getattr(flight, name) * turned for name in ("mocap_pos", "pos", "vel", "ref_pos")}
+    says = r"^no downwash can be inferred from altitudes, as K_p -\d.* K_d -\d.* is z up in positions"
+    with pytest.raises(ValueError, match=says):
+        identify([Recording(replace(flight, **down))], ProcedureParams(model_type="jet"), lambda _: None)
+
+
 def test_accelerations_in_units_of_g_are_told_by_their_slope():
     (note,) = sensor_notes([with_force(made_flight(MADE), 1.0 / GRAVITY)], CRAZYFLIE_2_0)
     assert number(r"slope of (\S+)", note) < 1.0 / GRAVITY < number(r"slope of \S+ to (\S+)", note)

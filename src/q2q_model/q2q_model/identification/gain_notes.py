@@ -30,14 +30,18 @@ def _limit_note(fit: GainFit) -> list[str]:
 
 def _sign_note(fit: GainFit) -> list[str]:
     """Return a note if the gains do not hold a vehicle at its reference."""
-    if fit.holds:
-        return []
-    return [
-        (
-            f"the model file has no gains, as K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both "
-            "above 0: is z up in positions and references, and is the reference that of the controller?"
-        )
-    ]
+    reason = unstable_reason(fit)
+    return [f"the model file has no gains, as {reason}"] if reason else []
+
+
+def unstable_reason(fit: GainFit) -> str:
+    """Return why a loop with these gains leads away from the reference; empty if it does not."""
+    if fit.loop.k_p > 0.0 and fit.loop.k_d > 0.0:
+        return ""
+    return (
+        f"K_p {fit.loop.k_p:.3g} and K_d {fit.loop.k_d:.3g} are not both above 0: is z up in positions and "
+        "references, and is the reference that of the controller?"
+    )
 
 
 def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:

@@ -13,6 +13,7 @@ from q2q_model.downwash.level_set import LevelSet, level_set
 from q2q_model.flights.same_flight import flight_digest
 from q2q_model.geometry.zone import Cylinder
 from q2q_model.identification.deviation import DecayFit, fit_decay
+from q2q_model.identification.gain_notes import unstable_reason
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.push.loading import loading_of
@@ -26,7 +27,12 @@ from q2q_model.identification.recorded_gains import predicting_loop, recorded_ga
 from q2q_model.identification.selection.candidate import NOTHING, Candidate
 from q2q_model.identification.selection.candidates_of_kind import candidates
 from q2q_model.identification.selection.cross_validation import Score, score_on
-from q2q_model.identification.selection.identification_data import IdentificationData, largest_gap
+from q2q_model.identification.selection.identification_data import (
+    IdentificationData,
+    every_record,
+    has_exposure,
+    largest_gap,
+)
 from q2q_model.identification.selection.jet_candidates import parameter_intervals, with_deviation
 from q2q_model.identification.selection.model_choice import Trial, fit_best, score_candidates
 from q2q_model.identification.selection.model_doubts import model_doubts
@@ -78,7 +84,8 @@ def identify(
     """Return gains, zone and model of flights; `on_step` is called with the name of each step at its start.
 
     Raises:
-        ValueError: a flight lacks data that a step needs; the message names what to record.
+        ValueError: a flight lacks data that a step needs; the message names what to record. Or the downwash
+            was not measured, and gains show that z is not up.
     """
     on_step("records")
     flown, holes = zip(*(recorded_altitudes(one, params.vehicle) for one in recordings), strict=True)
@@ -91,6 +98,7 @@ def identify(
     pushed = [sample for samples in pushes for sample in samples]
     data = [IdentificationData(*pair) for pair in zip(known, pushes, strict=True)]
     on_step("zone")
+    _check_loop(gains, data)
     decay, no_decay = _decay(records)
     omitted = network_notes(params.model_type, data)
     tried = candidates(params.model_type, data, loop)
@@ -118,6 +126,14 @@ def identify(
         file=_file(model, zone, loop if gains.holds else None, residual, _fit(best, train, recordings)),
         remarks=tuple(chain(*holes, remarks, notes, no_decay, omitted, failed, unfit, on_zone, doubted)),
     )
+
+
+def _check_loop(gains: GainFit, data: Sequence[IdentificationData]) -> None:
+    """Raise ValueError if downwash would have to be inferred from altitudes by a loop that is not stable."""
+    measured = any(one.exposed.any() for flight in data for one in flight.pushes)
+    inferred = not measured and any(has_exposure(record) for record in every_record(data))
+    if inferred and (reason := unstable_reason(gains)):
+        raise ValueError(f"no downwash can be inferred from altitudes, as {reason}")
 
 
 def _file(

@@ -108,12 +108,14 @@ def _run(args: Namespace, console: Console) -> tuple[Identification, dict[str, f
         for flight in (one.flight for one in recordings):
             if doubt := y_up_reason(flight.mocap_pos):
                 progress.console.print(f"identify: flight {flight.name}: {doubt}", highlight=False)
-        for repair in repairs:  # first: an error may follow from them
-            progress.console.print(f"identify: repaired: {repair}", highlight=False)
-        found = identify(recordings, _params(args, flown.vehicle), steps.begin)
-        for note in [*left_out, *filter(None, [flown.note])]:
+        repaired = [f"repaired: {repair}" for repair in repairs]
+        for note in [
+            *repaired,
+            *left_out,
+            *filter(None, [flown.note]),
+        ]:  # first: an error may follow from them
             progress.console.print(f"identify: {note}", highlight=False)
-        return found, steps.finish()
+        return identify(recordings, _params(args, flown.vehicle), steps.begin), steps.finish()
 
 
 def _as_json(found: Identification, seconds: dict[str, float]) -> Plain:
