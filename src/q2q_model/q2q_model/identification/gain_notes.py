@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from q2q_model.identification.gains.command_gains import GainFit
+from q2q_model.identification.gains.gain_agreement import FlightGain
 from q2q_model.identification.push.sensor_check import MOST_OFFSET
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
@@ -14,6 +15,20 @@ LIMITED = 0.1
 def gain_notes(fit: GainFit, recordings: Sequence[Recording], vehicle: Vehicle) -> list[str]:
     """Return what limits the use of gains that the commands of recordings gave."""
     return [*_limit_note(fit), *_sign_note(fit), *_weight_note(fit, vehicle), *_filter_note(recordings)]
+
+
+def difference_note(least: FlightGain, most: FlightGain) -> list[str]:
+    """Return a note on two flights whose gains differ."""
+    of_each = " and ".join(
+        f"{one.symbol} {one.gain.value:.3g} [{one.gain.low:.3g}, {one.gain.high:.3g}] in {one.flight}"
+        for one in (least, most)
+    )
+    return [
+        (
+            f"the flights were flown with different gains: {of_each}: those of all together are of no "
+            "controller, and the model file has none: identify the flights of each controller alone"
+        )
+    ]
 
 
 def _limit_note(fit: GainFit) -> list[str]:

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from q2q_model.identification.gain_notes import gain_notes
+from q2q_model.identification.gain_notes import difference_note, gain_notes
 from q2q_model.identification.gains.altitude_record import AltitudeRecord
 from q2q_model.identification.gains.command_gains import GainFit, gains_from_commands
+from q2q_model.identification.gains.gain_agreement import differing_gains
 from q2q_model.identification.gains.gains_from_poses import gains_from_poses
 from q2q_model.identification.gains.impulse_response import with_added_acc
 from q2q_model.recordings.flight_recording import Recording
@@ -25,7 +26,9 @@ def recorded_gains(
     """
     try:
         fit = gains_from_commands(records)
-        return fit, gain_notes(fit, recordings, vehicle)
+        differing = differing_gains(records)
+        notes = difference_note(*differing) if differing else []
+        return replace(fit, alike=not differing), [*notes, *gain_notes(fit, recordings, vehicle)]
     except ValueError as missing:
         fit, unshown = gains_from_poses(records, vehicle)
         notes = [f"gains are from trajectories, downwash and lag included: {missing}"]

@@ -75,12 +75,17 @@ class GainFit:
     """c_v [1/s] and c_a [-]."""
     limited: float = 0.0
     """Share of the rows that was left out, as their velocity setpoint is at its limit [-]."""
+    alike: bool = True
+    """Whether the flights, one by one, have the same gains."""
 
     @property
     def holds(self) -> bool:
-        """Return whether the gains lead a vehicle to its reference, and trajectories alone show that."""
+        """Return whether the gains of all flights lead a vehicle to its reference.
+
+        Those of trajectories must show it by their intervals.
+        """
         shown = self.from_commands or (self.k_p.is_positive and self.k_d.is_positive)
-        return shown and self.loop.k_p > 0.0 and self.loop.k_d > 0.0
+        return self.alike and shown and self.loop.k_p > 0.0 and self.loop.k_d > 0.0
 
 
 @dataclass(frozen=True, slots=True)

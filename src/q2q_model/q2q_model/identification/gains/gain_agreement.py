@@ -1,0 +1,53 @@
+"""Whether flights, one by one, were flown with the same gains.
+
+Two flights differ in a gain if its intervals do not overlap and its values differ by more than `APART`;
+those of recorded flights of one controller differ by up to 8 %, more than their intervals allow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from q2q_model.identification.gains.altitude_record import AltitudeRecord
+from q2q_model.identification.gains.command_gains import gains_from_commands
+from q2q_model.identification.intervals import Interval
+
+APART = 0.2
+"""Difference of two gains over the larger one from which they are those of two controllers [-]."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightGain:
+    """One gain of one flight."""
+
+    flight: str
+    symbol: str
+    gain: Interval
+
+
+def differing_gains(records: Sequence[AltitudeRecord]) -> tuple[FlightGain, FlightGain] | None:
+    """Return the smaller and the larger gain of two flights that differ; None if no two do.
+
+    Flights with too few commands for gains of their own are left out.
+    """
+    each = _gains_by_flight(records)
+    for symbol in ("K_p", "K_d"):
+        own = [one for one in each if one.symbol == symbol]
+        if not own:
+            continue
+        least, most = min(own, key=lambda one: one.gain.high), max(own, key=lambda one: one.gain.low)
+        difference = most.gain.value - least.gain.value
+        larger = max(abs(most.gain.value), abs(least.gain.value))
+        if least.gain.high < most.gain.low and difference > APART * larger:
+            return least, most
+    return None
+
+
+def _gains_by_flight(records: Sequence[AltitudeRecord]) -> list[FlightGain]:
+    found = []
+    for name in dict.fromkeys(record.name for record in records):
+        try:
+            fit = gains_from_commands([record for record in records if record.name == name])
+        except ValueError:  # too few commands
+            continue
+        found += [FlightGain(name, "K_p", fit.k_p), FlightGain(name, "K_d", fit.k_d)]
+    return found

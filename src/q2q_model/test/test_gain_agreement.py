@@ -1,0 +1,33 @@
+"""Flights of two controllers, identified together, have no gains in common."""
+
+from dataclasses import replace
+
+import pytest
+from made_flights import Pass, made_flight
+
+from q2q_model.identification.identification import ProcedureParams, identify
+from q2q_model.recordings.flight_recording import Recording
+from q2q_model.vehicle.altitude_loop import AltitudeLoop
+from q2q_model.vehicle.constants import CRAZYFLIE_2_0
+
+SOFT = Pass(
+    "soft", loop=AltitudeLoop(10.0, 5.0, lag=CRAZYFLIE_2_0.thrust_lag), start=0.3, noise=1e-4, gust=0.1
+)
+STIFF = replace(SOFT, name="stiff", loop=replace(SOFT.loop, k_p=20.0, k_d=10.0))
+
+
+def test_gains_that_differ_are_said_by_flight_and_are_not_in_the_model() -> None:
+    flights = [Recording(made_flight(one)) for one in (SOFT, STIFF)]
+    found = identify(flights, ProcedureParams(model_type="jet"), lambda _: None)
+    (note,) = (one for one in found.remarks if "flown with different gains" in one)
+    assert "in soft and K_p 20" in note
+    assert found.file.gains is None
+
+
+def test_flights_of_one_controller_keep_their_gains() -> None:
+    other = replace(SOFT, name="again", start=0.0, gap=0.4)
+    flights = [Recording(made_flight(one)) for one in (SOFT, other)]
+    found = identify(flights, ProcedureParams(model_type="jet"), lambda _: None)
+    assert not any("different gains" in one for one in found.remarks)
+    assert found.file.gains is not None
+    assert found.file.gains.k_p == pytest.approx(10.0, rel=0.02)  # as the intervals
