@@ -49,6 +49,19 @@ def test_the_mass_that_the_thrust_carries_is_reported():
     assert number(r"carries (\S+) g", note) == pytest.approx(34.0, abs=0.3)  # gusts of 0.1 m/s^2: 1 % of g
 
 
+def test_a_mass_that_no_vehicle_has_is_told_what_can_be_done() -> None:
+    """Commands of 45 g: --vehicle has none, but a scale of the thrust carries 34 g."""
+    flight = made_flight(MADE)
+    heavy = replace(flight, thrust=45.0 / 34.0 * flight.thrust)
+    (note,) = sensor_notes([heavy], CRAZYFLIE_2_0)
+    assert "no vehicle of --vehicle has that mass" in note
+    scale = number(r"scale thrust by (\S+) ", note)
+    assert scale == pytest.approx(34.0 / 45.0, rel=0.01)  # gusts
+    assert sensor_notes([replace(heavy, thrust=scale * heavy.thrust)], CRAZYFLIE_2_0) == []
+    (named,) = sensor_notes([flight], CRAZYFLIE_2_1)
+    assert "(--vehicle, crazyflie_2_0 by that mass)" in named
+
+
 @pytest.mark.parametrize("offset", [GRAVITY, -GRAVITY])
 def test_gravity_counted_twice_or_not_at_all_is_reported(offset: float):
     (note,) = sensor_notes([with_force(made_flight(MADE), 1.0, offset)], CRAZYFLIE_2_0)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from q2q_model.identification.gains.command_gains import GainFit
 from q2q_model.identification.gains.gain_agreement import FlightGain
-from q2q_model.identification.push.sensor_check import MOST_OFFSET
+from q2q_model.identification.push.sensor_check import MOST_OFFSET, mass_remedy
 from q2q_model.recordings.flight_recording import Recording
 from q2q_model.vehicle.constants import GRAVITY, Vehicle
 
@@ -67,8 +67,7 @@ def _weight_note(fit: GainFit, vehicle: Vehicle) -> list[str]:
     return [
         (
             f"the commanded thrust carries {1e3 * carried:.1f} g, and {vehicle.name} weighs "
-            f"{1e3 * vehicle.mass:.1f} g: the gains are wrong by that ratio: give the vehicle that was flown "
-            "(--vehicle)"
+            f"{1e3 * vehicle.mass:.1f} g: the gains are wrong by that ratio: {mass_remedy(carried, vehicle)}"
         )
     ]
 

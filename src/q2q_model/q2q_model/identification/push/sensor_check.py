@@ -21,7 +21,7 @@ from q2q_model.identification.push.push_samples import FEWEST_FREE, scored_rows
 from q2q_model.identification.push.recorded_push import push_of_sensors, recorded_acceleration
 from q2q_model.identification.statistics.intervals import Z95
 from q2q_model.signals.values import Array
-from q2q_model.vehicle.constants import GRAVITY, Vehicle
+from q2q_model.vehicle.constants import GRAVITY, VEHICLES, Vehicle
 
 MOST_OFFSET = 0.1 * GRAVITY
 """Largest offset of a vehicle of the given mass [m/s^2]: at most 0.67 in recorded flights of 34 g."""
@@ -58,10 +58,23 @@ def _shift_note(shifted: Sequence[float], count: int, vehicle: Vehicle) -> list[
         (
             f"accelerometer less thrust / mass is {offset:.2f} m/s^2 in clear air for {len(shifted)} of "
             f"{count} vehicles of flights, at most {MOST_OFFSET:.2f} is expected: {vehicle.name} weighs "
-            f"{1e3 * vehicle.mass:.1f} g, and the thrust carries {1e3 * carried:.1f} g: give the vehicle "
-            "that was flown (--vehicle), or record the specific force, 9.81 m/s^2 upwards at rest"
+            f"{1e3 * vehicle.mass:.1f} g, and the thrust carries {1e3 * carried:.1f} g: "
+            f"{mass_remedy(carried, vehicle)}, or record the specific force, 9.81 m/s^2 upwards at rest"
         )
     ]
+
+
+def mass_remedy(carried: float, vehicle: Vehicle) -> str:
+    """Return what to do where the thrust carries another mass [kg] than that of `vehicle`."""
+    fits = [
+        one.name for one in VEHICLES.values() if abs(one.mass - carried) < MOST_OFFSET / GRAVITY * one.mass
+    ]
+    if fits:
+        return f"give the vehicle that was flown (--vehicle, {' or '.join(fits)} by that mass)"
+    return (
+        f"no vehicle of --vehicle has that mass: in a table scale thrust by {vehicle.mass / carried:.3g} "
+        "(bag_import --columns), or in Python give identification.identify a Vehicle of that mass"
+    )
 
 
 def _scale_note(scaled: Sequence[tuple[float, float]], count: int) -> list[str]:
